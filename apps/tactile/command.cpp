@@ -1,0 +1,122 @@
+#include "command.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+
+namespace tactile {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+std::vector<std::string> texts_of(const nlohmann::json& value, const std::string& where) {
+  if (value.is_string()) return {value.get<std::string>()};
+  if (value.is_boolean()) return {value.get<bool>() ? "true" : "false"};
+  if (value.is_number()) return {value.dump()};
+  if (!value.is_array() || value.empty()) throw Error(where + " has no plain value; expected a number, a text, true or false, or a list of these");
+  std::vector<std::string> texts;
+  for (const nlohmann::json& element : value) {
+    if (element.is_array()) throw Error(where + " has a list within a list; expected a list of plain values");
+    texts.push_back(texts_of(element, where).front());
+  }
+  return texts;
+}
+
+/// Command line before file: only options that were not given take their value from it.
+void fill_in_from(const std::string& file, CLI::App& command) {
+  const nlohmann::json json = read_json(file);
+  if (!json.is_object()) throw Error(file + ": no JSON object; expected {\"option\": value, ...}");
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_positional() ? option->get_name(true) : option->get_single_name();
+    if (name != "help" && name != "config") names.push_back(name);
+  }
+  for (const auto& [key, value] : json.items()) {
+    CLI::Option* option = std::find(names.begin(), names.end(), key) == names.end() ? nullptr : command.get_option_no_throw("--" + key);
+    if (option == nullptr && std::find(names.begin(), names.end(), key) != names.end()) option = command.get_option_no_throw(key);
+    if (option == nullptr) {
+      throw Error(fmt::format("{}: '{}' is no option of '{}'; the nearest is '{}'", file, key, command.get_name(), nearest_name(key, names)));
+    }
+    if (option->count() > 0) continue;
+    option->add_result(texts_of(value, fmt::format("{}: '{}'", file, key)));
+    option->run_callback();
+  }
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      std::function<void(const CommonArguments&)> run) {
+  CLI::App* command = app.add_subcommand(name, description);
+  auto common = std::make_shared<CommonArguments>();
+  common->threads = std::max(1U, std::thread::hardware_concurrency());
+  command->add_option("--config", common->config, "JSON file of options; the command line wins over it")->type_name("FILE.json")->check(CLI::ExistingFile);
+  command->add_flag("--json", common->json, "Print the result as JSON");
+  command->add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
+  command->add_option("--threads", common->threads, "Threads to work on")->check(CLI::Range(1U, 1024U))->capture_default_str();
+  command->callback([command, common, run = std::move(run)] {
+    if (!common->config.empty()) fill_in_from(common->config, *command);
+    if (common->quiet) spdlog::set_level(spdlog::level::warn);
+    run(*common);
+  });
+  return command;
+}
+
+void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
+  const std::string result = common.json ? json.dump(2) + "\n" : text;
+  std::fwrite(result.data(), 1, result.size(), stdout);
+  if (std::fflush(stdout) != 0) throw Error("standard output: cannot be written; expected a place with room");
+}
+
+ProgressCallback progress_line(const CommonArguments& common) {
+  using Clock = std::chrono::steady_clock;
+  static bool handles_interrupts = false;
+  if (!handles_interrupts) {
+    std::signal(SIGINT, [](int) { interrupted = 1; });
+    handles_interrupts = true;
+  }
+  struct Line {
+    Clock::time_point begun = Clock::now(), drawn = begun;
+    bool visible = false;
+    ~Line() {
+      if (visible) std::fputs("\r\033[K", stderr);
+    }
+  };
+  const bool draws = !common.quiet && isatty(STDERR_FILENO) != 0;
+  return [line = std::make_shared<Line>(), draws](const Progress& progress) {
+    if (interrupted != 0) throw Interrupted{};
+    const auto now = Clock::now();
+    if (!draws || now - line->begun < std::chrono::seconds(1) || now - line->drawn < std::chrono::milliseconds(100)) return;
+    line->drawn = now;
+    line->visible = true;
+    const double elapsed = std::chrono::duration<double>(now - line->begun).count();
+    std::string text = progress.what;
+    if (progress.total > 0) {
+      const double share = static_cast<double>(progress.done) / static_cast<double>(progress.total);
+      text = fmt::format("{:3.0f} %  {}", 100 * share, text);
+      if (share > 0) text += fmt::format("  ETA {}", clock_text(elapsed * (1 - share) / share));
+    }
+    winsize window{};
+    const std::size_t columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
+    std::fprintf(stderr, "\r\033[K%s", text.substr(0, columns - 1).c_str());
+  };
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<long long>(seconds + 0.5);
+  return whole < 3600 ? fmt::format("{}:{:02}", whole / 60, whole % 60)
+                      : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace tactile

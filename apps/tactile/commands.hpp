@@ -1,0 +1,10 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace tactile {
+
+// In the order they are run.
+void add_doctor_command(CLI::App& app);
+
+}  // namespace tactile

@@ -1,0 +1,42 @@
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/version.hpp"
+
+int main(int argc, char** argv) {
+  using namespace tactile;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
+  spdlog::set_pattern("%^%l%$: %v");
+
+  CLI::App app("Event-camera tactile sensing: from recordings of a sensor skin to verdicts a robot can act on.", "tactile");
+  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()));
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+
+  add_doctor_command(app);
+
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version
+    fmt::print(stderr, "tactile: {}\nTry 'tactile --help', or --help behind a command.\n", e.what());
+    return e.get_exit_code();
+  } catch (const CheckFailed&) {
+    return 2;
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "tactile: interrupted\n");
+    return 130;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "tactile: {}\n", e.what());
+    return 1;
+  }
+}

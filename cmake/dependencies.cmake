@@ -1,0 +1,25 @@
+# Everything the project stands on, all of it Debian packages (scripts/setup installs them).
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(fmt REQUIRED)
+find_package(pugixml REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(HDF5 REQUIRED COMPONENTS C)
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+
+# The compiler and the headers are all we need of FlatBuffers; its CMake package is named differently from one Debian to the next.
+find_program(FLATC flatc REQUIRED)
+find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
+
+# Debian's Torch package asks for every toolkit it was built with; only headers and shared libraries are used here.
+find_package(Torch REQUIRED)
+set(TACTILE_TORCH_VERSION "${Torch_VERSION}")
+
+# The camera driver is not in Debian: used where it is found.
+find_package(libcaer QUIET)

@@ -1,0 +1,31 @@
+#include "tactile/core/clock_relation.hpp"
+
+#include <cmath>
+
+namespace tactile {
+
+CameraTime ClockRelation::camera_from(std::int64_t clock_us) const {
+  const double since_reference_us = static_cast<double>(saturating_subtract(clock_us, reference_us));
+  const auto drifted_us = static_cast<std::int64_t>(std::llround(drift_ppm * 1e-6 * since_reference_us));
+  return camera_time(saturating_add(saturating_add(clock_us, offset_us), drifted_us));
+}
+
+std::int64_t ClockRelation::clock_us_from(CameraTime t) const {
+  const std::int64_t undrifted_us = saturating_subtract(us_of(t), offset_us);
+  const double rate = drift_ppm * 1e-6;
+  const double since_reference_us = static_cast<double>(saturating_subtract(undrifted_us, reference_us));
+  const auto drifted_us = static_cast<std::int64_t>(std::llround(rate / (1.0 + rate) * since_reference_us));
+  return saturating_subtract(undrifted_us, drifted_us);
+}
+
+void to_json(nlohmann::json& json, const ClockRelation& relation) {
+  json = {{"offset_us", relation.offset_us}, {"drift_ppm", relation.drift_ppm}, {"reference_us", relation.reference_us}};
+}
+
+void from_json(const nlohmann::json& json, ClockRelation& relation) {
+  json.at("offset_us").get_to(relation.offset_us);
+  json.at("drift_ppm").get_to(relation.drift_ppm);
+  json.at("reference_us").get_to(relation.reference_us);
+}
+
+}  // namespace tactile

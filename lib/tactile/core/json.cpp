@@ -1,0 +1,52 @@
+#include "tactile/core/json.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+nlohmann::json read_json(const std::filesystem::path& file) {
+  try {
+    return nlohmann::json::parse(read_text(file, std::size_t{64} << 20));
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(file.string() + ": no valid JSON (" + e.what() + "); expected one JSON value");
+  }
+}
+
+void write_json(const std::filesystem::path& file, const nlohmann::json& json) { write_whole(file, json.dump(2) + "\n"); }
+
+std::string hash_of(const nlohmann::json& json) { return sha256_of(json.dump()); }
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
+  const auto nearest = std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+    return edits_between(name, a) < edits_between(name, b);
+  });
+  return nearest == names.end() ? std::string() : *nearest;
+}
+
+void throw_bad_member(std::string_view key, std::string_view where, std::string_view why) {
+  throw Error(std::string(where) + ": '" + std::string(key) + "' " + std::string(why));
+}
+
+}  // namespace tactile

@@ -1,0 +1,77 @@
+#include "tactile/core/run_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <tuple>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+
+bool is_run_id(std::string_view name) {
+  return name.size() == 2 && name[0] >= '0' && name[0] <= '9' && name[1] >= '0' && name[1] <= '9' && name != "00";
+}
+
+bool is_object_name(std::string_view name) {
+  const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  return !name.empty() && is_plain(name.front()) && is_plain(name.back()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) { return is_plain(c) || c == '-'; });
+}
+
+RunFolder run_folder_at(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw Error(folder.string() + ": no such folder; expected a run, DATA/<object>/<run>");
+  fs::path whole = fs::absolute(folder).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();  // "fan/03/" ends in an empty part
+  return {folder, whole.parent_path().filename().string(), whole.filename().string()};
+}
+
+std::vector<RunFolder> find_runs(const fs::path& data) {
+  if (!fs::is_directory(data)) throw Error(data.string() + ": no such folder; expected a folder of runs, DATA/<object>/<run>");
+  std::vector<RunFolder> runs;
+  for (const fs::directory_entry& object : fs::directory_iterator(data)) {
+    if (!object.is_directory() || !is_object_name(object.path().filename().string())) continue;
+    for (const fs::directory_entry& run : fs::directory_iterator(object)) {
+      if (!run.is_directory() || !is_run_id(run.path().filename().string())) continue;
+      RunFolder found{run.path(), object.path().filename().string(), run.path().filename().string()};
+      if (fs::exists(found.events())) runs.push_back(std::move(found));
+    }
+  }
+  std::sort(runs.begin(), runs.end(),
+            [](const RunFolder& a, const RunFolder& b) { return std::tie(a.object, a.run) < std::tie(b.object, b.run); });
+  return runs;
+}
+
+RunInfo read_run_info(const RunFolder& run) {
+  nlohmann::json json = read_json(run.info());
+  const std::string where = run.info().string();
+  RunInfo info{
+      .object = member<std::string>(json, "object", where),
+      .run = member<std::string>(json, "run", where),
+      .session = json.is_object() ? json.value("session", std::string()) : std::string(),
+      .simulated = member<bool>(json, "simulated", where),
+      .complete = member<bool>(json, "complete", where),
+  };
+  const auto sensor = member<nlohmann::json>(json, "sensor", where);
+  info.width = member<int>(sensor, "width", where);
+  info.height = member<int>(sensor, "height", where);
+  if (info.width <= 0 || info.height <= 0) throw Error(where + ": 'sensor' has no area; expected width and height of at least 1");
+  for (const char* known : std::array{"object", "run", "session", "simulated", "complete", "sensor"}) json.erase(known);
+  info.extra = std::move(json);
+  return info;
+}
+
+void write_run_info(const RunFolder& run, const RunInfo& info) {
+  nlohmann::json json = info.extra;
+  json["object"] = info.object;
+  json["run"] = info.run;
+  json["session"] = info.session;
+  json["simulated"] = info.simulated;
+  json["complete"] = info.complete;
+  json["sensor"] = {{"width", info.width}, {"height", info.height}};
+  write_json(run.info(), json);
+}
+
+}  // namespace tactile

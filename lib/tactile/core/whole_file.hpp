@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tactile {
+
+/// A file or folder that appears under its name only once it is whole: written under a temporary name beside it, then synced
+/// and renamed. One that is never committed is removed.
+class WholeFile {
+ public:
+  /// Makes the folder above `target` if it is missing. @throws Error if that fails
+  explicit WholeFile(std::filesystem::path target);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  const std::filesystem::path& path() const { return temporary_; }  ///< where to write until `commit`
+  void commit();                                                    ///< @throws Error if syncing or renaming fails
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// Writes `text` to `file`, whole or not at all. @throws Error if it cannot be written
+void write_whole(const std::filesystem::path& file, std::string_view text);
+
+/// @throws Error if the file cannot be read or is larger than `limit` bytes
+std::string read_text(const std::filesystem::path& file, std::size_t limit = std::size_t{256} << 20);
+
+/// Flushes a file's or a folder's data to the disk. @throws Error if that fails
+void sync_to_disk(const std::filesystem::path& path);
+
+}  // namespace tactile

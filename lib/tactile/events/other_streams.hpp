@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tactile/core/time.hpp"
+
+namespace tactile {
+
+/// What the inertial sensor felt. Source: AEDAT4's IMU table.
+struct ImuSample {
+  CameraTime t;
+  float temperature_c = 0;
+  float acceleration_g[3] = {};     ///< x, y, z
+  float angular_rate_dps[3] = {};   ///< [°/s]
+  float magnetic_field_ut[3] = {};  ///< [µT]
+};
+
+/// A signal at the camera's trigger input or a mark of its own. Source: AEDAT4's Trigger table.
+struct Trigger {
+  CameraTime t;
+  std::int8_t type = 0;  ///< 0 timestamp reset, 1/2/3 external edge rising/falling/pulse, 4/5 generator edges, 6..9 frame and exposure marks
+};
+
+/// One picture. `format` = 8 * (channels - 1) + depth, as OpenCV counts depths, so 0 grey, 16 BGR, 24 BGRA of 8 bits.
+struct Frame {
+  CameraTime t;
+  CameraTime frame_start, frame_end, exposure_start, exposure_end;
+  std::int8_t format = 0;
+  std::int16_t width = 0, height = 0, position_x = 0, position_y = 0;
+  std::vector<std::uint8_t> pixels;  ///< row by row from the top
+};
+
+}  // namespace tactile

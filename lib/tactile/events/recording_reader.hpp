@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/events/event.hpp"
+#include "tactile/events/other_streams.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+/// One packet of a recording, as the data table or a scan knows it.
+struct PacketRecord {
+  std::int32_t stream_id = 0;
+  std::uint64_t payload_offset = 0;  ///< [B] from the start of the file, behind the packet's 8-byte header
+  std::uint32_t payload_size = 0;    ///< [B] as stored
+  std::int64_t elements = 0;
+  CameraTime first{}, last{};        ///< meaningless where `elements` is 0
+};
+
+/// Where the list of packets came from.
+enum class PacketIndex : std::uint8_t { table, scan };
+
+/// What was wrong with a recording and how it was met; all 0 in a sound one. Those that need the packets' contents are complete
+/// once every packet has been read.
+struct RecordingProblems {
+  std::string table;                     ///< why the data table was not used; empty if it was, or there was none to use
+  std::uint64_t truncated_bytes = 0;     ///< behind the last whole packet
+  std::uint64_t empty_packets = 0;       ///< with a size of 0
+  std::uint64_t undeclared_packets = 0;  ///< of a stream that the header does not name
+  std::uint64_t mismatched_packets = 0;  ///< that hold another type than their stream's
+  std::uint64_t broken_packets = 0;      ///< that do not decompress or decode
+  std::uint64_t out_of_range_events = 0;  ///< outside the sensor or with a polarity above 1; dropped
+  std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were put right
+};
+
+/// An AEDAT4 recording. Opening reads the header and the list of packets; packets are read one at a time, so memory follows the
+/// packet, not the file. Every size is checked before anything is allocated for it.
+///
+/// Source: the AEDAT 4.0 format of iniVation's DV.
+class RecordingReader {
+ public:
+  /// @throws Error  if the file is none of AEDAT4, or declares no stream
+  explicit RecordingReader(std::filesystem::path file);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+
+  const std::filesystem::path& file() const;
+  std::uint64_t file_size() const;
+  Compression compression() const;
+  std::span<const Stream> streams() const;
+  const Stream& stream(std::int32_t id) const;  ///< @throws Error if no stream has this id
+  std::span<const PacketRecord> packets() const;  ///< in file order, of declared streams
+  PacketIndex index() const;
+  const RecordingProblems& problems() const;
+
+  /// The events of one packet, decompressed once and not copied: valid until the next read from this reader. Those outside the
+  /// sensor are dropped and counted; a packet that cannot be decoded is counted and gives none.
+  std::span<Event> read_events(const PacketRecord& packet);
+  std::vector<ImuSample> read_imu(const PacketRecord& packet);
+  std::vector<Trigger> read_triggers(const PacketRecord& packet);
+  std::optional<Frame> read_frame(const PacketRecord& packet);  ///< nothing if it cannot be decoded
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The one event stream, or the one that `choice` names by id or source. @throws Error, listing them, if there is none or more than one left
+const Stream& event_stream(const RecordingReader& recording, std::string_view choice = {});
+
+/// Hands every event with `begin <= t < end` of the stream to `use`, packet by packet in file order; reads only packets that overlap.
+void for_events_between(RecordingReader& recording, std::int32_t stream_id, CameraTime begin, CameraTime end,
+                        const std::function<void(std::span<const Event>)>& use);
+
+/// Likewise all events of the stream.
+void for_all_events(RecordingReader& recording, std::int32_t stream_id, const std::function<void(std::span<const Event>)>& use);
+
+}  // namespace tactile

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tactile/events/event.hpp"
+#include "tactile/events/other_streams.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+struct RecordingWriterOptions {
+  Compression compression = Compression::lz4;
+  std::chrono::microseconds packet_span{10'000};  ///< a packet holds at most this much time, > 0
+  std::size_t packet_events = 8192;               ///< and at most so many events, > 0
+};
+
+/// Writes an AEDAT4 recording that the vendor's software reads. It bears its final name from the first byte: whatever happens, the
+/// file is readable up to its last whole packet. Elements gather until a packet is full; `flush` writes those that wait.
+///
+/// Elements of one stream must not go back in time, and events must lie inside the sensor.
+class RecordingWriter {
+ public:
+  /// @throws Error  if the file exists already or cannot be made, or a stream lacks what the vendor's reader demands
+  RecordingWriter(const std::filesystem::path& file, std::vector<Stream> streams, RecordingWriterOptions options = {});
+  ~RecordingWriter();  ///< closes; a failure to do so is seen only by calling `close`
+  RecordingWriter(RecordingWriter&&) noexcept;
+  RecordingWriter& operator=(RecordingWriter&&) noexcept;
+
+  void write_events(std::int32_t stream_id, std::span<const Event> events);  ///< @throws Error, nothing written of the span
+  void write_imu(std::int32_t stream_id, std::span<const ImuSample> samples);
+  void write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers);
+  void write_frame(std::int32_t stream_id, const Frame& frame);
+  void flush();  ///< writes what waits, and syncs
+  void close();  ///< flushes, writes the data table, patches the header, syncs
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A stream of events as a DVXplorer Mini would declare it: id 0, "events".
+Stream event_stream_declaration(SensorSize size, std::string source);
+
+}  // namespace tactile

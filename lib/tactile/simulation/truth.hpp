@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tactile/core/clock_relation.hpp"
+#include "tactile/core/touch.hpp"
+
+namespace tactile {
+
+/// What really happened, in camera time.
+struct TrueInterval {
+  TouchInterval interval;                      ///< onset and end by the rules that labels follow
+  std::optional<CameraTime> gross;             ///< slip only: object and tip first move against each other
+  std::optional<CameraTime> first_event;       ///< the first event that this motion caused
+  bool labelled = true;                        ///< false: real motion that nobody labels
+};
+
+struct Truth {
+  std::vector<TrueInterval> intervals;  ///< by start
+  std::optional<CameraTime> lift_start;
+  ClockRelation robot_clock;
+  ClockRelation video_clock;
+  nlohmann::json parameters = nlohmann::json::object();  ///< what the run was made from
+};
+
+/// @throws Error  if the file is missing or not a truth
+Truth read_truth(const std::filesystem::path& file);
+void write_truth(const std::filesystem::path& file, const Truth& truth);
+
+}  // namespace tactile

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tactile/events/event.hpp"
+#include "tactile/windows/sample.hpp"
+
+namespace tactile {
+
+/// One run of a dataset: its slice of the events, and what it was made from.
+struct DatasetRun {
+  std::string object;
+  std::string run;
+  std::string folder;  ///< as given to `windows`: relative to the dataset's own folder where it lies below it
+  std::uint64_t first_event = 0;
+  std::uint64_t events = 0;
+  std::string events_sha256;
+  std::string labels_sha256;
+};
+
+struct DatasetInterval {
+  std::uint32_t run_index = 0;
+  TouchInterval interval;
+};
+
+/// A rendering stored in a dataset.
+struct StoredHeatmaps {
+  std::string name;         ///< "th_040", "th_040-1a2b3c4d"
+  nlohmann::json settings;  ///< the renderer's
+  int width = 0, height = 0;
+};
+
+/// A dataset opened for reading: tables are in memory, events and heatmaps are read as they are asked for.
+class Dataset {
+ public:
+  /// @throws Error  if the file is missing, no HDF5, or not a dataset of ours
+  explicit Dataset(std::filesystem::path file);
+  ~Dataset();
+  Dataset(Dataset&&) noexcept;
+  Dataset& operator=(Dataset&&) noexcept;
+
+  const std::filesystem::path& file() const;
+  SensorSize sensor() const;
+  bool simulated() const;
+  std::span<const DatasetRun> runs() const;
+  std::span<const DatasetInterval> intervals() const;
+  std::span<const Sample> samples() const;
+  const nlohmann::json& settings() const;  ///< SamplingOptions and the runs' hashes, as the manifest has them
+  const std::string& manifest_hash() const;
+  std::filesystem::path run_folder(std::uint32_t run_index) const;
+
+  std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
+  std::vector<StoredHeatmaps> heatmaps() const;               ///< every history that is listed
+
+  /// @return [sample_indexes, height, width], one after the other
+  std::vector<std::uint8_t> read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tactile
