@@ -20,7 +20,7 @@ OnsetErrors errors_over_seeds(const std::function<double(double)>& rise, int see
   OnsetErrors result;
   for (int seed = 0; seed < seeds; ++seed) {
     const EventRate rate = test::rate_of(
-        5'000, [&](double t_us) { return 3.0 + (t_us < onset_us ? 0.0 : rise(t_us - onset_us)); },
+        5'000, [&](double t_us) { return 3.0 + (t_us < onset_us || t_us > onset_us + 200'000 ? 0.0 : rise(t_us - onset_us)); },
         static_cast<std::uint64_t>(seed));
     const UncertainTime found = onset_near(rate, quiet_rate(rate), 2'030);
     result.errors_ms.push_back(std::abs(static_cast<double>(between(onset, found.at).count())) / 1000.0);
