@@ -1,10 +1,10 @@
-#include <cstdio>
-#include <exception>
-
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
 
 #include "command.hpp"
 #include "commands.hpp"
