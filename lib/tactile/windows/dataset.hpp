@@ -3,11 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/events/event.hpp"
 #include "tactile/windows/sample.hpp"
@@ -57,7 +56,7 @@ class Dataset {
   std::filesystem::path run_folder(std::uint32_t run_index) const;
 
   std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
-  std::vector<StoredHeatmaps> heatmaps() const;               ///< every history that is listed
+  std::vector<StoredHeatmaps> heatmaps() const;              ///< every history that is listed
 
   /// @return [sample_indexes, height, width], one after the other
   std::vector<std::uint8_t> read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const;
