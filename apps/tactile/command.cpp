@@ -5,10 +5,10 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <iostream>
 #include <thread>
 
 #include "tactile/core/error.hpp"
@@ -39,17 +39,15 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   if (!json.is_object()) throw Error(file + ": no JSON object; expected {\"option\": value, ...}");
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_positional() ? option->get_name(true) : option->get_single_name();
-    if (name != "help" && name != "config") names.push_back(name);
+    if (const std::string name = option->get_single_name(); name != "help" && name != "config") names.push_back(name);
   }
   for (const auto& [key, value] : json.items()) {
-    CLI::Option* option =
-        std::find(names.begin(), names.end(), key) == names.end() ? nullptr : command.get_option_no_throw("--" + key);
-    if (option == nullptr && std::find(names.begin(), names.end(), key) != names.end()) option = command.get_option_no_throw(key);
-    if (option == nullptr) {
+    if (std::find(names.begin(), names.end(), key) == names.end()) {
       throw Error(fmt::format("{}: '{}' is no option of '{}'; the nearest is '{}'", file, key, command.get_name(),
                               nearest_name(key, names)));
     }
+    const auto has_this_name = [&name = key](CLI::Option* option) { return option->get_single_name() == name; };
+    CLI::Option* option = command.get_options(has_this_name).front();
     if (option->count() > 0) continue;
     option->add_result(texts_of(value, fmt::format("{}: '{}'", file, key)));
     option->run_callback();
