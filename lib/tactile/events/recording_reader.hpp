@@ -22,7 +22,7 @@ struct PacketRecord {
   std::uint64_t payload_offset = 0;  ///< [B] from the start of the file, behind the packet's 8-byte header
   std::uint32_t payload_size = 0;    ///< [B] as stored
   std::int64_t elements = 0;
-  CameraTime first{}, last{};        ///< meaningless where `elements` is 0
+  CameraTime first{}, last{};  ///< meaningless where `elements` is 0
 };
 
 /// Where the list of packets came from.
@@ -31,12 +31,12 @@ enum class PacketIndex : std::uint8_t { table, scan };
 /// What was wrong with a recording and how it was met; all 0 in a sound one. Those that need the packets' contents are complete
 /// once every packet has been read.
 struct RecordingProblems {
-  std::string table;                     ///< why the data table was not used; empty if it was, or there was none to use
-  std::uint64_t truncated_bytes = 0;     ///< behind the last whole packet
-  std::uint64_t empty_packets = 0;       ///< with a size of 0
-  std::uint64_t undeclared_packets = 0;  ///< of a stream that the header does not name
-  std::uint64_t mismatched_packets = 0;  ///< that hold another type than their stream's
-  std::uint64_t broken_packets = 0;      ///< that do not decompress or decode
+  std::string table;                      ///< why the data table was not used; empty if it was, or there was none to use
+  std::uint64_t truncated_bytes = 0;      ///< behind the last whole packet
+  std::uint64_t empty_packets = 0;        ///< with a size of 0
+  std::uint64_t undeclared_packets = 0;   ///< of a stream that the header does not name
+  std::uint64_t mismatched_packets = 0;   ///< that hold another type than their stream's
+  std::uint64_t broken_packets = 0;       ///< that do not decompress or decode
   std::uint64_t out_of_range_events = 0;  ///< outside the sensor or with a polarity above 1; dropped
   std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were put right
 };
@@ -57,7 +57,7 @@ class RecordingReader {
   std::uint64_t file_size() const;
   Compression compression() const;
   std::span<const Stream> streams() const;
-  const Stream& stream(std::int32_t id) const;  ///< @throws Error if no stream has this id
+  const Stream& stream(std::int32_t id) const;    ///< @throws Error if no stream has this id
   std::span<const PacketRecord> packets() const;  ///< in file order, of declared streams
   PacketIndex index() const;
   const RecordingProblems& problems() const;
@@ -74,10 +74,12 @@ class RecordingReader {
   std::unique_ptr<State> state_;
 };
 
-/// The one event stream, or the one that `choice` names by id or source. @throws Error, listing them, if there is none or more than one left
+/// The one event stream, or the one that `choice` names by id or source. @throws Error, listing them, if there is none or more
+/// than one left
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice = {});
 
-/// Hands every event with `begin <= t < end` of the stream to `use`, packet by packet in file order; reads only packets that overlap.
+/// Hands every event with `begin <= t < end` of the stream to `use`, packet by packet in file order; reads only packets that
+/// overlap.
 void for_events_between(RecordingReader& recording, std::int32_t stream_id, CameraTime begin, CameraTime end,
                         const std::function<void(std::span<const Event>)>& use);
 

@@ -18,8 +18,8 @@ struct RecordingWriterOptions {
   std::size_t packet_events = 8192;               ///< and at most so many events, > 0
 };
 
-/// Writes an AEDAT4 recording that the vendor's software reads. It bears its final name from the first byte: whatever happens, the
-/// file is readable up to its last whole packet. Elements gather until a packet is full; `flush` writes those that wait.
+/// Writes an AEDAT4 recording that the vendor's software reads. It bears its final name from the first byte: whatever happens,
+/// the file is readable up to its last whole packet. Elements gather until a packet is full; `flush` writes those that wait.
 ///
 /// Elements of one stream must not go back in time, and events must lie inside the sensor.
 class RecordingWriter {

@@ -1,0 +1,220 @@
+#include "tactile/events/packet_compression.hpp"
+
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <string>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+/// LZ4 decodes a block in place only where a whole block still fits; this is the size of the vendor's.
+constexpr std::size_t lz4_block = std::size_t{64} << 10;
+
+/// What a packet says of its own length with its first four bytes, once they are there.
+std::size_t length_by_prefix(const std::byte* content, std::size_t known) {
+  std::uint32_t prefix = 0;
+  if (known < sizeof prefix) return 0;
+  std::memcpy(&prefix, content, sizeof prefix);
+  return std::size_t{prefix} + sizeof prefix;
+}
+
+/// Room for more than `known` bytes: as much as the packet says it needs, else twice as much. False at the limit.
+bool make_room(PacketBuffer& content, std::size_t known, std::size_t limit) {
+  const std::size_t claimed = length_by_prefix(content.data(), known);
+  if (known >= limit || claimed > limit) return false;
+  const std::size_t wanted = claimed > known ? claimed : std::min(limit, 2 * known + lz4_block);
+  content.grow(wanted + lz4_block, known);
+  return true;
+}
+
+Decompressed decompress_lz4(LZ4F_dctx* context, std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
+  LZ4F_resetDecompressionContext(context);
+  content.grow(std::min(4 * stored.size(), limit) + lz4_block, 0);
+  std::size_t used = 0;
+  std::size_t made = 0;
+  for (;;) {
+    std::size_t input = stored.size() - used;
+    std::size_t output = content.capacity() - made;
+    const std::size_t rest = LZ4F_decompress(context, content.data() + made, &output, stored.data() + used, &input, nullptr);
+    if (LZ4F_isError(rest) != 0U) return {};
+    used += input;
+    made += output;
+    if (rest == 0) return {.whole = used == stored.size() && made <= limit, .size = made};
+    if (made == content.capacity()) {
+      if (!make_room(content, made, limit)) return {};
+    } else if (input == 0 && output == 0) {
+      return {};  // the frame goes on behind the packet's end
+    }
+  }
+}
+
+Decompressed decompress_zstd_stream(ZSTD_DCtx* context, std::span<const std::byte> stored, PacketBuffer& content,
+                                    std::size_t limit) {
+  ZSTD_DCtx_reset(context, ZSTD_reset_session_only);
+  content.grow(std::min(4 * stored.size(), limit) + lz4_block, 0);
+  ZSTD_inBuffer in{stored.data(), stored.size(), 0};
+  std::size_t made = 0;
+  for (;;) {
+    ZSTD_outBuffer out{content.data(), content.capacity(), made};
+    const std::size_t used = in.pos;
+    const std::size_t rest = ZSTD_decompressStream(context, &out, &in);
+    if (ZSTD_isError(rest) != 0U) return {};
+    const bool moved = in.pos != used || out.pos != made;
+    made = out.pos;
+    if (rest == 0) return {.whole = in.pos == in.size && made <= limit, .size = made};
+    if (made == content.capacity()) {
+      if (!make_room(content, made, limit)) return {};
+    } else if (!moved || in.pos == in.size) {
+      return {};
+    }
+  }
+}
+
+Decompressed decompress_zstd(ZSTD_DCtx* context, std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
+  const auto size = ZSTD_getFrameContentSize(stored.data(), stored.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR) return {};
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN) return decompress_zstd_stream(context, stored, content, limit);
+  if (size > limit) return {};
+  content.grow(static_cast<std::size_t>(size), 0);
+  const std::size_t made =
+      ZSTD_decompressDCtx(context, content.data(), static_cast<std::size_t>(size), stored.data(), stored.size());
+  if (ZSTD_isError(made) != 0U || made != size) return {};
+  return {.whole = true, .size = made};
+}
+
+bool is_lz4(Compression compression) { return compression == Compression::lz4 || compression == Compression::lz4_high; }
+
+struct FreeLz4Decoder {
+  void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
+};
+struct FreeLz4Encoder {
+  void operator()(LZ4F_cctx* context) const { LZ4F_freeCompressionContext(context); }
+};
+struct FreeZstdDecoder {
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+struct FreeZstdEncoder {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
+
+void check_lz4(std::size_t result) {
+  if (LZ4F_isError(result) != 0U) throw Error(std::string("LZ4: ") + LZ4F_getErrorName(result) + "; expected it to work");
+}
+
+}  // namespace
+
+std::size_t largest_content(Compression compression, std::size_t stored_size) {
+  if (compression == Compression::none) return stored_size;
+  // A byte of LZ4 stands for 255 bytes at most; zstd knows no such bound.
+  if (is_lz4(compression) && stored_size < packet_limit / 255) return 255 * stored_size;
+  return packet_limit;
+}
+
+void PacketBuffer::grow(std::size_t capacity, std::size_t kept) {
+  if (capacity <= capacity_) return;
+  std::unique_ptr<std::byte[]> larger(new std::byte[capacity]);
+  if (capacity_ > 0) std::memcpy(larger.get(), bytes_.get(), std::min(kept, capacity_));
+  bytes_ = std::move(larger);
+  capacity_ = capacity;
+}
+
+struct PacketDecompressor::State {
+  std::unique_ptr<LZ4F_dctx, FreeLz4Decoder> lz4;
+  std::unique_ptr<ZSTD_DCtx, FreeZstdDecoder> zstd;
+};
+
+PacketDecompressor::PacketDecompressor() : state_(std::make_unique<State>()) {}
+PacketDecompressor::~PacketDecompressor() = default;
+PacketDecompressor::PacketDecompressor(PacketDecompressor&&) noexcept = default;
+PacketDecompressor& PacketDecompressor::operator=(PacketDecompressor&&) noexcept = default;
+
+Decompressed PacketDecompressor::decompress(Compression compression, std::span<const std::byte> stored, PacketBuffer& content,
+                                            std::size_t limit) {
+  if (is_lz4(compression)) {
+    if (!state_->lz4) {
+      LZ4F_dctx* context = nullptr;
+      check_lz4(LZ4F_createDecompressionContext(&context, LZ4F_VERSION));
+      state_->lz4.reset(context);
+    }
+    return decompress_lz4(state_->lz4.get(), stored, content, limit);
+  }
+  if (!state_->zstd) state_->zstd.reset(ZSTD_createDCtx());
+  if (!state_->zstd) throw std::bad_alloc();
+  return decompress_zstd(state_->zstd.get(), stored, content, limit);
+}
+
+struct PacketCompressor::State {
+  std::unique_ptr<LZ4F_cctx, FreeLz4Encoder> lz4;
+  std::unique_ptr<ZSTD_CCtx, FreeZstdEncoder> zstd;
+
+  std::size_t lz4_frame(int level, std::span<const std::byte> content, PacketBuffer& stored, std::size_t reserved);
+  std::size_t zstd_frame(int level, std::span<const std::byte> content, PacketBuffer& stored, std::size_t reserved);
+};
+
+PacketCompressor::PacketCompressor() : state_(std::make_unique<State>()) {}
+PacketCompressor::~PacketCompressor() = default;
+PacketCompressor::PacketCompressor(PacketCompressor&&) noexcept = default;
+PacketCompressor& PacketCompressor::operator=(PacketCompressor&&) noexcept = default;
+
+std::size_t PacketCompressor::State::lz4_frame(int level, std::span<const std::byte> content, PacketBuffer& stored,
+                                               std::size_t reserved) {
+  if (!lz4) {
+    LZ4F_cctx* context = nullptr;
+    check_lz4(LZ4F_createCompressionContext(&context, LZ4F_VERSION));
+    lz4.reset(context);
+  }
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.blockSizeID = LZ4F_max64KB;
+  preferences.frameInfo.blockMode = LZ4F_blockLinked;
+  preferences.compressionLevel = level;
+  const std::size_t room = LZ4F_HEADER_SIZE_MAX + LZ4F_compressBound(content.size(), &preferences);
+  stored.grow(reserved + room, 0);
+  std::byte* frame = stored.data() + reserved;
+  // Not LZ4F_compressFrame, which makes a frame of one block an independent one.
+  std::size_t size = LZ4F_compressBegin(lz4.get(), frame, room, &preferences);
+  check_lz4(size);
+  const std::size_t blocks = LZ4F_compressUpdate(lz4.get(), frame + size, room - size, content.data(), content.size(), nullptr);
+  check_lz4(blocks);
+  size += blocks;
+  const std::size_t end = LZ4F_compressEnd(lz4.get(), frame + size, room - size, nullptr);
+  check_lz4(end);
+  return size + end;
+}
+
+std::size_t PacketCompressor::State::zstd_frame(int level, std::span<const std::byte> content, PacketBuffer& stored,
+                                                std::size_t reserved) {
+  if (!zstd) zstd.reset(ZSTD_createCCtx());
+  if (!zstd) throw std::bad_alloc();
+  const std::size_t room = ZSTD_compressBound(content.size());
+  stored.grow(reserved + room, 0);
+  const std::size_t size = ZSTD_compressCCtx(zstd.get(), stored.data() + reserved, room, content.data(), content.size(), level);
+  if (ZSTD_isError(size) != 0U) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size) + "; expected it to work");
+  return size;
+}
+
+std::size_t PacketCompressor::compress(Compression compression, std::span<const std::byte> content, PacketBuffer& stored,
+                                       std::size_t reserved) {
+  switch (compression) {
+    case Compression::none:
+      break;
+    case Compression::lz4:
+      return state_->lz4_frame(0, content, stored, reserved);
+    case Compression::lz4_high:
+      return state_->lz4_frame(9, content, stored, reserved);
+    case Compression::zstd:
+      return state_->zstd_frame(3, content, stored, reserved);
+    case Compression::zstd_high:
+      return state_->zstd_frame(ZSTD_maxCLevel(), content, stored, reserved);
+  }
+  stored.grow(reserved + content.size(), 0);
+  std::memcpy(stored.data() + reserved, content.data(), content.size());
+  return content.size();
+}
+
+}  // namespace tactile

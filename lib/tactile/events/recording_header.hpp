@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+/// What stands at the head of a recording, behind the magic line: a size-prefixed IOHE buffer.
+struct RecordingHeader {
+  Compression compression = Compression::none;
+  std::int64_t table_position = -1;  ///< [B] from the start of the file; negative: none
+  std::vector<Stream> streams;
+};
+
+inline constexpr std::string_view magic_line = "#!AER-DAT4.0\r\n";
+
+/// @param bytes  the header with its size prefix, at an address aligned to 8
+/// @param where  what to call the recording in an error
+/// @throws Error  if it does not decode, or declares no stream
+RecordingHeader read_header(std::span<const std::byte> bytes, std::string_view where);
+
+struct HeaderImage {
+  std::string bytes;               ///< the header with its size prefix
+  std::size_t table_position = 0;  ///< where in it the int64 position stands, to be patched later [B]
+};
+
+/// The header as the vendor's software writes it, position -1, streams in order of id.
+HeaderImage header_image(Compression compression, std::span<const Stream> streams);
+
+/// The type that a packet's four letters name.
+StreamType type_identified(std::string_view identifier);
+std::string_view identifier_of(StreamType type);  ///< empty for `other`
+
+}  // namespace tactile

@@ -1,0 +1,356 @@
+#include "tactile/events/recording_writer.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_compression.hpp"
+#include "tactile/events/packet_contents.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/recording_reader.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t packet_header_size = 8;
+constexpr std::size_t most_packet_events = (packet_limit - event_packet_head) / sizeof(Event);
+/// Entries beyond these would not fit the table's own format; the file then stays one without a table, which readers scan.
+constexpr std::size_t most_table_entries = 30'000'000;
+
+/// What waits to be written to one stream.
+struct Waiting {
+  Stream stream;
+  std::size_t count = 0;
+  CameraTime first, last;  ///< of what waits
+  bool begun = false;      ///< something was written to the stream before
+  CameraTime newest;       ///< of all so far
+  PacketBuffer events;     ///< the packet in the making: its header, the contents' head, the events
+  std::vector<ImuSample> imu;
+  std::vector<Trigger> triggers;
+};
+
+}  // namespace
+
+struct RecordingWriter::State {
+  fs::path path;
+  std::string name;  ///< for errors
+  RecordingWriterOptions options;
+  FileDescriptor file;
+  std::uint64_t end = 0;             ///< of the last whole packet [B]
+  std::uint64_t position_field = 0;  ///< where the header has the table's position [B]
+  std::vector<Waiting> streams;
+  std::vector<PacketRecord> written;
+  PacketBuffer content, stored;
+  PacketCompressor compressor;
+
+  ~State() {
+    try {
+      close();
+    } catch (const std::exception&) {
+      // A destructor has nobody to tell; the file is readable all the same.
+    }
+  }
+
+  void open(const std::vector<Stream>& declared);
+  void check_streams(const std::vector<Stream>& declared) const;
+  Waiting& waiting(std::int32_t id, StreamType type);
+  template <class Element>
+  void check_times(const Waiting& stream, std::span<const Element> elements) const;
+  void check_events(const Waiting& stream, std::span<const Event> events) const;
+  template <class Element, class Append>
+  void gather(Waiting& stream, std::span<const Element> elements, const Append& append);
+  void append_events(Waiting& stream, std::span<const Event> events) const;
+  void write_waiting(Waiting& stream);
+  void write_packet(PacketRecord record, PacketBuffer& packet, std::size_t content_size);
+  std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size, std::size_t reserved);
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
+  void sync() const;
+  void flush();
+  void close();
+};
+
+void RecordingWriter::State::check_streams(const std::vector<Stream>& declared) const {
+  if (path.extension() != ".aedat4")
+    throw Error(name + ": does not end in .aedat4; expected a name that does, for readers demand it");
+  if (declared.empty()) throw Error(name + ": no stream to write; expected at least one");
+  for (std::size_t i = 0; i < declared.size(); ++i) {
+    const Stream& stream = declared[i];
+    const auto refuse = [&](std::string_view why) { throw Error(fmt::format("{}: stream {} {}", name, stream.id, why)); };
+    if (stream.id < 0) refuse("has a negative id; expected 0 or more");
+    if (stream.type == StreamType::other) refuse("is of another type; expected events, frames, imu or triggers");
+    if (!stream.type_identifier.empty() && stream.type_identifier != identifier_of(stream.type)) {
+      refuse(fmt::format("names its type {}; expected {}", stream.type_identifier, identifier_of(stream.type)));
+    }
+    if (stream.name.empty()) refuse("has no name; expected one such as 'events'");
+    if (stream.source.empty()) refuse("has no source; expected the camera's, such as 'DVXplorer_DXA00000'");
+    if (stream.type == StreamType::events || stream.type == StreamType::frames) {
+      constexpr int most = std::numeric_limits<std::int16_t>::max();
+      const SensorSize size = stream.size.value_or(SensorSize{});
+      if (size.width < 1 || size.height < 1 || size.width > most || size.height > most) {
+        refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most));
+      }
+    }
+    for (std::size_t other = 0; other < i; ++other) {
+      if (declared[other].id == stream.id) refuse("is declared twice; expected an id of its own for each");
+    }
+  }
+}
+
+void RecordingWriter::State::open(const std::vector<Stream>& declared) {
+  name = path.string();
+  check_streams(declared);
+  if (options.packet_span <= microseconds{0}) throw Error(name + ": a packet's span is not positive; expected at least 1 us");
+  if (options.packet_events < 1 || options.packet_events > most_packet_events) {
+    throw Error(fmt::format("{}: {} events a packet; expected 1 to {}", name, options.packet_events, most_packet_events));
+  }
+  const HeaderImage header = header_image(options.compression, declared);
+  file = FileDescriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file.is_open() && errno == EEXIST) throw Error(name + ": exists already; expected the name of a new file");
+  if (!file.is_open()) throw Error(name + ": cannot be made (" + std::strerror(errno) + "); expected a writable folder");
+  const std::string start = std::string(magic_line) + header.bytes;
+  if (!file.write_at(0, std::as_bytes(std::span(start)))) {
+    const std::string why = std::strerror(errno);
+    file.reset();
+    ::unlink(path.c_str());
+    throw Error(name + ": its header cannot be written (" + why + "); expected a disk with room");
+  }
+  end = start.size();
+  position_field = magic_line.size() + header.table_position;
+  for (const Stream& stream : declared) streams.emplace_back().stream = stream;
+}
+
+Waiting& RecordingWriter::State::waiting(std::int32_t id, StreamType type) {
+  if (!file.is_open()) throw Error(name + ": is closed; expected elements before that");
+  const auto found = std::find_if(streams.begin(), streams.end(), [id](const Waiting& w) { return w.stream.id == id; });
+  if (found == streams.end()) throw Error(fmt::format("{}: declares no stream {}; expected one of its own", name, id));
+  if (found->stream.type != type) {
+    throw Error(fmt::format("{}: stream {} holds {}, not {}", name, id, name_of(found->stream.type), name_of(type)));
+  }
+  return *found;
+}
+
+template <class Element>
+void RecordingWriter::State::check_times(const Waiting& stream, std::span<const Element> elements) const {
+  bool any = stream.begun;
+  CameraTime newest = stream.newest;
+  for (const Element& element : elements) {
+    if (any && element.t < newest) {
+      throw Error(fmt::format("{}: stream {} goes back in time, from {} to {} us; expected times that never fall", name,
+                              stream.stream.id, us_of(newest), us_of(element.t)));
+    }
+    newest = element.t;
+    any = true;
+  }
+}
+
+void RecordingWriter::State::check_events(const Waiting& stream, std::span<const Event> events) const {
+  check_times(stream, events);
+  const SensorSize size = *stream.stream.size;
+  for (const Event& e : events) {
+    if (e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height) {
+      throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
+                              e.y, size.width, size.height));
+    }
+    if (e.on > 1)
+      throw Error(fmt::format("{}: stream {} has an event of polarity {}; expected 0 or 1", name, stream.stream.id, e.on));
+  }
+}
+
+/// Cuts the elements where a packet is full, and hands each piece to `append`. They have been checked.
+template <class Element, class Append>
+void RecordingWriter::State::gather(Waiting& stream, std::span<const Element> elements, const Append& append) {
+  while (!elements.empty()) {
+    const CameraTime first = stream.count == 0 ? elements.front().t : stream.first;
+    const auto in_packet = [&](const Element& e) { return between(first, e.t) < options.packet_span; };
+    const auto in_time = std::partition_point(elements.begin(), elements.end(), in_packet) - elements.begin();
+    const std::size_t taken = std::min(static_cast<std::size_t>(in_time), options.packet_events - stream.count);
+    if (taken == 0) {
+      write_waiting(stream);
+      continue;
+    }
+    append(elements.first(taken));
+    stream.first = first;
+    stream.last = stream.newest = elements[taken - 1].t;
+    stream.begun = true;
+    stream.count += taken;
+    elements = elements.subspan(taken);
+    if (stream.count == options.packet_events) write_waiting(stream);
+  }
+}
+
+/// Behind those that wait in the packet in the making. Padding is cleared, for equal events must give equal bytes.
+void RecordingWriter::State::append_events(Waiting& stream, std::span<const Event> events) const {
+  constexpr std::size_t head = packet_header_size + event_packet_head;
+  const std::size_t used = head + stream.count * sizeof(Event);
+  const std::size_t needed = used + events.size_bytes();
+  if (needed > stream.events.capacity()) {
+    stream.events.grow(std::min(std::max(2 * needed, std::size_t{4096}), head + options.packet_events * sizeof(Event)), used);
+  }
+  auto* place = reinterpret_cast<Event*>(stream.events.data() + used);
+  std::transform(events.begin(), events.end(), place,
+                 [](const Event& e) { return Event{.t = e.t, .x = e.x, .y = e.y, .on = e.on}; });
+}
+
+void RecordingWriter::State::write_waiting(Waiting& stream) {
+  if (stream.count == 0) return;
+  const PacketRecord record{.stream_id = stream.stream.id,
+                            .elements = static_cast<std::int64_t>(stream.count),
+                            .first = stream.first,
+                            .last = stream.last};
+  std::size_t size = 0;
+  switch (stream.stream.type) {
+    case StreamType::events:
+      write_event_packet_head(stream.events.data() + packet_header_size, stream.count);
+      size = event_packet_head + stream.count * sizeof(Event);
+      break;
+    case StreamType::imu:
+      size = encode_imu(stream.imu, content, packet_header_size);
+      break;
+    default:
+      size = encode_triggers(stream.triggers, content, packet_header_size);
+      break;
+  }
+  write_packet(record, stream.stream.type == StreamType::events ? stream.events : content, size);
+  stream.count = 0;
+  stream.imu.clear();
+  stream.triggers.clear();
+}
+
+/// The contents behind `reserved` bytes of `packet` as the file has them, with as many free bytes in front.
+std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& packet, std::size_t content_size,
+                                                              std::size_t reserved) {
+  const std::span<const std::byte> plain(packet.data(), reserved + content_size);
+  if (options.compression == Compression::none) return plain;
+  const std::size_t size = compressor.compress(options.compression, plain.subspan(reserved), stored, reserved);
+  return {stored.data(), reserved + size};
+}
+
+/// In one write, so that only a kill in the middle of it leaves a part of a packet.
+void RecordingWriter::State::write_packet(PacketRecord record, PacketBuffer& packet, std::size_t content_size) {
+  const std::span<const std::byte> bytes = compressed(packet, content_size, packet_header_size);
+  record.payload_offset = end + packet_header_size;
+  record.payload_size = static_cast<std::uint32_t>(bytes.size() - packet_header_size);
+  auto* header = const_cast<std::byte*>(bytes.data());
+  std::memcpy(header, &record.stream_id, sizeof record.stream_id);
+  std::memcpy(header + sizeof record.stream_id, &record.payload_size, sizeof record.payload_size);
+  write_at(end, bytes);
+  end += bytes.size();
+  written.push_back(record);
+}
+
+void RecordingWriter::State::write_at(std::uint64_t offset, std::span<const std::byte> bytes) const {
+  if (file.write_at(offset, bytes)) return;
+  throw Error(name + ": cannot be written (" + std::strerror(errno) + "); expected a disk with room");
+}
+
+void RecordingWriter::State::sync() const {
+  if (::fsync(file.number()) == 0 || errno == EINVAL || errno == EROFS) return;
+  throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
+}
+
+void RecordingWriter::State::flush() {
+  if (!file.is_open()) return;
+  for (Waiting& stream : streams) write_waiting(stream);
+  sync();
+}
+
+void RecordingWriter::State::close() {
+  if (!file.is_open()) return;
+  struct Shut {
+    FileDescriptor& file;
+    ~Shut() { file.reset(); }
+  } const shut{file};
+  for (Waiting& stream : streams) write_waiting(stream);
+  const std::uint64_t table_at = end;
+  const bool fits = written.size() <= most_table_entries;
+  if (fits) {
+    const std::size_t size = encode_table(written, content, 0);
+    const std::span<const std::byte> table = compressed(content, size, 0);
+    write_at(table_at, table);
+    end += table.size();
+  }
+  // A packet that once failed to be written may reach further than what has been written since.
+  if (::ftruncate(file.number(), static_cast<off_t>(end)) != 0) {
+    throw Error(name + ": cannot be cut to its length (" + std::strerror(errno) + "); expected a writable file");
+  }
+  sync();
+  if (!fits) return;
+  const auto position = static_cast<std::int64_t>(table_at);
+  write_at(position_field, std::as_bytes(std::span(&position, 1)));
+  sync();
+}
+
+RecordingWriter::RecordingWriter(const fs::path& file, std::vector<Stream> streams, RecordingWriterOptions options)
+    : state_(std::make_unique<State>()) {
+  state_->path = file;
+  state_->options = options;
+  state_->open(streams);
+}
+RecordingWriter::~RecordingWriter() = default;
+RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
+RecordingWriter& RecordingWriter::operator=(RecordingWriter&&) noexcept = default;
+
+void RecordingWriter::write_events(std::int32_t stream_id, std::span<const Event> events) {
+  Waiting& stream = state_->waiting(stream_id, StreamType::events);
+  state_->check_events(stream, events);
+  state_->gather(stream, events, [&](std::span<const Event> piece) { state_->append_events(stream, piece); });
+}
+
+void RecordingWriter::write_imu(std::int32_t stream_id, std::span<const ImuSample> samples) {
+  Waiting& stream = state_->waiting(stream_id, StreamType::imu);
+  state_->check_times(stream, samples);
+  state_->gather(stream, samples,
+                 [&](std::span<const ImuSample> piece) { stream.imu.insert(stream.imu.end(), piece.begin(), piece.end()); });
+}
+
+void RecordingWriter::write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers) {
+  Waiting& stream = state_->waiting(stream_id, StreamType::triggers);
+  state_->check_times(stream, triggers);
+  state_->gather(stream, triggers, [&](std::span<const Trigger> piece) {
+    stream.triggers.insert(stream.triggers.end(), piece.begin(), piece.end());
+  });
+}
+
+void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
+  Waiting& stream = state_->waiting(stream_id, StreamType::frames);
+  state_->check_times(stream, std::span(&frame, 1));
+  const std::size_t pixel = bytes_per_pixel(frame.format);
+  const auto pixels =
+      static_cast<std::size_t>(std::max<int>(frame.width, 0)) * static_cast<std::size_t>(std::max<int>(frame.height, 0));
+  if (pixel == 0 || frame.width < 0 || frame.height < 0 || frame.pixels.size() != pixel * pixels) {
+    throw Error(
+        fmt::format("{}: stream {} has a frame of {} x {} in format {} with {} bytes; expected as many as its pixels take",
+                    state_->name, stream_id, frame.width, frame.height, frame.format, frame.pixels.size()));
+  }
+  if (frame.pixels.size() > packet_limit - 4096) {
+    throw Error(fmt::format("{}: stream {} has a frame of {} bytes; expected at most {}", state_->name, stream_id,
+                            frame.pixels.size(), packet_limit - 4096));
+  }
+  const std::size_t size = encode_frame(frame, state_->content, packet_header_size);
+  state_->write_packet({.stream_id = stream_id, .elements = 1, .first = frame.t, .last = frame.t}, state_->content, size);
+  stream.newest = frame.t;
+  stream.begun = true;
+}
+
+void RecordingWriter::flush() { state_->flush(); }
+void RecordingWriter::close() { state_->close(); }
+
+Stream event_stream_declaration(SensorSize size, std::string source) {
+  return {.id = 0,
+          .type = StreamType::events,
+          .type_identifier = std::string(identifier_of(StreamType::events)),
+          .source = std::move(source),
+          .name = "events",
+          .size = size,
+          .info = {}};
+}
+
+}  // namespace tactile

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/sha256.hpp"
+#include "tactile/events/recording_reader.hpp"
+
+namespace tactile::test {
+
+/// SHA-256 over events in their order, each as 13 bytes: int64 t, int16 x, int16 y, uint8 polarity, little-endian.
+class EventDigest {
+ public:
+  void add(std::span<const Event> events) {
+    packed_.resize(events.size() * 13);
+    std::byte* at = packed_.data();
+    for (const Event& e : events) {
+      const std::int64_t t = us_of(e.t);
+      std::memcpy(at, &t, 8);
+      std::memcpy(at + 8, &e.x, 2);
+      std::memcpy(at + 10, &e.y, 2);
+      std::memcpy(at + 12, &e.on, 1);
+      at += 13;
+    }
+    digest_.add(packed_);
+  }
+  std::string hex() { return digest_.hex(); }
+
+ private:
+  Sha256 digest_;
+  std::vector<std::byte> packed_;
+};
+
+/// Everything that a recording holds, all event streams one after the other packet by packet.
+struct RecordingContents {
+  std::vector<Event> events;
+  std::vector<ImuSample> imu;
+  std::vector<Trigger> triggers;
+  std::vector<Frame> frames;
+  std::int64_t event_packets = 0;
+
+  std::string event_digest() const {
+    EventDigest digest;
+    digest.add(events);
+    return digest.hex();
+  }
+  std::string frame_digest() const {
+    Sha256 digest;
+    for (const Frame& frame : frames) digest.add(std::as_bytes(std::span(frame.pixels)));
+    return digest.hex();
+  }
+};
+
+inline RecordingContents contents_of(RecordingReader& recording) {
+  RecordingContents all;
+  for (const PacketRecord& packet : recording.packets()) {
+    switch (recording.stream(packet.stream_id).type) {
+      case StreamType::events: {
+        const auto events = recording.read_events(packet);
+        all.events.insert(all.events.end(), events.begin(), events.end());
+        ++all.event_packets;
+        break;
+      }
+      case StreamType::imu:
+        for (const ImuSample& sample : recording.read_imu(packet)) all.imu.push_back(sample);
+        break;
+      case StreamType::triggers:
+        for (const Trigger& trigger : recording.read_triggers(packet)) all.triggers.push_back(trigger);
+        break;
+      case StreamType::frames:
+        if (auto frame = recording.read_frame(packet)) all.frames.push_back(std::move(*frame));
+        break;
+      case StreamType::other:
+        break;
+    }
+  }
+  return all;
+}
+
+inline RecordingContents contents_of(const std::filesystem::path& file) {
+  RecordingReader recording(file);
+  return contents_of(recording);
+}
+
+inline bool same(const ImuSample& a, const ImuSample& b) {
+  return a.t == b.t && a.temperature_c == b.temperature_c &&
+         std::memcmp(a.acceleration_g, b.acceleration_g, sizeof a.acceleration_g) == 0 &&
+         std::memcmp(a.angular_rate_dps, b.angular_rate_dps, sizeof a.angular_rate_dps) == 0 &&
+         std::memcmp(a.magnetic_field_ut, b.magnetic_field_ut, sizeof a.magnetic_field_ut) == 0;
+}
+inline bool same(const Trigger& a, const Trigger& b) { return a.t == b.t && a.type == b.type; }
+inline bool same(const Frame& a, const Frame& b) {
+  return a.t == b.t && a.frame_start == b.frame_start && a.frame_end == b.frame_end && a.exposure_start == b.exposure_start &&
+         a.exposure_end == b.exposure_end && a.format == b.format && a.width == b.width && a.height == b.height &&
+         a.position_x == b.position_x && a.position_y == b.position_y && a.pixels == b.pixels;
+}
+template <class T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& one, const T& other) { return same(one, other); });
+}
+inline bool same(const RecordingContents& a, const RecordingContents& b) {
+  return a.events == b.events && same(a.imu, b.imu) && same(a.triggers, b.triggers) && same(a.frames, b.frames);
+}
+
+}  // namespace tactile::test
