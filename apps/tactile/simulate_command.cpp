@@ -1,8 +1,8 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
-
-#include <fmt/core.h>
 
 #include "command.hpp"
 #include "commands.hpp"
@@ -27,7 +27,13 @@ std::string_view name_of(RunOutcome::Kind kind) {
 }
 
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
-  SimulateOptions options{.data = args.data, .preset = args.preset, .runs = {}, .objects = args.objects, .seed = args.seed, .force = args.force, .threads = common.threads};
+  SimulateOptions options{.data = args.data,
+                          .preset = args.preset,
+                          .runs = {},
+                          .objects = args.objects,
+                          .seed = args.seed,
+                          .force = args.force,
+                          .threads = common.threads};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   const std::vector<RunOutcome> outcomes = simulate(options, progress_line(common));
@@ -46,15 +52,23 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
       run["duration_s"] = outcome.duration_s;
     }
     runs.push_back(run);
-    rows.push_back({outcome.run.name(), std::string(name_of(outcome.kind)), is_new ? fmt::format("{:.2f}", outcome.duration_s) : "",
-                    is_new ? std::to_string(outcome.events) : "", fmt::format("{:.1f}", 1e-6 * static_cast<double>(outcome.bytes))});
+    rows.push_back({outcome.run.name(), std::string(name_of(outcome.kind)),
+                    is_new ? fmt::format("{:.2f}", outcome.duration_s) : "", is_new ? std::to_string(outcome.events) : "",
+                    fmt::format("{:.1f}", 1e-6 * static_cast<double>(outcome.bytes))});
   }
-  const nlohmann::json result = {{"data", args.data},         {"preset", args.preset},      {"seed", args.seed},
-                                 {"made", counts["made"]},    {"kept", counts["kept"]},     {"replaced", counts["replaced"]},
-                                 {"removed", counts["removed"]}, {"bytes", bytes}, {"runs", runs}};
+  const nlohmann::json result = {{"data", args.data},
+                                 {"preset", args.preset},
+                                 {"seed", args.seed},
+                                 {"made", counts["made"]},
+                                 {"kept", counts["kept"]},
+                                 {"replaced", counts["replaced"]},
+                                 {"removed", counts["removed"]},
+                                 {"bytes", bytes},
+                                 {"runs", runs}};
   std::string text = text_table({"run", "", "seconds", "events", "MB"}, rows);
-  text += fmt::format("\n{}: {} made, {} kept, {} replaced, {} removed; {:.1f} MB (simulated, seed {})\n", args.data, counts["made"], counts["kept"],
-                      counts["replaced"], counts["removed"], 1e-6 * static_cast<double>(bytes), args.seed);
+  text +=
+      fmt::format("\n{}: {} made, {} kept, {} replaced, {} removed; {:.1f} MB (simulated, seed {})\n", args.data, counts["made"],
+                  counts["kept"], counts["replaced"], counts["removed"], 1e-6 * static_cast<double>(bytes), args.seed);
   print_result(common, result, text);
 }
 
@@ -69,7 +83,10 @@ void add_simulate_command(CLI::App& app) {
       ->check(CLI::IsMember({"tiny", "quick"}))
       ->capture_default_str();
   command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(CLI::Range(1, 99))->type_name("N");
-  command->add_option("--objects", args->objects, "Objects, parted by commas, or all ten")->delimiter(',')->type_name("NAME,...")->capture_default_str();
+  command->add_option("--objects", args->objects, "Objects, parted by commas, or all ten")
+      ->delimiter(',')
+      ->type_name("NAME,...")
+      ->capture_default_str();
   command->add_option("--seed", args->seed, "Seed of the whole data set")->check(CLI::NonNegativeNumber)->capture_default_str();
   command->add_flag("--force", args->force, "Replace runs simulated with other settings, and remove extra simulated ones");
 }

@@ -1,10 +1,10 @@
 #include "tactile/simulation/event_camera.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#include <fmt/core.h>
 
 #include "tactile/core/error.hpp"
 
@@ -15,12 +15,15 @@ void check(const EventCameraOptions& o) {
   const auto need = [](bool met, const char* what) {
     if (!met) throw Error(fmt::format("simulated camera: {}", what));
   };
-  need(o.size.width > 0 && o.size.height > 0 && o.size.width <= 32767 && o.size.height <= 32767, "the size is out of range; expected 1 to 32767 px a side");
+  need(o.size.width > 0 && o.size.height > 0 && o.size.width <= 32767 && o.size.height <= 32767,
+       "the size is out of range; expected 1 to 32767 px a side");
   need(o.readout > 0us, "the time between read-outs is out of range; expected more than 0 us");
   need(o.threshold > 0 && o.threshold_sigma >= 0 && o.threshold_floor > 0, "a threshold is out of range; expected more than 0");
   need(o.residual >= 0 && o.residual <= 1, "the residual is out of range; expected 0 to 1");
-  need(o.noise_hz >= 0 && o.noise_factor >= 0 && o.noise_spread_decades >= 0 && o.noise_on_share >= 0 && o.noise_on_share <= 1, "the noise is out of range; expected at least 0 Hz");
-  need(o.hot_pixels >= 0 && o.hot_min_hz > 0 && o.hot_max_hz >= o.hot_min_hz, "the hot pixels are out of range; expected rates above 0 Hz");
+  need(o.noise_hz >= 0 && o.noise_factor >= 0 && o.noise_spread_decades >= 0 && o.noise_on_share >= 0 && o.noise_on_share <= 1,
+       "the noise is out of range; expected at least 0 Hz");
+  need(o.hot_pixels >= 0 && o.hot_min_hz > 0 && o.hot_max_hz >= o.hot_min_hz,
+       "the hot pixels are out of range; expected rates above 0 Hz");
   need(o.skin > 0 && o.black > 0 && o.white > 0 && o.veil >= 0, "a reflectance is out of range; expected more than 0");
   need(o.blur_px > 0, "the blur is out of range; expected more than 0 px");
 }
@@ -63,7 +66,8 @@ EventCamera::EventCamera(const CameraPixels& pixels, const EventCameraOptions& o
     : pixels_(pixels), options_(options), start_(start), random_(seed), poses_(rest.begin(), rest.end()) {
   check(options);
   const auto count = static_cast<std::size_t>(options.size.width) * static_cast<std::size_t>(options.size.height);
-  if (pixels.thresholds.size() != count) throw Error("simulated camera: the pixels are those of another size; expected as many as the image has");
+  if (pixels.thresholds.size() != count)
+    throw Error("simulated camera: the pixels are those of another size; expected as many as the image has");
   skin_level_ = static_cast<float>(std::log(options_.skin + options_.veil));
   levels_.assign(count, skin_level_);
   remembered_.resize(count);
@@ -96,13 +100,14 @@ EventCamera::Box EventCamera::box_of(const MarkerPose& pose) const {
   const double half_height = marker_thickness_mm * px_per_mm * pose.scale + options_.blur_px + 1.0;
   const double left = pose.x - half_width, right = pose.x + half_width, top = pose.y - half_height, bottom = pose.y + half_height;
   if (!(left >= 0 && top >= 0 && right < options_.size.width && bottom < options_.size.height)) {
-    throw Error(fmt::format("simulated camera: a marker at {:.1f}, {:.1f} px leaves the image; expected it inside {} x {} px", pose.x, pose.y,
-                            options_.size.width, options_.size.height));
+    throw Error(fmt::format("simulated camera: a marker at {:.1f}, {:.1f} px leaves the image; expected it inside {} x {} px",
+                            pose.x, pose.y, options_.size.width, options_.size.height));
   }
   return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right) + 1, static_cast<int>(bottom) + 1};
 }
 
-/// Intensities in a box that holds one marker: skin + across(x) * (black_share(y) * (black - skin) + white_share(y) * (white - skin)).
+/// Intensities in a box that holds one marker: skin + across(x) * (black_share(y) * (black - skin) + white_share(y) * (white -
+/// skin)).
 void EventCamera::look_at(const MarkerPose& pose, const Box& box, bool starting) {
   const double half_width = 0.5 * marker_width_mm * px_per_mm * pose.scale;
   const double thickness = marker_thickness_mm * px_per_mm * pose.scale;
@@ -125,7 +130,8 @@ void EventCamera::look_at(const MarkerPose& pose, const Box& box, bool starting)
                        : across == 0.0F ? skin_level_
                                         : std::log(static_cast<float>(options_.skin + options_.veil + across * contrast));
     }
-    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(options_.size.width) + static_cast<std::size_t>(box.left);
+    const std::size_t first =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(options_.size.width) + static_cast<std::size_t>(box.left);
     std::copy_n(row_levels_.data(), width, levels_.data() + first);
     if (starting) continue;
     float* remembered = remembered_.data() + first;
@@ -181,7 +187,9 @@ EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
     if (poses[i] == poses_[i]) continue;
     const Box now = box_of(poses[i]);
     const Box& then = boxes_[i];
-    look_at(poses[i], {std::min(now.left, then.left), std::min(now.top, then.top), std::max(now.right, then.right), std::max(now.bottom, then.bottom)},
+    look_at(poses[i],
+            {std::min(now.left, then.left), std::min(now.top, then.top), std::max(now.right, then.right),
+             std::max(now.bottom, then.bottom)},
             false);
     boxes_[i] = now;
     poses_[i] = poses[i];

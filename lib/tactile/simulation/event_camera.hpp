@@ -26,12 +26,12 @@ struct EventCameraOptions {
   int hot_pixels = 24;                 ///< that fire all by themselves, >= 0
   double hot_min_hz = 100.0;           ///< their rates are spread evenly in the logarithm between these, > 0
   double hot_max_hz = 2500.0;
-  double hot_kept_share = 0.8;         ///< of them belong to the camera, the others to a run
-  double skin = 0.62;                  ///< reflectances, > 0
+  double hot_kept_share = 0.8;  ///< of them belong to the camera, the others to a run
+  double skin = 0.62;           ///< reflectances, > 0
   double black = 0.08;
   double white = 0.92;
-  double veil = 0.02;                  ///< stray light, as a reflectance, >= 0
-  double blur_px = 1.5;                ///< an edge fades over twice this: smoothstep, about a Gaussian of 0.7 px, > 0
+  double veil = 0.02;    ///< stray light, as a reflectance, >= 0
+  double blur_px = 1.5;  ///< an edge fades over twice this: smoothstep, about a Gaussian of 0.7 px, > 0
 };
 
 /// What belongs to the camera and stays for all of its runs: each pixel's threshold and noise, and most of the hot pixels.
@@ -41,8 +41,8 @@ struct CameraPixels {
     double hz = 0;
   };
 
-  std::vector<float> thresholds;          ///< row by row from the top
-  std::vector<double> noise_hz_up_to;     ///< noise of all pixels up to and with this one, ascending
+  std::vector<float> thresholds;       ///< row by row from the top
+  std::vector<double> noise_hz_up_to;  ///< noise of all pixels up to and with this one, ascending
   std::vector<HotPixel> hot;
 };
 
@@ -50,8 +50,8 @@ struct CameraPixels {
 CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t seed);
 
 /// An event camera before moving markers. A pixel remembers the ln of the intensity at its last event; at a read-out it gives one
-/// event if ln I differs from that by more than its threshold, and then remembers the present ln I: a fast edge costs events, as a
-/// read-out can hold only one of each pixel. All events of one read-out bear its time; x ascends within it, and y within x.
+/// event if ln I differs from that by more than its threshold, and then remembers the present ln I: a fast edge costs events, as
+/// a read-out can hold only one of each pixel. All events of one read-out bear its time; x ascends within it, and y within x.
 ///
 /// Only pixels near a marker that moved are looked at, so a still skin costs only its noise.
 class EventCamera {
@@ -65,7 +65,8 @@ class EventCamera {
   /// @param start   time of read-out 0
   /// @param seed    of what changes from run to run
   /// @param rest    the markers at the start; their boxes must lie apart and inside the image, here and in every read-out
-  EventCamera(const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start, std::uint64_t seed, std::span<const MarkerPose> rest);
+  EventCamera(const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start, std::uint64_t seed,
+              std::span<const MarkerPose> rest);
 
   /// The next read-out, with the markers where they are now: as many as at the start. @throws Error if a marker left the image
   ReadOut read_out(std::span<const MarkerPose> poses);

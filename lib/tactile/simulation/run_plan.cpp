@@ -13,7 +13,9 @@ constexpr double least_closing_mm_s = 4.0, most_closing_mm_s = 20.0;  // a press
 double drawn(Range range, Random& random) { return random.uniform(range.low, range.high); }
 
 /// Round `typical`, by a factor whose logarithm is normal with this spread, cut at two spreads.
-double varied(double typical, double spread, Random& random) { return typical * std::exp(spread * std::clamp(random.normal(), -2.0, 2.0)); }
+double varied(double typical, double spread, Random& random) {
+  return typical * std::exp(spread * std::clamp(random.normal(), -2.0, 2.0));
+}
 
 double cut_normal(double sigma, Random& random) { return sigma * std::clamp(random.normal(), -2.5, 2.5); }
 
@@ -87,7 +89,8 @@ double RunPlan::stage_travel_at(double t_s) const {
 void to_json(nlohmann::json& json, const RunPlan& p) {
   nlohmann::json markers = nlohmann::json::array();
   for (const MarkerContact& m : p.markers) {
-    markers.push_back({{"gap_mm", m.gap_mm}, {"pull_x", m.pull_x}, {"pull_y", m.pull_y}, {"shear_share", m.shear_share}, {"lag_s", m.lag_s}});
+    markers.push_back(
+        {{"gap_mm", m.gap_mm}, {"pull_x", m.pull_x}, {"pull_y", m.pull_y}, {"shear_share", m.shear_share}, {"lag_s", m.lag_s}});
   }
   json = {{"stage_start_s", p.stage_start_s},
           {"contact_s", p.contact_s},
@@ -156,7 +159,9 @@ RunClocks draw_run_clocks(Random& random) {
   // Robot log and video begin up to a second and a half before the camera; each clock counts from a start of its own.
   const auto relation = [&](std::int64_t first_stamp_us) {
     const std::int64_t first_in_camera_us = clocks.camera_start_us - 100'000 - static_cast<std::int64_t>(random.below(1'400'000));
-    return ClockRelation{.offset_us = first_in_camera_us - first_stamp_us, .drift_ppm = random.uniform(-100.0, 100.0), .reference_us = first_stamp_us};
+    return ClockRelation{.offset_us = first_in_camera_us - first_stamp_us,
+                         .drift_ppm = random.uniform(-100.0, 100.0),
+                         .reference_us = first_stamp_us};
   };
   clocks.robot = relation(600'000'000 + static_cast<std::int64_t>(random.below(200'000'000'000)));
   clocks.video = relation(0);

@@ -1,5 +1,7 @@
 #include "tactile/simulation/simulate.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -7,8 +9,6 @@
 #include <mutex>
 #include <set>
 #include <tuple>
-
-#include <fmt/core.h>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -29,7 +29,8 @@ namespace fs = std::filesystem;
 
 constexpr int model_version = 1;  ///< raised whenever the same settings give other runs than before
 
-nlohmann::json settings_json(const ObjectModel& object, const std::string& run, const SimulationPreset& preset, std::uint64_t seed) {
+nlohmann::json settings_json(const ObjectModel& object, const std::string& run, const SimulationPreset& preset,
+                             std::uint64_t seed) {
   const EventCameraOptions c = simulated_camera_options();
   const nlohmann::json camera = {{"width", c.size.width},
                                  {"height", c.size.height},
@@ -115,7 +116,8 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
       if (fs::exists(fs::symlink_status(run.folder))) {
         const std::optional<std::string> hash = settings_hash_in(run);
         if (!hash) {
-          throw Error(run.folder.string() + ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
+          throw Error(run.folder.string() +
+                      ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
         }
         const bool same = *hash == hash_of(settings_json(*object, id, preset, options.seed));
         if (!same && !options.force) {
@@ -135,7 +137,11 @@ const SimulationPreset& simulation_preset(std::string_view name) {
   static const std::array presets{
       SimulationPreset{"tiny",
                        2,
-                       {.quiet_s = {0.60, 0.75}, .travel_s = {0.15, 0.35}, .hold_s = {0.30, 0.42}, .lift_s = {0.35, 0.55}, .rest_s = {0.60, 0.80}}},
+                       {.quiet_s = {0.60, 0.75},
+                        .travel_s = {0.15, 0.35},
+                        .hold_s = {0.30, 0.42},
+                        .lift_s = {0.35, 0.55},
+                        .rest_s = {0.60, 0.80}}},
       SimulationPreset{"quick", 3, {}},
   };
   for (const SimulationPreset& preset : presets) {
@@ -146,10 +152,12 @@ const SimulationPreset& simulation_preset(std::string_view name) {
 
 EventCameraOptions simulated_camera_options() { return {}; }
 
-CameraPixels simulated_camera_pixels(std::uint64_t seed) { return draw_camera_pixels(simulated_camera_options(), seed_for(seed, {"camera"})); }
+CameraPixels simulated_camera_pixels(std::uint64_t seed) {
+  return draw_camera_pixels(simulated_camera_options(), seed_for(seed, {"camera"}));
+}
 
-RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed, const CameraPixels& pixels,
-                        const std::function<void(double)>& tell_share) {
+RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
+                        const CameraPixels& pixels, const std::function<void(double)>& tell_share) {
   const auto random_for = [&](std::string_view use) { return Random(seed_for(seed, {"run", run.object, run.run, use})); };
   Random for_plan = random_for("plan"), for_clocks = random_for("clocks"), for_motion = random_for("motion");
   const RunPlan plan = draw_run_plan(object, preset.timings, for_plan);
@@ -184,9 +192,12 @@ RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const S
 
   const nlohmann::json settings = settings_json(object, run.run, preset, seed);
   Truth truth;
-  truth.intervals.push_back({.interval = {Touch::press, start + motion.press_start, start + motion.press_end}, .gross = {}, .first_event = filmed.first_of_press});
-  truth.intervals.push_back(
-      {.interval = {Touch::slip, start + motion.slip_start, start + motion.slip_end}, .gross = start + motion.gross, .first_event = filmed.first_of_slip});
+  truth.intervals.push_back({.interval = {Touch::press, start + motion.press_start, start + motion.press_end},
+                             .gross = {},
+                             .first_event = filmed.first_of_press});
+  truth.intervals.push_back({.interval = {Touch::slip, start + motion.slip_start, start + motion.slip_end},
+                             .gross = start + motion.gross,
+                             .first_event = filmed.first_of_slip});
   truth.lift_start = start + motion.lift_start;
   truth.robot_clock = clocks.robot;
   truth.video_clock = clocks.video;
@@ -197,22 +208,30 @@ RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const S
   for (const fs::path& file : {run.events(), run.robot(), run.video(), run.video_times(), run.truth()}) {
     files[file.filename().string()] = {{"sha256", sha256_of_file(file)}, {"bytes", fs::file_size(file)}};
   }
-  write_run_info(run, {.object = run.object,
-                       .run = run.run,
-                       .session = fmt::format("simulated-{}-{}-{}", seed, run.object, run.run),
-                       .simulated = true,
-                       .complete = true,
-                       .width = camera.size.width,
-                       .height = camera.size.height,
-                       .extra = {{"camera", {{"source", source}, {"readout_mode", "constant"}, {"readout_us", camera.readout.count()}}},
-                                 {"simulation", {{"settings_hash", hash_of(settings)}, {"preset", preset.name}, {"seed", seed}, {"model_version", model_version}}},
-                                 {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-                                 {"host_time_us",
-                                  {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
-                                   {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
-                                 {"dropped", {{"events", 0}, {"robot_packages", robot.dropped_packages}, {"frames", 0}}},
-                                 {"files", files}}});
-  return {.run = run, .kind = RunOutcome::Kind::made, .events = filmed.events, .duration_s = plan.end_s, .bytes = bytes_in(run.folder)};
+  write_run_info(
+      run,
+      {.object = run.object,
+       .run = run.run,
+       .session = fmt::format("simulated-{}-{}-{}", seed, run.object, run.run),
+       .simulated = true,
+       .complete = true,
+       .width = camera.size.width,
+       .height = camera.size.height,
+       .extra = {
+           {"camera", {{"source", source}, {"readout_mode", "constant"}, {"readout_us", camera.readout.count()}}},
+           {"simulation",
+            {{"settings_hash", hash_of(settings)}, {"preset", preset.name}, {"seed", seed}, {"model_version", model_version}}},
+           {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+           {"host_time_us",
+            {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
+             {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
+           {"dropped", {{"events", 0}, {"robot_packages", robot.dropped_packages}, {"frames", 0}}},
+           {"files", files}}});
+  return {.run = run,
+          .kind = RunOutcome::Kind::made,
+          .events = filmed.events,
+          .duration_s = plan.end_s,
+          .bytes = bytes_in(run.folder)};
 }
 
 std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
@@ -245,8 +264,8 @@ std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressC
       };
       WholeFile whole(outcome.run.folder);
       fs::create_directory(whole.path());
-      const RunOutcome made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object, preset, options.seed, pixels,
-                                           [&](double share) { tell_part(0.9 * share); });
+      const RunOutcome made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object,
+                                           preset, options.seed, pixels, [&](double share) { tell_part(0.9 * share); });
       if (outcome.kind == RunOutcome::Kind::replaced) remove_run(outcome.run);
       whole.commit();
       std::tie(outcome.events, outcome.duration_s, outcome.bytes) = std::tie(made.events, made.duration_s, made.bytes);

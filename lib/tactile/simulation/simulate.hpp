@@ -3,12 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
@@ -42,21 +41,22 @@ struct RunOutcome {
   enum class Kind { made, kept, replaced, removed };
   RunFolder run;
   Kind kind = Kind::made;
-  std::uint64_t events = 0;    ///< of a run made or replaced now
+  std::uint64_t events = 0;  ///< of a run made or replaced now
   double duration_s = 0;
-  std::uint64_t bytes = 0;     ///< of all its files
+  std::uint64_t bytes = 0;  ///< of all its files
 };
 
-/// Makes run folders, each whole or not at all, and the same bytes for the same seed on any number of threads. A run that this made
-/// with the same settings is kept as it is; one made with others is refused, or replaced with `force`, which also removes runs of the
-/// same objects that this made beyond the number asked for. Any other folder is left alone, and refused where a run is to stand.
+/// Makes run folders, each whole or not at all, and the same bytes for the same seed on any number of threads. A run that this
+/// made with the same settings is kept as it is; one made with others is refused, or replaced with `force`, which also removes
+/// runs of the same objects that this made beyond the number asked for. Any other folder is left alone, and refused where a run
+/// is to stand.
 /// @return what was done, in order of object, then run
 /// @throws Error  before anything is written if an option or a folder is refused
 std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes one run's files in the folder, which is there and empty.
-RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed, const CameraPixels& pixels,
-                        const std::function<void(double)>& tell_share = {});
+RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
+                        const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
 
 /// The camera that serves all runs of a data set with this seed.
 EventCameraOptions simulated_camera_options();

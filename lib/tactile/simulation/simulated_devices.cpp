@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
 #include <opencv2/imgproc.hpp>
 
 namespace tactile {
@@ -17,7 +16,9 @@ constexpr int video_width = 320, video_height = 240;
 constexpr double video_px_per_mm = 1.3;
 constexpr std::size_t batch_events = 1 << 15;
 
-double seconds_since_start(CameraTime t, const RunClocks& clocks) { return 1e-6 * static_cast<double>(us_of(t) - clocks.camera_start_us); }
+double seconds_since_start(CameraTime t, const RunClocks& clocks) {
+  return 1e-6 * static_cast<double>(us_of(t) - clocks.camera_start_us);
+}
 
 /// As a log prints it: more digits than the encoders know only make files larger.
 double rounded(double value) { return std::round(value * 1e7) / 1e7; }
@@ -25,16 +26,19 @@ double rounded(double value) { return std::round(value * 1e7) / 1e7; }
 /// A filled rectangle whose sides may lie between pixels.
 void fill_box(cv::Mat& frame, double left, double top, double right, double bottom, int grey) {
   constexpr int shift = 6;
-  const auto fixed = [](double value) { return static_cast<int>(std::lround(std::clamp(value, -1000.0, 2000.0) * (1 << shift))); };
-  const std::array corners{cv::Point(fixed(left), fixed(top)), cv::Point(fixed(right), fixed(top)), cv::Point(fixed(right), fixed(bottom)),
-                           cv::Point(fixed(left), fixed(bottom))};
+  const auto fixed = [](double value) {
+    return static_cast<int>(std::lround(std::clamp(value, -1000.0, 2000.0) * (1 << shift)));
+  };
+  const std::array corners{cv::Point(fixed(left), fixed(top)), cv::Point(fixed(right), fixed(top)),
+                           cv::Point(fixed(right), fixed(bottom)), cv::Point(fixed(left), fixed(bottom))};
   cv::fillConvexPoly(frame, corners.data(), static_cast<int>(corners.size()), cv::Scalar(grey), cv::LINE_AA, shift);
 }
 
 }  // namespace
 
-FilmedSkin film_skin(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start, std::uint64_t seed,
-                     const std::function<void(std::span<const Event>)>& use, const std::function<void(double)>& tell_share) {
+FilmedSkin film_skin(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start,
+                     std::uint64_t seed, const std::function<void(std::span<const Event>)>& use,
+                     const std::function<void(double)>& tell_share) {
   EventCamera camera(pixels, options, start, seed, motion.poses.front());
   FilmedSkin filmed;
   std::vector<Event> batch;
@@ -115,10 +119,10 @@ cv::Mat draw_frame(const ObjectModel& object, const RunPlan& plan, double t_s, R
   const double gap_px = full_px - video_px_per_mm * plan.stage_travel_at(t_s);
   const double middle = table - 0.55 * height - lift_px;
   const double right_of_sensor = centre - half_width - gap_px, left_of_finger = centre + half_width;
-  fill_box(frame, centre - 75, middle - 52, centre + 75, middle - 40, 40);                    // the gripper's bar
-  fill_box(frame, centre - 10, -200, centre + 10, middle - 52, 55);                           // the arm
-  fill_box(frame, right_of_sensor - 26, middle - 40, right_of_sensor, middle + 18, 25);       // the sensor on its stage
-  fill_box(frame, left_of_finger, middle - 40, left_of_finger + 8, middle + 18, 210);         // the finger that does not move
+  fill_box(frame, centre - 75, middle - 52, centre + 75, middle - 40, 40);               // the gripper's bar
+  fill_box(frame, centre - 10, -200, centre + 10, middle - 52, 55);                      // the arm
+  fill_box(frame, right_of_sensor - 26, middle - 40, right_of_sensor, middle + 18, 25);  // the sensor on its stage
+  fill_box(frame, left_of_finger, middle - 40, left_of_finger + 8, middle + 18, 210);    // the finger that does not move
   for (int row = 0; row < frame.rows; ++row) {
     auto* pixels = frame.ptr<std::uint8_t>(row);
     for (int x = 0; x < frame.cols; x += 8) {

@@ -8,8 +8,8 @@ namespace tactile {
 /// The sensor's skin as its camera sees it: nine pairs of markers, a black one above a white one, on white skin.
 ///
 /// Marker 4.0 mm wide and 0.5 mm thick, 12 mm from one to the next along a strip that is 40 mm long (Faris et al.,
-/// arXiv:2403.10120, figure 2); the 40 mm fill the image's 640 px. The distance between the rows is not published: 9 mm lets three
-/// rows share the 30 mm that the image is high.
+/// arXiv:2403.10120, figure 2); the 40 mm fill the image's 640 px. The distance between the rows is not published: 9 mm lets
+/// three rows share the 30 mm that the image is high.
 inline constexpr double px_per_mm = 16.0;
 inline constexpr double marker_width_mm = 4.0;
 inline constexpr double marker_thickness_mm = 0.5;

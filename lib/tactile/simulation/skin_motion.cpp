@@ -13,13 +13,14 @@ constexpr double skin_coupling = 0.06;
 constexpr double period_jitter = 0.15;
 constexpr double amplitude_jitter = 0.25;
 constexpr double texture_memory_s = 0.003;
-constexpr double still_share = 0.01;          // of the peak speed: slower is still
-constexpr double least_pressed_mm = 0.02;     // a marker less pressed than this is not dragged along
+constexpr double still_share = 0.01;       // of the peak speed: slower is still
+constexpr double least_pressed_mm = 0.02;  // a marker less pressed than this is not dragged along
 
 /// The tip of one marker while the arm moves.
 class ShearedTip {
  public:
-  ShearedTip(const RunPlan& plan, const MarkerContact& marker) : plan_(plan), limit_mm_(plan.shear_limit_mm * marker.shear_share), lag_s_(marker.lag_s) {
+  ShearedTip(const RunPlan& plan, const MarkerContact& marker)
+      : plan_(plan), limit_mm_(plan.shear_limit_mm * marker.shear_share), lag_s_(marker.lag_s) {
     amplitude_mm_ = plan.stick_slip_mm * marker.shear_share;
     set_peak(limit_mm_);
   }
@@ -40,7 +41,8 @@ class ShearedTip {
     } else {
       const double since = t_s - released_s_;
       const double fading = std::exp(-since / plan_.ring_decay_s);
-      shear_mm_ = to_mm_ + (fading < 1e-4 ? 0.0 : (from_mm_ - to_mm_) * fading * std::cos(2.0 * std::numbers::pi * plan_.ring_hz * since));
+      shear_mm_ = to_mm_ +
+                  (fading < 1e-4 ? 0.0 : (from_mm_ - to_mm_) * fading * std::cos(2.0 * std::numbers::pi * plan_.ring_hz * since));
       if (speed > 0 && t_s >= jerk_s + lag_s_ && released_s_ < jerk_s) {
         sticks_ = true;
         set_peak(limit_mm_ * (1.0 + 0.05 * std::clamp(random.normal(), -2.0, 2.0)));
