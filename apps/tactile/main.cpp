@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
 
+  add_simulate_command(app);
   add_doctor_command(app);
 
   try {
