@@ -21,6 +21,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
 
+  add_info_command(app);
+  add_repair_command(app);
+  add_convert_command(app);
   add_doctor_command(app);
 
   try {
