@@ -22,6 +22,10 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
 
   add_simulate_command(app);
+  add_info_command(app);
+  add_repair_command(app);
+  add_convert_command(app);
+  add_label_command(app);
   add_doctor_command(app);
 
   try {

@@ -1,6 +1,8 @@
 #include "tactile/labels/event_rate.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "tactile/core/error.hpp"
@@ -27,6 +29,13 @@ Span span_of(RecordingReader& recording, std::int32_t stream_id) {
   return span;
 }
 
+/// Events per pixel in the part that has the fewest: the noise of an ordinary pixel.
+double quietest_mean(const std::vector<std::uint16_t>& counts) {
+  std::array<double, parts> sums{};
+  for (std::size_t i = 0; i < counts.size(); ++i) sums[i % parts] += counts[i];
+  return *std::min_element(sums.begin(), sums.end()) * parts / static_cast<double>(counts.size());
+}
+
 /// By pixel, whether it fires throughout.
 std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, double hot_pixel_hz) {
   const auto width = static_cast<std::size_t>(stream.size->width);
@@ -41,7 +50,8 @@ std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, c
       if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
     }
   });
-  const double limit = std::max(2.0, hot_pixel_hz * length_us / parts / 1e6);
+  const double expected = quietest_mean(counts);
+  const double limit = std::max({2.0, hot_pixel_hz * length_us / parts / 1e6, expected + 10.0 * std::sqrt(expected)});
   std::vector<bool> hot(pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const auto first = counts.begin() + static_cast<std::ptrdiff_t>(pixel * parts);

@@ -20,9 +20,9 @@ struct EventRate {
 };
 
 struct EventRateOptions {
-  microseconds bin{200};  ///< a whole number of read-outs, > 0
-  double hot_pixel_hz =
-      8.0;  ///< a pixel is hot if it fires at least so often in at least half of eight equal parts of the recording
+  microseconds bin{200};      ///< a whole number of read-outs, > 0
+  double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least half of eight equal parts of the recording it fires at least so
+                              ///< often, and ten standard deviations above the mean of all pixels in the quietest part
 };
 
 /// Reads the recording twice: once to find the hot pixels, once to count. A pixel that a moving marker lights fires in a few of
