@@ -5,6 +5,9 @@
 namespace tactile {
 
 // In the order they are run.
+void add_windows_command(CLI::App& app);
+void add_heatmaps_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
 }  // namespace tactile

@@ -21,6 +21,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
 
+  add_windows_command(app);
+  add_heatmaps_command(app);
+  add_view_command(app);
   add_doctor_command(app);
 
   try {
