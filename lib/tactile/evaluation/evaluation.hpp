@@ -19,10 +19,10 @@
 namespace tactile {
 
 struct EvaluationOptions {
-  std::optional<microseconds>
-      guard;  ///< after an interval, alarms are counted apart for so long; >= 0, the dataset's own if not given
-  DelayOptions delay;
-  BootstrapOptions bootstrap;
+  std::optional<microseconds> guard =
+      std::nullopt;  ///< after an interval, alarms are counted apart for so long; >= 0, the dataset's own if not given
+  DelayOptions delay{};
+  BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it
 };
 
