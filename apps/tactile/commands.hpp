@@ -10,6 +10,9 @@ void add_info_command(CLI::App& app);
 void add_repair_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_label_command(CLI::App& app);
+void add_windows_command(CLI::App& app);
+void add_heatmaps_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
 }  // namespace tactile

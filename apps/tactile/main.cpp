@@ -26,6 +26,9 @@ int main(int argc, char** argv) {
   add_repair_command(app);
   add_convert_command(app);
   add_label_command(app);
+  add_windows_command(app);
+  add_heatmaps_command(app);
+  add_view_command(app);
   add_doctor_command(app);
 
   try {

@@ -14,9 +14,8 @@ StoredHistory store_heatmaps(const Dataset& dataset, const HeatmapOptions& optio
   check_renders(dataset, options);
   const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
   const StoredHeatmaps description{.name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
-  for (const StoredHeatmaps& stored : dataset.heatmaps()) {
-    if (stored.name == description.name && stored.settings == description.settings) return {stored, true};
-  }
+  if (const auto stored = dataset.find_heatmaps(description.name); stored && stored->settings == description.settings)
+    return {*stored, true};
   if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
   const std::span<const Sample> samples = dataset.samples();
   HeatmapsWriter writer(dataset, description);

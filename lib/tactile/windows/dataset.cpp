@@ -112,7 +112,19 @@ struct Dataset::State {
   void read();
   void read_runs(const std::string& where);
   void check_events(const std::string& where) const;
+  StoredHeatmaps describe(hid_t group, const std::string& name) const;
 };
+
+StoredHeatmaps Dataset::State::describe(hid_t group, const std::string& name) const {
+  const std::string where = file.string() + ": /heatmaps/" + name;
+  const h5::Id table = open_heatmaps(group, name, manifest_hash, samples.size(), where);
+  h5::check_stored_size(table, where);
+  const std::vector<hsize_t> shape = h5::shape_of(table, where);
+  return {.name = name,
+          .settings = parsed(h5::read_text_attribute(table, "settings", where), where),
+          .width = static_cast<int>(shape[2]),
+          .height = static_cast<int>(shape[1])};
+}
 
 void Dataset::State::read() {
   const std::string where = file.string();
@@ -243,16 +255,19 @@ std::vector<StoredHeatmaps> Dataset::heatmaps() const {
   const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
   if (group < 0) h5::fail(where, "cannot be opened");
   std::vector<StoredHeatmaps> stored;
-  for (const std::string& name : h5::members_of(group)) {
-    const std::string here = where + "/" + name;
-    const h5::Id table = open_heatmaps(group, name, state_->manifest_hash, state_->samples.size(), here);
-    const std::vector<hsize_t> shape = h5::shape_of(table, here);
-    stored.push_back({.name = name,
-                      .settings = parsed(h5::read_text_attribute(table, "settings", here), here),
-                      .width = static_cast<int>(shape[2]),
-                      .height = static_cast<int>(shape[1])});
-  }
+  for (const std::string& name : h5::members_of(group)) stored.push_back(state_->describe(group, name));
   return stored;
+}
+
+std::optional<StoredHeatmaps> Dataset::find_heatmaps(const std::string& name) const {
+  const h5::Session session;
+  const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+  if (group < 0 || !h5::has_member(group, name)) return std::nullopt;
+  try {
+    return state_->describe(group, name);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const {

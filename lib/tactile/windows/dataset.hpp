@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,6 +60,10 @@ class Dataset {
 
   std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
   std::vector<StoredHeatmaps> heatmaps() const;              ///< every history that is listed
+
+  /// That history; nothing if it is not listed, or its file is missing, damaged or of another dataset, so that it is rendered
+  /// anew.
+  std::optional<StoredHeatmaps> find_heatmaps(const std::string& name) const;
 
   /// @return [sample_indexes, height, width], one after the other
   std::vector<std::uint8_t> read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const;
