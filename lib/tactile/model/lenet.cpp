@@ -4,7 +4,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
-#include <cstring>
+#include <atomic>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -38,6 +38,8 @@ struct Network : torch::nn::Module {
 void set_threads(unsigned threads) {
   const int count = static_cast<int>(threads);
   if (at::get_num_threads() != count) at::set_num_threads(count);
+  static std::atomic<int> blas_threads{0};
+  if (blas_threads.exchange(count) == count) return;
   using SetThreads = void (*)(int);
   static const auto set_blas_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
   if (set_blas_threads != nullptr) set_blas_threads(count);
@@ -65,10 +67,6 @@ Logits logits_at(const float* row) {
 }
 
 }  // namespace
-
-Touch verdict_of(const Logits& logits) {
-  return all_touches[static_cast<std::size_t>(std::max_element(logits.begin(), logits.end()) - logits.begin())];
-}
 
 struct LeNet::State {
   LeNetLayers layers;

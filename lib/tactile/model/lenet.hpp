@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -8,14 +7,10 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/model/lenet_layers.hpp"
+#include "tactile/model/logits.hpp"
 #include "tactile/model/weights.hpp"
 
 namespace tactile {
-
-using Logits = std::array<float, touch_count>;
-
-/// The touch with the largest logit; the earlier one of equals.
-Touch verdict_of(const Logits& logits);
 
 /// The network itself, on libtorch.
 class LeNet {
