@@ -46,19 +46,21 @@ double likeness(const EventRate& rate, const QuietRate& quiet, const Burst& burs
   return correlation * std::min(burst_length, lift_length) / std::max(burst_length, lift_length);
 }
 
-/// The share of all bursts' events that are in none after this one. After a slip the skin rests; what follows it is small.
+/// The share of all bursts' events that are in none after this one, squared: after a slip the skin rests, and what follows it is
+/// small.
 double explained_by(std::size_t burst_index, const std::vector<Burst>& bursts) {
   double until = 0, all = 0;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     all += bursts[i].events;
     until += i <= burst_index ? bursts[i].events : 0.0;
   }
-  return all > 0 ? until / all : 1.0;
+  const double share = all > 0 ? until / all : 1.0;
+  return share * share;
 }
 
 struct LiftMatch {
   std::size_t burst_index = 0;
-  double quality = 0;  ///< likeness times the share of events explained
+  double quality = 0;  ///< likeness times the share of events explained, squared
   double ratio = 0;    ///< to the second best
 };
 

@@ -18,8 +18,9 @@ struct OnsetOptions {
 ///
 ///   rate(t) = q for u < 0;   q + a u^p for u >= 0,   p = 0 (a blow) or p = 1 (a start from rest)
 ///
-/// For each tau on the bins' edges the best a is found for either p, and the larger likelihood is kept. The 95 % interval is
-/// where the log-likelihood, divided by the noise's dispersion, is within 1.92 of its maximum.
+/// Only the bins up to where the events stand out beyond doubt are used. For each tau on the bins' edges the best a is found for
+/// either p, and the larger likelihood is kept. The 95 % interval is where the log-likelihood, divided by the noise's dispersion,
+/// is within 1.92 of its maximum.
 ///
 /// @param candidate  a bin near the onset, as `bursts_in` finds it
 UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::size_t candidate, const OnsetOptions& options = {});
