@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -531,6 +532,49 @@ TEST(KilledRecording, HoldsEveryFlushedPacketAndAnExactPrefix) {
     ::munmap(shared, 4096);
   }
   EXPECT_GT(most, 9'000) << "no kill came late enough to say anything";
+}
+
+TEST(KilledRecording, OnAFullDiskSaysSoAndKeepsItsWholePackets) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "full.aedat4";
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit then fails as it does on a full disk
+    rlimit limit{};
+    ::getrlimit(RLIMIT_FSIZE, &limit);
+    const rlimit little{.rlim_cur = 100'000, .rlim_max = limit.rlim_max};
+    int outcome = 1;
+    try {
+      RecordingWriter writer(file, {mini}, {.compression = Compression::none, .packet_events = 500});
+      ::setrlimit(RLIMIT_FSIZE, &little);
+      std::vector<Event> events(300);
+      try {
+        for (std::int64_t next = 0; next < 300'000;) {
+          for (Event& e : events) e = numbered_event(next++);
+          writer.write_events(0, events);
+        }
+      } catch (const Error&) {
+        outcome = 2;
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        writer.close();  // there is room again
+        outcome = 0;
+      }
+    } catch (...) {
+    }
+    ::_exit(outcome);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  RecordingReader recording(file);
+  EXPECT_EQ(recording.index(), PacketIndex::table) << recording.problems().table;
+  std::int64_t read = 0;
+  for_all_events(recording, 0, [&](std::span<const Event> events) {
+    for (const Event& e : events) ASSERT_EQ(e, numbered_event(read++));
+  });
+  EXPECT_GE(read, 5'500);
 }
 
 }  // namespace
