@@ -1,16 +1,15 @@
 #include "command.hpp"
 
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <iostream>
 #include <thread>
-
-#include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -24,7 +23,8 @@ std::vector<std::string> texts_of(const nlohmann::json& value, const std::string
   if (value.is_string()) return {value.get<std::string>()};
   if (value.is_boolean()) return {value.get<bool>() ? "true" : "false"};
   if (value.is_number()) return {value.dump()};
-  if (!value.is_array() || value.empty()) throw Error(where + " has no plain value; expected a number, a text, true or false, or a list of these");
+  if (!value.is_array() || value.empty())
+    throw Error(where + " has no plain value; expected a number, a text, true or false, or a list of these");
   std::vector<std::string> texts;
   for (const nlohmann::json& element : value) {
     if (element.is_array()) throw Error(where + " has a list within a list; expected a list of plain values");
@@ -39,15 +39,15 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   if (!json.is_object()) throw Error(file + ": no JSON object; expected {\"option\": value, ...}");
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_positional() ? option->get_name(true) : option->get_single_name();
-    if (name != "help" && name != "config") names.push_back(name);
+    if (const std::string name = option->get_single_name(); name != "help" && name != "config") names.push_back(name);
   }
   for (const auto& [key, value] : json.items()) {
-    CLI::Option* option = std::find(names.begin(), names.end(), key) == names.end() ? nullptr : command.get_option_no_throw("--" + key);
-    if (option == nullptr && std::find(names.begin(), names.end(), key) != names.end()) option = command.get_option_no_throw(key);
-    if (option == nullptr) {
-      throw Error(fmt::format("{}: '{}' is no option of '{}'; the nearest is '{}'", file, key, command.get_name(), nearest_name(key, names)));
+    if (std::find(names.begin(), names.end(), key) == names.end()) {
+      throw Error(fmt::format("{}: '{}' is no option of '{}'; the nearest is '{}'", file, key, command.get_name(),
+                              nearest_name(key, names)));
     }
+    const auto has_this_name = [&name = key](CLI::Option* option) { return option->get_single_name() == name; };
+    CLI::Option* option = command.get_options(has_this_name).front();
     if (option->count() > 0) continue;
     option->add_result(texts_of(value, fmt::format("{}: '{}'", file, key)));
     option->run_callback();
@@ -61,7 +61,9 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   CLI::App* command = app.add_subcommand(name, description);
   auto common = std::make_shared<CommonArguments>();
   common->threads = std::max(1U, std::thread::hardware_concurrency());
-  command->add_option("--config", common->config, "JSON file of options; the command line wins over it")->type_name("FILE.json")->check(CLI::ExistingFile);
+  command->add_option("--config", common->config, "JSON file of options; the command line wins over it")
+      ->type_name("FILE.json")
+      ->check(CLI::ExistingFile);
   command->add_flag("--json", common->json, "Print the result as JSON");
   command->add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
   command->add_option("--threads", common->threads, "Threads to work on")->check(CLI::Range(1U, 1024U))->capture_default_str();

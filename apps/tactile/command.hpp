@@ -1,12 +1,11 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <string>
-
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "tactile/core/progress.hpp"
 
@@ -26,8 +25,8 @@ struct CheckFailed {};
 /// Ctrl-C: the command ends with 130, and what it wrote so far stays.
 struct Interrupted {};
 
-/// Declares a command with --config, --json, --quiet and --threads, and what it runs once its options are read. Values from --config fill in for
-/// options that were not given; a key that no option has is an error that names the nearest one.
+/// Declares a command with --config, --json, --quiet and --threads, and what it runs once its options are read. Values from
+/// --config fill in for options that were not given; a key that no option has is an error that names the nearest one.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       std::function<void(const CommonArguments&)> run);
 

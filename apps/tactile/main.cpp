@@ -1,10 +1,10 @@
-#include <cstdio>
-#include <exception>
-
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
 
 #include "command.hpp"
 #include "commands.hpp"
@@ -21,9 +21,14 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
 
+  add_simulate_command(app);
   add_info_command(app);
   add_repair_command(app);
   add_convert_command(app);
+  add_label_command(app);
+  add_windows_command(app);
+  add_heatmaps_command(app);
+  add_view_command(app);
   add_doctor_command(app);
 
   try {

@@ -7,7 +7,8 @@ namespace {
 
 /// Characters, not bytes: "µs" is two wide.
 std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 }  // namespace
@@ -31,6 +32,14 @@ std::string text_table(const std::vector<std::string>& header, const std::vector
   };
   add_row(header);
   for (const auto& row : rows) add_row(row);
+  return text;
+}
+
+std::string text_list(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::size_t width = 0;
+  for (const auto& [name, value] : entries) width = std::max(width, width_of(name));
+  std::string text;
+  for (const auto& [name, value] : entries) text += name + std::string(width - width_of(name) + 2, ' ') + value + '\n';
   return text;
 }
 

@@ -1,11 +1,11 @@
 #include "tactile/core/random.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-
-#include <gtest/gtest.h>
 
 namespace tactile {
 namespace {

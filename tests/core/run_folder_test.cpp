@@ -26,7 +26,14 @@ TEST(RunInfo, KeepsWhatItDoesNotKnow) {
   const test::TemporaryFolder data;
   std::filesystem::create_directories(data.path() / "fan" / "01");
   const RunFolder run = run_folder_at(data.path() / "fan" / "01");
-  write_run_info(run, {.object = "fan", .run = "01", .session = "a", .simulated = true, .complete = true, .width = 640, .height = 480, .extra = {{"weather", "fine"}}});
+  write_run_info(run, {.object = "fan",
+                       .run = "01",
+                       .session = "a",
+                       .simulated = true,
+                       .complete = true,
+                       .width = 640,
+                       .height = 480,
+                       .extra = {{"weather", "fine"}}});
   const RunInfo info = read_run_info(run);
   EXPECT_EQ(info.object, "fan");
   EXPECT_EQ(info.width, 640);

@@ -1,8 +1,8 @@
 #include "tactile/core/whole_file.hpp"
 
-#include <fstream>
-
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"

@@ -27,7 +27,8 @@ inline CommandResult run_shell(const std::string& command, const std::filesystem
     text << std::ifstream(file).rdbuf();
     return text.str();
   };
-  const std::string whole = "cd '" + in.string() + "' && ( " + command + " ) >'" + (folder / "out").string() + "' 2>'" + (folder / "err").string() + "' </dev/null";
+  const std::string whole = "cd '" + in.string() + "' && ( " + command + " ) >'" + (folder / "out").string() + "' 2>'" +
+                            (folder / "err").string() + "' </dev/null";
   const int status = std::system(whole.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(folder / "out"), text_of(folder / "err")};
 }

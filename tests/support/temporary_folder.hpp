@@ -13,7 +13,8 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     static std::atomic<int> made{0};
-    path_ = std::filesystem::temp_directory_path() / ("tactile-test-" + std::to_string(::getpid()) + "-" + std::to_string(made++));
+    path_ =
+        std::filesystem::temp_directory_path() / ("tactile-test-" + std::to_string(::getpid()) + "-" + std::to_string(made++));
     std::filesystem::create_directories(path_);
   }
   ~TemporaryFolder() {

@@ -20,7 +20,7 @@ class Random {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   std::uint64_t below(std::uint64_t count);  ///< in [0, count), every value alike; count > 0
   double normal();                           ///< mean 0, standard deviation 1
-  double exponential();                     ///< mean 1
+  double exponential();                      ///< mean 1
   std::uint64_t poisson(double mean);        ///< mean >= 0
 
   template <class T>

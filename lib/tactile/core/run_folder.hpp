@@ -2,10 +2,9 @@
 
 #include <compare>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 namespace tactile {
 
@@ -30,15 +29,15 @@ struct RunFolder {
 struct RunInfo {
   std::string object;
   std::string run;
-  std::string session;       ///< runs that share one start of camera and controller, and so their clocks; may be empty
+  std::string session;  ///< runs that share one start of camera and controller, and so their clocks; may be empty
   bool simulated = false;
-  bool complete = false;     ///< false until the recording is closed
-  int width = 0;             ///< [px] > 0
-  int height = 0;            ///< [px] > 0
+  bool complete = false;  ///< false until the recording is closed
+  int width = 0;          ///< [px] > 0
+  int height = 0;         ///< [px] > 0
   nlohmann::json extra = nlohmann::json::object();
 };
 
-bool is_run_id(std::string_view name);      ///< two digits from "01"
+bool is_run_id(std::string_view name);       ///< two digits from "01"
 bool is_object_name(std::string_view name);  ///< lower-case letters, digits and inner hyphens
 
 /// The run in `folder`, named by its last two parts. @throws Error if there is no such folder

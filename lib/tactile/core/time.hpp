@@ -10,10 +10,18 @@ using std::chrono::microseconds;
 using namespace std::chrono_literals;
 
 /// Each device counts whole microseconds on a clock of its own; no two agree until they are aligned.
-struct CameraClock { using duration = microseconds; };
-struct RobotClock { using duration = microseconds; };
-struct VideoClock { using duration = microseconds; };
-struct HostClock { using duration = microseconds; };
+struct CameraClock {
+  using duration = microseconds;
+};
+struct RobotClock {
+  using duration = microseconds;
+};
+struct VideoClock {
+  using duration = microseconds;
+};
+struct HostClock {
+  using duration = microseconds;
+};
 using CameraTime = std::chrono::time_point<CameraClock, microseconds>;
 using RobotTime = std::chrono::time_point<RobotClock, microseconds>;
 using VideoTime = std::chrono::time_point<VideoClock, microseconds>;

@@ -8,9 +8,12 @@ namespace tactile {
 
 std::string_view name_of(Touch touch) {
   switch (touch) {
-    case Touch::none: return "none";
-    case Touch::press: return "press";
-    case Touch::slip: return "slip";
+    case Touch::none:
+      return "none";
+    case Touch::press:
+      return "press";
+    case Touch::slip:
+      return "slip";
   }
   return "unknown";
 }

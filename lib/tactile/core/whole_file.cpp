@@ -41,7 +41,8 @@ void write_whole(const fs::path& file, std::string_view text) {
   std::ofstream out(whole.path(), std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();
-  if (!out) throw Error(file.string() + ": cannot be written (" + std::strerror(errno) + "); expected a writable place with room");
+  if (!out)
+    throw Error(file.string() + ": cannot be written (" + std::strerror(errno) + "); expected a writable place with room");
   whole.commit();
 }
 
@@ -65,7 +66,8 @@ void sync_to_disk(const fs::path& path) {
   const bool synced = file >= 0 && (::fsync(file) == 0 || errno == EINVAL);
   const int error = errno;
   if (file >= 0) ::close(file);
-  if (!synced) throw Error(path.string() + ": cannot be synced to the disk (" + std::strerror(error) + "); expected a writable disk");
+  if (!synced)
+    throw Error(path.string() + ": cannot be synced to the disk (" + std::strerror(error) + "); expected a writable disk");
 }
 
 }  // namespace tactile

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/heatmaps/sliding_counts.hpp"
 
@@ -24,7 +23,8 @@ struct HeatmapOptions {
   microseconds tick{2'000};      ///< between two heatmaps, > 0
   Denoise denoise = Denoise::mean;
   Resize resize = Resize::area;
-  double factor = 0.2;  ///< output size per input size, in (0, 1], one whole input pixel or more to an output pixel: 1/factor is whole
+  double factor =
+      0.2;  ///< output size per input size, in (0, 1], one whole input pixel or more to an output pixel: 1/factor is whole
 
   friend bool operator==(const HeatmapOptions&, const HeatmapOptions&) = default;
 };
@@ -35,8 +35,8 @@ void from_json(const nlohmann::json& json, HeatmapOptions& options);  ///< @thro
 /// @throws Error  if an option is out of its range, or the history no whole number of ticks
 void check(const HeatmapOptions& options);
 
-/// The name its heatmaps are stored under: "th_040" for the default rendering of a whole number of ms, else that and the first 8 of its
-/// settings' hash.
+/// The name its heatmaps are stored under: "th_040" for the default rendering of a whole number of ms, else that and the first 8
+/// of its settings' hash.
 std::string stored_name(const HeatmapOptions& options);
 
 /// What cv::resize(M, {}, factor, factor) gives of a sensor's size.
@@ -47,7 +47,10 @@ SensorSize heatmap_size(SensorSize sensor, double factor);
 ///   b = mean of E over pixels with E > 0;   D = denoised E;   H = resize(255 * D / max D)
 ///
 /// Computed in the log domain, so that D / max D is right where D itself underflows. No events: all 0.
-/// Its cost follows the pixels with events and the output, not the sensor.
+/// Its cost follows the pixels with events and the output, not the sensor; its result depends on the counts alone, not on the
+/// order in which they came about.
+///
+/// Source: Faris et al., arXiv:2403.10120, equations 2 to 5; cv::resize for the sizes and the two ways of resizing.
 class HeatmapRenderer {
  public:
   HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check`
@@ -63,14 +66,28 @@ class HeatmapRenderer {
   void render(const SlidingCounts& counts, std::span<std::uint8_t> heatmap);
 
  private:
-  void accumulate(const SlidingCounts& counts);
+  struct CountWeight {
+    std::uint32_t count;
+    double weight;
+  };
+
+  void weigh(const SlidingCounts& counts);
+  double weight_of(std::uint32_t count) const;
+  double cell_value(std::span<const std::uint32_t> counts, int cell_x, int cell_y) const;
+  template <class Store>
+  void render_cells(const SlidingCounts& counts, Store store);
 
   SensorSize sensor_;
   HeatmapOptions options_;
   SensorSize size_;
-  int step_ = 5;
-  std::vector<double> cells_;
-  std::vector<double> weight_of_count_;
+  int step_ = 5;                       // sensor pixels to a heatmap pixel, each way
+  std::vector<double> small_weights_;  // of counts below `small_weights_.size()`; only those in `distinct_` are of this window
+  std::vector<CountWeight> distinct_;  // the counts of this window, ascending, each once
+  double strongest_weight_ = 1.0;
+  std::vector<std::uint32_t> cell_of_x_, cell_of_y_;
+  std::vector<std::uint64_t> cell_seen_;  // the last rendering that a cell was part of
+  std::vector<std::uint64_t> count_seen_;
+  std::uint64_t renderings_ = 0;
 };
 
 }  // namespace tactile

@@ -17,7 +17,7 @@ namespace tactile {
 class SlidingCounts {
  public:
   /// @param history  t_h > 0
-  /// @throws Error  if the sensor has no area or the history is not positive
+  /// @throws Error  if the sensor has no area or more than 2^26 pixels, or the history is not positive
   SlidingCounts(SensorSize size, microseconds history);
 
   /// Appends events not yet counted, ascending in time and none before those already given.
@@ -37,18 +37,26 @@ class SlidingCounts {
   std::span<const std::uint32_t> active() const { return active_; }
 
  private:
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x); }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+  }
+  void count(std::uint32_t pixel);
+  void forget(std::uint32_t pixel);
 
-  struct Waiting { CameraTime t; std::uint32_t pixel; };
+  struct Waiting {
+    CameraTime t;
+    std::uint32_t pixel;
+  };
   SensorSize size_;
   microseconds history_;
   std::vector<std::uint32_t> counts_;
   std::vector<std::uint32_t> active_;
-  std::vector<std::uint32_t> place_in_active_;
-  std::deque<Waiting> waiting_;     // given, not yet counted or counted and not yet forgotten
-  std::size_t counted_ = 0;         // of `waiting_`, from its front
+  std::vector<std::uint32_t> place_in_active_;  // of a pixel with E > 0
+  std::deque<Waiting> waiting_;                 // given and not yet forgotten
+  std::size_t counted_ = 0;                     // of `waiting_`, from its front
   std::uint64_t in_window_ = 0;
   CameraTime tick_ = CameraTime::min();
+  CameraTime last_ = CameraTime::min();  // of the events given
 };
 
 }  // namespace tactile

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/core/clock_relation.hpp"
 #include "tactile/core/touch.hpp"

@@ -12,10 +12,10 @@ namespace tactile {
 
 /// One row of a robot log, in RTDE's terms.
 struct RobotState {
-  RobotTime t;                                        ///< `timestamp`, controller seconds, rounded to microseconds
-  std::array<double, 6> tcp_pose{};                   ///< `actual_TCP_pose`: x y z [m], rotation vector [rad], base frame
-  std::array<double, 6> tcp_speed{};                  ///< `actual_TCP_speed`: [m/s], [rad/s]
-  std::optional<std::uint64_t> digital_output_bits;   ///< `actual_digital_output_bits`
+  RobotTime t;                                       ///< `timestamp`, controller seconds, rounded to microseconds
+  std::array<double, 6> tcp_pose{};                  ///< `actual_TCP_pose`: x y z [m], rotation vector [rad], base frame
+  std::array<double, 6> tcp_speed{};                 ///< `actual_TCP_speed`: [m/s], [rad/s]
+  std::optional<std::uint64_t> digital_output_bits;  ///< `actual_digital_output_bits`
 };
 
 struct RobotLog {

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/core/clock_relation.hpp"
 #include "tactile/core/touch.hpp"
@@ -13,10 +12,10 @@ namespace tactile {
 
 /// What really happened, in camera time.
 struct TrueInterval {
-  TouchInterval interval;                      ///< onset and end by the rules that labels follow
-  std::optional<CameraTime> gross;             ///< slip only: object and tip first move against each other
-  std::optional<CameraTime> first_event;       ///< the first event that this motion caused
-  bool labelled = true;                        ///< false: real motion that nobody labels
+  TouchInterval interval;                 ///< onset and end by the rules that labels follow
+  std::optional<CameraTime> gross;        ///< slip only: object and tip first move against each other
+  std::optional<CameraTime> first_event;  ///< the first event that this motion caused
+  bool labelled = true;                   ///< false: real motion that nobody labels
 };
 
 struct Truth {

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tactile/core/touch.hpp"
 
@@ -20,15 +20,18 @@ struct Sample {
 };
 
 struct SamplingOptions {
-  microseconds tick{2'000};       ///< between two ticks, > 0
-  microseconds window{500'000};   ///< kept of each press and slip, >= tick
-  microseconds guard{100'000};    ///< none keeps so far from every interval, >= 0
-  microseconds history{50'000};   ///< none samples have so much recording before them; a whole number of ticks
+  microseconds tick{2'000};      ///< between two ticks, > 0
+  microseconds window{500'000};  ///< kept of each press and slip, >= tick
+  microseconds guard{100'000};   ///< none keeps so far from every interval, >= 0
+  microseconds history{50'000};  ///< none samples have so much recording before them; a whole number of ticks
   std::uint64_t seed = 1;
 };
 
 void to_json(nlohmann::json& json, const SamplingOptions& options);
-void from_json(const nlohmann::json& json, SamplingOptions& options);
+void from_json(const nlohmann::json& json, SamplingOptions& options);  ///< @throws Error
+
+/// @throws Error  if an option is out of its range
+void check(const SamplingOptions& options);
 
 /// An interval and whether its labels may be used; one that may not still keeps `none` away.
 struct SampledInterval {
@@ -38,18 +41,23 @@ struct SampledInterval {
 
 /// The balanced samples of one run, ascending in time.
 ///
-/// Press and slip: the ticks (whole multiples of `tick`) with start < t <= min(end, start + window) of each used interval. None: drawn at
-/// random from ticks with [t - history, t) inside [first_event, last_event] and t <= start - guard or t > end + guard for every interval.
-/// Every class is then cut at random to the size of the smallest.
+/// Only full ticks count: whole multiples of `tick` with t - history >= first_event and t <= last_event, as `full_ticks` has
+/// them. Press and slip: those with start < t <= min(end, start + window) of each used interval. None: drawn at random from those
+/// with t <= start - guard or t > end + guard for every interval. Every class is then cut at random to the size of the smallest.
 ///
 /// @param intervals  by start, not overlapping
 /// @return  none at all if a class has no tick
-/// @throws Error  if an option is out of its range
+/// @throws Error  if an option is out of its range, or the intervals overlap or are not by start
 /// Source: Faris et al., arXiv:2403.10120, section IV.
 std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const SampledInterval> intervals, CameraTime first_event,
                                      CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options);
 
-/// The smallest tick >= t, and the largest <= t; ticks are whole multiples of `tick` of camera time, negative ones too.
+/// How many ticks of each class a run offers before they are balanced, by the value of Touch.
+std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInterval> intervals, CameraTime first_event,
+                                                      CameraTime last_event, const SamplingOptions& options);
+
+/// The smallest tick >= t, and the largest <= t; ticks are whole multiples of `tick` of camera time, negative ones too. The end
+/// of the clock, which need be no tick, where none lies before it.
 CameraTime first_tick_from(CameraTime t, microseconds tick);
 CameraTime last_tick_until(CameraTime t, microseconds tick);
 

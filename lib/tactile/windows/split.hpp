@@ -34,9 +34,10 @@ struct RunName {
   bool has_samples = true;
 };
 
-/// single-run: trains on run `train_run` of every object, tests on every other run. unseen: trains on it for the objects not held out,
-/// tests on every run of those held out.
-/// @throws Error  if a held-out object does not exist, nothing is left to train or test on, or a training run has no samples (names the
+/// single-run: trains on run `train_run` of every object, tests on every other run. unseen: trains on it for the objects not held
+/// out, tests on every run of those held out.
+/// @throws Error  if a held-out object does not exist, nothing is left to train or test on, or a training run has no samples
+/// (names the
 ///                next whole one)
 Split split_runs(std::span<const RunName> runs, const SplitOptions& options);
 

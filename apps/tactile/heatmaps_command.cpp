@@ -1,0 +1,133 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <numeric>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/heatmaps/store_heatmaps.hpp"
+#include "tactile/report/contact_sheet.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct HeatmapsArguments {
+  std::string data = "data";
+  std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
+  std::string denoise = "mean", resize = "area";
+  double factor = 0.2;
+  std::int64_t tick_us = 2000;
+  std::string pictures;
+};
+
+microseconds whole_us(double ms) {
+  const double us = ms * 1000;
+  if (std::abs(us - std::round(us)) > 1e-6)
+    throw Error(fmt::format("--th {}: no whole number of us; expected at most three decimals", ms));
+  return microseconds{std::llround(us)};
+}
+
+/// One PNG a sample, its pixels the heatmap's own: DIR/th_040/<object>/<run>/<t_us>-<class>.png.
+std::uint64_t write_pictures(const Dataset& dataset, const StoredHeatmaps& stored, const fs::path& folder,
+                             const ProgressCallback& progress) {
+  const std::span<const Sample> samples = dataset.samples();
+  for (std::uint32_t i = 0; i < samples.size(); ++i) {
+    std::vector<std::uint8_t> heatmap = dataset.read_heatmaps(stored.name, std::span(&i, 1));
+    const DatasetRun& run = dataset.runs()[samples[i].run_index];
+    const std::string name = fmt::format("{}-{}.png", us_of(samples[i].t), name_of(samples[i].touch));
+    write_png(folder / stored.name / run.object / run.run / name, cv::Mat(stored.height, stored.width, CV_8UC1, heatmap.data()));
+    tell(progress, i + 1, samples.size(), "pictures of " + stored.name);
+  }
+  return samples.size();
+}
+
+void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& common) {
+  const fs::path file = fs::is_regular_file(args.data) ? fs::path(args.data) : fs::path(args.data) / "dataset.h5";
+  if (!fs::exists(file)) {
+    throw Error(fmt::format("{}: no such dataset; expected one, run 'tactile windows{}' first", file.string(),
+                            args.data == "data" ? "" : " " + args.data));
+  }
+  std::vector<HeatmapOptions> histories;
+  for (const double history_ms : args.histories_ms) {
+    // The options' own reader of JSON checks names and says what would be right.
+    const nlohmann::json json = {{"history_us", whole_us(history_ms).count()},
+                                 {"tick_us", args.tick_us},
+                                 {"denoise", args.denoise},
+                                 {"resize", args.resize},
+                                 {"factor", args.factor}};
+    histories.push_back(json.get<HeatmapOptions>());
+  }
+  nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
+  std::vector<std::vector<std::string>> rows;
+  {
+    const Dataset dataset(file);
+    for (const HeatmapOptions& options : histories)
+      check_renders(dataset, options);  // all are refused before the first is rendered
+    result["simulated"] = dataset.simulated();
+    result["samples"] = dataset.samples().size();
+    for (const HeatmapOptions& options : histories) {
+      const StoredHistory history = store_heatmaps(dataset, options, common.threads, progress_line(common));
+      const StoredHeatmaps& stored = history.heatmaps;
+      result["histories"].push_back({{"name", stored.name},
+                                     {"outcome", history.kept ? "unchanged" : "written"},
+                                     {"settings", stored.settings},
+                                     {"width", stored.width},
+                                     {"height", stored.height}});
+      rows.push_back({stored.name, fmt::format("{} ms", static_cast<double>(options.history.count()) / 1000),
+                      fmt::format("{}x{}", stored.width, stored.height), std::to_string(dataset.samples().size()),
+                      history.kept ? "unchanged" : "written"});
+    }
+  }
+  std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);
+  if (!args.pictures.empty()) {
+    const Dataset dataset(file);  // opened again: it lists what was rendered now
+    std::uint64_t pictures = 0;
+    for (const HeatmapOptions& options : histories) {
+      const auto stored = dataset.find_heatmaps(stored_name(options));
+      if (!stored)
+        throw Error(fmt::format("{}: history {} is gone again; expected nobody to replace the dataset meanwhile", file.string(),
+                                stored_name(options)));
+      pictures += write_pictures(dataset, *stored, args.pictures, progress_line(common));
+    }
+    result["pictures"] = pictures;
+    text += fmt::format("{} pictures in {}\n", pictures, args.pictures);
+  }
+  print_result(common, result, text);
+}
+
+}  // namespace
+
+void add_heatmaps_command(CLI::App& app) {
+  auto args = std::make_shared<HeatmapsArguments>();
+  CLI::App* command = add_command(app, "heatmaps", "Render the heatmaps of a dataset's samples",
+                                  [args](const CommonArguments& common) { render_heatmaps(*args, common); });
+  command->add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset")->capture_default_str();
+  command->add_option("--th", args->histories_ms, "Histories t_h [ms], a list with commas; each a whole number of ticks")
+      ->delimiter(',')
+      ->check(CLI::Range(0.001, 1e5))
+      ->capture_default_str();
+  command->add_option("--denoise", args->denoise, "mean: as the paper's text; literal: as its equation is printed; none")
+      ->check(CLI::IsMember({"mean", "literal", "none"}))
+      ->capture_default_str();
+  command->add_option("--resize", args->resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
+      ->check(CLI::IsMember({"area", "linear"}))
+      ->capture_default_str();
+  command->add_option("--factor", args->factor, "Heatmap size per sensor size, 1 divided by a whole number")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]; the samples must lie at ticks")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->capture_default_str();
+  command->add_option("--png", args->pictures, "Also write each heatmap as a PNG below this folder")->type_name("DIR");
+}
+
+}  // namespace tactile

@@ -1,0 +1,207 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/labels/labels.hpp"
+#include "tactile/report/contact_sheet.hpp"
+#include "tactile/windows/sample.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int columns = 6;
+constexpr std::size_t most_intervals = 12;
+constexpr std::array<std::chrono::milliseconds, columns> around_onset{-20ms, 10ms, 30ms, 60ms, 150ms, 400ms};
+
+struct ViewArguments {
+  std::string what;
+  std::string out;
+  std::string stream;
+  double history_ms = 40;
+  std::int64_t tick_us = 2000;
+  std::string denoise = "mean", resize = "area";
+  double factor = 0.2;
+  int tiles = 24;
+};
+
+/// Ticks to show under one title.
+struct TickGroup {
+  std::string title;
+  std::vector<CameraTime> ticks;
+  std::optional<CameraTime> onset;
+};
+
+double ms_between(CameraTime begin, CameraTime end) { return static_cast<double>(between(begin, end).count()) / 1000; }
+
+/// `count` ticks from the first to the last, evenly spaced.
+TickGroup evenly_spaced(const TickRange& range, std::int64_t count) {
+  TickGroup group;
+  count = std::min(count, range.count);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
+    group.ticks.push_back(range.at(std::llround(share * static_cast<double>(range.count - 1))));
+  }
+  return group;
+}
+
+std::vector<TickGroup> around_onsets(const TickRange& range, const std::vector<LabelledInterval>& intervals,
+                                     CameraTime first_event) {
+  std::vector<TickGroup> groups;
+  for (std::size_t i = 0; i < std::min(intervals.size(), most_intervals); ++i) {
+    const TouchInterval interval = intervals[i].interval();
+    TickGroup group{.title = fmt::format("{}: onset {:.1f} ms, end {:.1f} ms", name_of(interval.touch),
+                                         ms_between(first_event, interval.start), ms_between(first_event, interval.end)),
+                    .ticks = {},
+                    .onset = interval.start};
+    for (const auto offset : around_onset) {
+      const CameraTime t = first_tick_from(after(interval.start, offset), range.tick);
+      if (t >= range.first && t <= range.at(range.count - 1)) group.ticks.push_back(t);
+    }
+    if (!group.ticks.empty()) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+std::optional<Touch> label_at(const std::optional<Labels>& labels, CameraTime t) {
+  if (!labels) return std::nullopt;
+  for (const LabelledInterval& interval : labels->intervals) {
+    if (interval.interval().contains(t)) return interval.touch;
+  }
+  return Touch::none;
+}
+
+void view(const ViewArguments& args, const CommonArguments& common) {
+  const bool is_run = fs::is_directory(args.what);
+  const std::optional<RunFolder> run = is_run ? std::optional(run_folder_at(args.what)) : std::nullopt;
+  RecordingReader recording(run ? run->events() : fs::path(args.what));
+  const Stream& stream = event_stream(recording, args.stream);
+  const std::string name = run ? run->name() : recording.file().filename().string();
+  if (!stream.size)
+    throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", recording.file().string(), stream.id));
+  const SensorSize sensor = *stream.size;
+  const nlohmann::json settings = {{"history_us", std::llround(args.history_ms * 1000)},
+                                   {"tick_us", args.tick_us},
+                                   {"denoise", args.denoise},
+                                   {"resize", args.resize},
+                                   {"factor", args.factor}};
+  const auto options = settings.get<HeatmapOptions>();
+  HeatmapRenderer renderer(sensor, options);
+
+  std::optional<CameraTime> first, last;
+  std::uint64_t events = 0;
+  for_all_events(recording, stream.id, [&](std::span<const Event> packet) {
+    if (packet.empty()) return;
+    if (!first) first = packet.front().t;
+    last = packet.back().t;
+    events += packet.size();
+  });
+  if (!first) throw Error(recording.file().string() + ": holds no event; expected a recording with events");
+  const TickRange range = full_ticks(*first, *last, options.history, options.tick);
+  if (range.count == 0) {
+    throw Error(
+        fmt::format("{}: {:.1f} ms long, which holds no full history of {} ms; expected a longer recording or a smaller --th",
+                    recording.file().string(), ms_between(*first, *last), args.history_ms));
+  }
+  const std::optional<Labels> labels =
+      run && fs::exists(run->labels()) ? std::optional(read_labels(run->labels())) : std::nullopt;
+  std::vector<TickGroup> groups;
+  if (labels) groups = around_onsets(range, labels->intervals, *first);
+  const bool shows_onsets = !groups.empty();
+  if (!shows_onsets) groups.push_back(evenly_spaced(range, args.tiles));
+
+  nlohmann::json tiles = nlohmann::json::array();
+  std::vector<SheetGroup> sheet;
+  for (const TickGroup& group : groups) {
+    sheet.push_back({.title = group.title, .tiles = {}});
+    for (const CameraTime t : group.ticks) {
+      SlidingCounts counts(sensor, options.history);
+      for_events_between(recording, stream.id, before(t, options.history), t,
+                         [&](std::span<const Event> part) { counts.add(part); });
+      counts.move_to(t);
+      cv::Mat heatmap(renderer.size().height, renderer.size().width, CV_8UC1);
+      renderer.render(counts, std::span(heatmap.data, heatmap.total()));
+      const std::optional<Touch> touch = label_at(labels, t);
+      SheetTile tile{.heatmap = heatmap,
+                     .caption = fmt::format("{:.1f} ms", ms_between(*first, t)),
+                     .second_caption = fmt::format("{} events", counts.events()),
+                     .touch = touch};
+      if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", ms_between(*group.onset, t));
+      if (touch) tile.second_caption = fmt::format("{}, {}", name_of(*touch), tile.second_caption);
+      sheet.back().tiles.push_back(std::move(tile));
+      tiles.push_back({{"t_us", us_of(t)},
+                       {"since_first_event_ms", ms_between(*first, t)},
+                       {"events", counts.events()},
+                       {"label", touch ? nlohmann::json(name_of(*touch)) : nlohmann::json(nullptr)}});
+    }
+  }
+
+  const bool simulated = run && fs::exists(run->info()) && read_run_info(*run).simulated;
+  SheetOptions layout{.header = {}, .columns = columns};
+  layout.header.push_back(fmt::format("{}{}   {}x{} px, t_h {} ms", name, simulated ? " (simulated)" : "", sensor.width,
+                                      sensor.height, args.history_ms));
+  layout.header.push_back(
+      fmt::format("{}: {} events in {:.1f} ms; heatmaps {}x{}, black 0 to white 255; times from the first event{}",
+                  stream.source.empty() ? "events" : stream.source, events, ms_between(*first, *last), renderer.size().width,
+                  renderer.size().height, shows_onsets ? " (from the onset)" : ""));
+  if (shows_onsets && labels->intervals.size() > groups.size()) {
+    layout.header.push_back(fmt::format("{} of {} intervals are shown", groups.size(), labels->intervals.size()));
+  }
+  write_png(args.out, contact_sheet(sheet, layout));
+  print_result(common,
+               {{"out", args.out},
+                {"file", recording.file().string()},
+                {"simulated", simulated},
+                {"sensor", {{"width", sensor.width}, {"height", sensor.height}}},
+                {"heatmap", {{"width", renderer.size().width}, {"height", renderer.size().height}}},
+                {"settings", settings},
+                {"tiles", tiles}},
+               fmt::format("{}: {} heatmaps of {}\n", args.out, tiles.size(), name));
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app) {
+  auto args = std::make_shared<ViewArguments>();
+  CLI::App* command = add_command(app, "view", "Draw a contact sheet of heatmaps along a recording",
+                                  [args](const CommonArguments& common) { view(*args, common); });
+  command->add_option("what", args->what, "Recording (AEDAT4) or run folder")
+      ->type_name("FILE|RUN")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--out", args->out, "Picture to write")->type_name("FILE.png")->required();
+  command->add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
+      ->check(CLI::Range(0.001, 1e5))
+      ->capture_default_str();
+  command->add_option("--stream", args->stream, "Event stream, by its id or source, where there is more than one")
+      ->type_name("ID|SOURCE");
+  command->add_option("--tiles", args->tiles, "Heatmaps on the sheet; a labelled run shows those around its onsets instead")
+      ->check(CLI::Range(1, 600))
+      ->capture_default_str();
+  command->add_option("--denoise", args->denoise, "mean: as the paper's text; literal: as its equation is printed; none")
+      ->check(CLI::IsMember({"mean", "literal", "none"}))
+      ->capture_default_str();
+  command->add_option("--resize", args->resize, "area: mean of each block; linear: OpenCV's default")
+      ->check(CLI::IsMember({"area", "linear"}))
+      ->capture_default_str();
+  command->add_option("--factor", args->factor, "Heatmap size per sensor size, 1 divided by a whole number")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->capture_default_str();
+}
+
+}  // namespace tactile

@@ -1,0 +1,139 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/windows/write_dataset.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+struct WindowsArguments {
+  std::string data = "data";
+  std::string out;
+  double window_ms = 500, guard_ms = 100, history_ms = 50;
+  std::int64_t tick_us = 2000;
+  std::uint64_t seed = 1;
+  bool mix = false, include_flagged = false, verify = false;
+};
+
+microseconds whole_us(double ms, const char* option) {
+  const double us = ms * 1000;
+  if (std::abs(us - std::round(us)) > 1e-6)
+    throw Error(fmt::format("{} {}: no whole number of us; expected at most three decimals", option, ms));
+  return microseconds{std::llround(us)};
+}
+
+const char* name_of(DatasetSummary::Outcome outcome) {
+  switch (outcome) {
+    case DatasetSummary::Outcome::written:
+      return "written";
+    case DatasetSummary::Outcome::replaced:
+      return "replaced";
+    case DatasetSummary::Outcome::unchanged:
+      return "unchanged";
+  }
+  return "unknown";
+}
+
+nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
+  nlohmann::json runs = nlohmann::json::array();
+  for (const RunOutcome& run : summary.runs) {
+    runs.push_back({{"object", run.object},
+                    {"run", run.run},
+                    {"in_dataset", run.in_dataset},
+                    {"none", run.samples[0]},
+                    {"press", run.samples[1]},
+                    {"slip", run.samples[2]},
+                    {"remark", run.remark}});
+  }
+  return {{"dataset", file},
+          {"outcome", name_of(summary.outcome)},
+          {"manifest_sha256", summary.manifest_hash},
+          {"simulated", summary.simulated},
+          {"samples", summary.samples},
+          {"events", summary.events},
+          {"runs", runs},
+          {"warnings", summary.warnings}};
+}
+
+std::string text_of(const DatasetSummary& summary, const std::string& file) {
+  std::vector<std::vector<std::string>> rows;
+  for (const RunOutcome& run : summary.runs) {
+    const auto count = [&](Touch touch) {
+      return run.in_dataset ? std::to_string(run.samples[static_cast<std::size_t>(touch)]) : std::string("-");
+    };
+    rows.push_back({run.object + "/" + run.run, count(Touch::none), count(Touch::press), count(Touch::slip), run.remark});
+  }
+  std::string text = text_table({"run", "none", "press", "slip", ""}, rows);
+  text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
+                      summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
+  if (summary.outcome == DatasetSummary::Outcome::replaced)
+    text += "The dataset that was there had another manifest; its heatmaps are gone with it.\n";
+  return text;
+}
+
+void verify(const WindowsArguments& args, const std::string& file, const CommonArguments& common) {
+  const std::vector<std::string> differences = verify_dataset(args.data, file, common.threads, progress_line(common));
+  std::string text;
+  for (const std::string& difference : differences) text += difference + "\n";
+  text += differences.empty() ? fmt::format(
+                                    "{}: every sample, interval and event is what the runs and labels below {} give, and no two "
+                                    "runs share a recording\n",
+                                    file, args.data)
+                              : fmt::format("{}: differs from the runs and labels below {}\n", file, args.data);
+  print_result(common, {{"dataset", file}, {"verified", differences.empty()}, {"differences", differences}}, text);
+  if (!differences.empty()) throw CheckFailed{};
+}
+
+void write_windows(const WindowsArguments& args, const CommonArguments& common) {
+  const std::string file = args.out.empty() ? (std::filesystem::path(args.data) / "dataset.h5").string() : args.out;
+  if (args.verify) return verify(args, file, common);
+  const WindowsOptions options{.sampling = {.tick = microseconds{args.tick_us},
+                                            .window = whole_us(args.window_ms, "--window-ms"),
+                                            .guard = whole_us(args.guard_ms, "--guard-ms"),
+                                            .history = whole_us(args.history_ms, "--history-ms"),
+                                            .seed = args.seed},
+                               .mix = args.mix,
+                               .include_flagged = args.include_flagged};
+  const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
+  for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
+  print_result(common, json_of(summary, file), text_of(summary, file));
+}
+
+}  // namespace
+
+void add_windows_command(CLI::App& app) {
+  auto args = std::make_shared<WindowsArguments>();
+  CLI::App* command = add_command(app, "windows", "Draw balanced samples from labelled runs into a dataset",
+                                  [args](const CommonArguments& common) { write_windows(*args, common); });
+  command->add_option("data", args->data, "Folder of runs, DATA/<object>/<run>")->capture_default_str();
+  command->add_option("--out", args->out, "Dataset to write; DATA/dataset.h5 if not given")->type_name("FILE.h5");
+  command->add_option("--window-ms", args->window_ms, "Kept of each press and slip [ms]")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
+  command->add_option("--guard-ms", args->guard_ms, "None keeps so far from every press and slip [ms]")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--history-ms", args->history_ms,
+                   "Events stored before each sample: the longest history [ms], a whole number of ticks")
+      ->check(CLI::Range(0.001, 1e5))
+      ->capture_default_str();
+  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->capture_default_str();
+  command->add_option("--seed", args->seed, "Of what is drawn at random")->capture_default_str();
+  command->add_flag("--mix", args->mix, "Simulated and real runs in one dataset; else the real ones where there are both");
+  command->add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  command->add_flag("--verify", args->verify,
+                    "Write nothing: derive the dataset again by its own settings and compare; ends with 2 if it differs");
+}
+
+}  // namespace tactile

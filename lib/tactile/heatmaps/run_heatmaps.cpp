@@ -1,0 +1,75 @@
+#include "tactile/heatmaps/run_heatmaps.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t chunk = 8192;  // events counted ahead of their tick at the most
+
+/// Takes a run's events as they come, and hands over each full tick as soon as an event at or behind it shows that it is one.
+class EveryTick {
+ public:
+  EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use)
+      : options_(options), use_(use), renderer_(sensor, options), counts_(sensor, options.history) {
+    heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
+    range_.tick = options.tick;
+  }
+
+  void add(std::span<const Event> events) {
+    for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
+      const std::span<const Event> part = events.first(std::min(chunk, events.size()));
+      if (!first_event_) first_event_ = part.front().t;
+      counts_.add(part);
+      render_until(part.back().t);
+    }
+  }
+
+  TickRange range() const { return range_; }
+
+ private:
+  void render_until(CameraTime last_event) {
+    const TickRange full = full_ticks(*first_event_, last_event, options_.history, options_.tick);
+    if (full.count > 0) range_.first = full.first;
+    for (; range_.count < full.count; ++range_.count) {
+      const CameraTime t = full.at(range_.count);
+      counts_.move_to(t);
+      renderer_.render(counts_, std::span(heatmap_));
+      use_(t, heatmap_, counts_.events());
+    }
+  }
+
+  HeatmapOptions options_;
+  const TickCallback& use_;
+  HeatmapRenderer renderer_;
+  SlidingCounts counts_;
+  std::vector<std::uint8_t> heatmap_;
+  std::optional<CameraTime> first_event_;
+  TickRange range_;
+};
+
+}  // namespace
+
+TickRange for_every_tick(std::span<const Event> events, SensorSize sensor, const HeatmapOptions& options,
+                         const TickCallback& use) {
+  EveryTick ticks(sensor, options, use);
+  ticks.add(events);
+  return ticks.range();
+}
+
+TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
+                         const TickCallback& use) {
+  const std::optional<SensorSize> sensor = recording.stream(stream_id).size;
+  if (!sensor)
+    throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
+  EveryTick ticks(*sensor, options, use);
+  for_all_events(recording, stream_id, [&](std::span<const Event> events) { ticks.add(events); });
+  return ticks.range();
+}
+
+}  // namespace tactile

@@ -1,0 +1,102 @@
+#include "tactile/labels/activity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::size_t bins_in(microseconds span, const EventRate& rate) {
+  return static_cast<std::size_t>(std::max<std::int64_t>(1, span / rate.bin));
+}
+
+/// Sums over `width` bins centred on each bin; fewer at the ends, scaled to the whole width.
+std::vector<double> smoothed(const EventRate& rate, std::size_t width) {
+  const std::size_t n = rate.counts.size();
+  std::vector<double> until(n + 1);
+  for (std::size_t i = 0; i < n; ++i) until[i + 1] = until[i] + rate.counts[i];
+  std::vector<double> sums(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t begin = i >= width / 2 ? i - width / 2 : 0;
+    const std::size_t end = std::min(n, i + width - width / 2);
+    sums[i] = (until[end] - until[begin]) * static_cast<double>(width) / static_cast<double>(end - begin);
+  }
+  return sums;
+}
+
+double limit_of(const QuietRate& quiet, std::size_t width, double deviations) {
+  const double mean = quiet.mean * static_cast<double>(width);
+  return mean + deviations * std::sqrt(quiet.dispersion * std::max(mean, 1.0));
+}
+
+}  // namespace
+
+QuietRate quiet_rate(const EventRate& rate) {
+  const std::size_t width = bins_in(5ms, rate);
+  std::vector<double> sums;
+  for (std::size_t begin = 0; begin + width <= rate.counts.size(); begin += width) {
+    double sum = 0;
+    for (std::size_t i = begin; i < begin + width; ++i) sum += rate.counts[i];
+    sums.push_back(sum);
+  }
+  const double median = median_of(sums);
+  for (double& sum : sums) sum = std::abs(sum - median);
+  const double deviation = 1.4826 * median_of(sums);
+  return {.mean = median / static_cast<double>(width),
+          .dispersion = std::max(1.0, deviation * deviation / std::max(median, 1.0))};
+}
+
+std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, const ActivityOptions& options) {
+  const std::size_t width = bins_in(options.smoothing, rate);
+  const std::vector<double> sums = smoothed(rate, width);
+  const double enter = limit_of(quiet, width, options.enter);
+  const double leave = limit_of(quiet, width, options.leave);
+
+  std::vector<Burst> bursts;
+  for (std::size_t i = 0; i < sums.size();) {
+    if (sums[i] < leave) {
+      ++i;
+      continue;
+    }
+    Burst burst{.begin = i, .end = i, .events = 0};
+    double peak = 0;
+    for (; i < sums.size() && sums[i] >= leave; ++i) {
+      peak = std::max(peak, sums[i]);
+      burst.events += rate.counts[i] - quiet.mean;
+    }
+    burst.end = i;
+    if (peak < enter) continue;
+    if (!bursts.empty() && burst.begin - bursts.back().end < bins_in(options.merge, rate)) {
+      bursts.back().end = burst.end;
+      bursts.back().events += burst.events;
+    } else {
+      bursts.push_back(burst);
+    }
+  }
+  std::erase_if(bursts, [&](const Burst& burst) { return burst.end - burst.begin < bins_in(options.shortest, rate); });
+  return bursts;
+}
+
+std::size_t first_quiet_bin(const EventRate& rate, const QuietRate& quiet, std::size_t begin, microseconds quiet_for,
+                            const ActivityOptions& options) {
+  // Narrower sums than for finding bursts: the end is wanted to the millisecond.
+  const std::size_t width = bins_in(2ms, rate);
+  const std::vector<double> sums = smoothed(rate, width);
+  const double leave = limit_of(quiet, width, options.leave + 1.0);
+  const std::size_t needed = bins_in(quiet_for, rate);
+  std::size_t quiet_since = begin;
+  for (std::size_t i = begin; i < sums.size(); ++i) {
+    if (sums[i] >= leave) quiet_since = i + 1;
+    if (i + 1 - quiet_since >= needed && i + 1 > quiet_since) break;
+  }
+  return std::min(quiet_since, sums.size());
+}
+
+}  // namespace tactile

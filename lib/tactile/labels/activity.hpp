@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tactile/labels/event_rate.hpp"
+
+namespace tactile {
+
+/// How often the skin fires when nothing touches it.
+struct QuietRate {
+  double mean = 0;        ///< events per bin
+  double dispersion = 1;  ///< variance per mean, >= 1: a sensor's noise comes in clumps, a Poisson process has 1
+};
+
+/// From the median of sums over 5 ms and their median absolute deviation: bursts that take less than half of the time do not move
+/// it.
+QuietRate quiet_rate(const EventRate& rate);
+
+/// A stretch of bins, [begin, end), in which the skin fires more than when it is quiet.
+struct Burst {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  double events = 0;  ///< above the quiet rate
+};
+
+struct ActivityOptions {
+  microseconds smoothing{5'000};  ///< sums over so much time are compared with the quiet rate
+  double enter = 6.0;             ///< [standard deviations] a burst has a sum so far above the quiet rate
+  double leave = 3.0;             ///< [standard deviations] and reaches from the first to the last so far above it
+  microseconds merge{140'000};    ///< bursts nearer than this are one: an object that slips sticks in between
+  microseconds shortest{15'000};  ///< shorter ones are noise
+};
+
+/// The stretches of activity, in order of time.
+std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, const ActivityOptions& options = {});
+
+/// The first bin of the first stretch of `quiet_for` from `begin` on in which no sum exceeds the leave limit; the last bin's end
+/// where there is none.
+std::size_t first_quiet_bin(const EventRate& rate, const QuietRate& quiet, std::size_t begin, microseconds quiet_for,
+                            const ActivityOptions& options = {});
+
+}  // namespace tactile

@@ -1,0 +1,92 @@
+#include "tactile/labels/event_rate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr int parts = 8;
+constexpr microseconds longest_run = std::chrono::hours(1);
+
+struct Span {
+  CameraTime first = CameraTime::max();
+  CameraTime last = CameraTime::min();
+};
+
+Span span_of(RecordingReader& recording, std::int32_t stream_id) {
+  Span span;
+  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
+    for (const Event& event : events) {
+      span.first = std::min(span.first, event.t);
+      span.last = std::max(span.last, event.t);
+    }
+  });
+  return span;
+}
+
+/// Events per pixel in the part that has the fewest: the noise of an ordinary pixel.
+double quietest_mean(const std::vector<std::uint16_t>& counts) {
+  std::array<double, parts> sums{};
+  for (std::size_t i = 0; i < counts.size(); ++i) sums[i % parts] += counts[i];
+  return *std::min_element(sums.begin(), sums.end()) * parts / static_cast<double>(counts.size());
+}
+
+/// By pixel, whether it fires throughout.
+std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, double hot_pixel_hz) {
+  const auto width = static_cast<std::size_t>(stream.size->width);
+  const std::size_t pixels = width * static_cast<std::size_t>(stream.size->height);
+  const double length_us = static_cast<double>(between(span.first, span.last).count()) + 1.0;
+  std::vector<std::uint16_t> counts(pixels * parts);
+  for_all_events(recording, stream.id, [&](std::span<const Event> events) {
+    for (const Event& event : events) {
+      const auto part = static_cast<std::size_t>(static_cast<double>(between(span.first, event.t).count()) * parts / length_us);
+      const std::size_t pixel = static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x);
+      std::uint16_t& count = counts[pixel * parts + std::min<std::size_t>(part, parts - 1)];
+      if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
+    }
+  });
+  const double expected = quietest_mean(counts);
+  const double limit = std::max({2.0, hot_pixel_hz * length_us / parts / 1e6, expected + 10.0 * std::sqrt(expected)});
+  std::vector<bool> hot(pixels);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+    const auto first = counts.begin() + static_cast<std::ptrdiff_t>(pixel * parts);
+    hot[pixel] = std::count_if(first, first + parts, [&](std::uint16_t count) { return count >= limit; }) >= parts / 2;
+  }
+  return hot;
+}
+
+}  // namespace
+
+EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options) {
+  const std::string where = recording.file().string();
+  const Stream& stream = recording.stream(stream_id);
+  if (!stream.size) throw Error(where + ": its event stream declares no size; expected sizeX and sizeY");
+  const Span span = span_of(recording, stream_id);
+  if (span.last < span.first) throw Error(where + ": holds no event; expected a recording of a run");
+  const microseconds length = between(span.first, span.last);
+  if (length > longest_run) {
+    throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
+  }
+  const std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+
+  EventRate rate{.begin = span.first,
+                 .bin = options.bin,
+                 .counts = std::vector<std::uint32_t>(static_cast<std::size_t>(length / options.bin) + 1),
+                 .hot_pixels = static_cast<std::size_t>(std::count(hot.begin(), hot.end(), true)),
+                 .last = span.last};
+  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
+    for (const Event& event : events) {
+      const std::size_t pixel =
+          static_cast<std::size_t>(event.y) * static_cast<std::size_t>(stream.size->width) + static_cast<std::size_t>(event.x);
+      if (!hot[pixel]) ++rate.counts[static_cast<std::size_t>(between(span.first, event.t) / options.bin)];
+    }
+  });
+  return rate;
+}
+
+}  // namespace tactile

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tactile/events/recording_reader.hpp"
+
+namespace tactile {
+
+/// How many events a recording holds in each stretch of time, without its hot pixels.
+struct EventRate {
+  CameraTime begin{};     ///< the first event's time, where bin 0 begins
+  microseconds bin{200};  ///< half-open: [begin + i * bin, begin + (i + 1) * bin)
+  std::vector<std::uint32_t> counts;
+  std::size_t hot_pixels = 0;  ///< left out
+  CameraTime last{};           ///< the last event's time
+
+  CameraTime begin_of(std::size_t bin_index) const { return after(begin, bin * static_cast<std::int64_t>(bin_index)); }
+};
+
+struct EventRateOptions {
+  microseconds bin{200};      ///< a whole number of read-outs, > 0
+  double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least half of eight equal parts of the recording it fires at least so
+                              ///< often, and ten standard deviations above the mean of all pixels in the quietest part
+};
+
+/// Reads the recording twice: once to find the hot pixels, once to count. A pixel that a moving marker lights fires in a few of
+/// the eight parts only, a hot one in most.
+/// @throws Error  if the stream has no event, or spans more than an hour (a run takes seconds)
+EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
+
+}  // namespace tactile

@@ -1,0 +1,185 @@
+#include "tactile/robot/robot_log.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::string_view pose_name = "actual_TCP_pose_";
+constexpr std::string_view speed_name = "actual_TCP_speed_";
+constexpr std::string_view bits_name = "actual_digital_output_bits";
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r\"";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+/// The mark that parts the header's names. Commas come first, since "a, b" has blanks too.
+char separator_of(std::string_view header) {
+  for (const char mark : {',', ';', '\t', ' '}) {
+    if (header.find(mark) != std::string_view::npos) return mark;
+  }
+  return ',';
+}
+
+void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = line.find(separator, begin);
+    cells.push_back(trimmed(line.substr(begin, end == std::string_view::npos ? end : end - begin)));
+    if (end == std::string_view::npos) return;
+    begin = end + 1;
+  }
+}
+
+/// A row of the log and what to say of a cell of it that cannot be used.
+class Row {
+ public:
+  Row(const std::string& file, std::size_t number, const std::vector<std::string>& names,
+      const std::vector<std::string_view>& cells)
+      : file_(file), number_(number), names_(names), cells_(cells) {
+    if (cells.size() != names.size()) {
+      throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file, number, cells.size(), names.size()));
+    }
+  }
+
+  double number_at(std::size_t column) const {
+    const std::optional<double> value = number_in(cells_[column]);
+    if (!value || !std::isfinite(*value)) refuse(column, "a finite number");
+    return *value;
+  }
+
+  /// Some writers give whole numbers as "3.0", and a single bit as "True".
+  std::uint64_t bits_at(std::size_t column) const {
+    const std::string_view cell = cells_[column];
+    if (cell == "True" || cell == "False") return cell == "True" ? 1 : 0;
+    const std::optional<double> value = number_in(cell);
+    constexpr double limit = 9007199254740992.0;  // 2^53: beyond it a double skips whole numbers
+    if (!value || !(*value >= 0.0 && *value <= limit) || *value != std::floor(*value))
+      refuse(column, "a whole number of at least 0");
+    return static_cast<std::uint64_t>(*value);
+  }
+
+  [[noreturn]] void refuse(std::size_t column, std::string_view expected) const {
+    throw Error(
+        fmt::format("{}: row {}, column '{}' holds '{}'; expected {}", file_, number_, names_[column], cells_[column], expected));
+  }
+
+ private:
+  const std::string& file_;
+  std::size_t number_;
+  const std::vector<std::string>& names_;
+  const std::vector<std::string_view>& cells_;
+};
+
+struct Columns {
+  std::size_t time = 0;
+  std::array<std::size_t, 6> pose{}, speed{};
+  std::optional<std::size_t> bits;
+};
+
+Columns columns_of(const std::string& file, const std::vector<std::string>& names) {
+  const auto find = [&](const std::string& name) -> std::optional<std::size_t> {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return std::nullopt;
+    if (std::find(found + 1, names.end(), name) != names.end()) {
+      throw Error(fmt::format("{}: two columns are called '{}'; expected one", file, name));
+    }
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  const auto need = [&](const std::string& name) {
+    const auto column = find(name);
+    if (!column) throw Error(fmt::format("{}: no column '{}'; expected a header row with RTDE's names", file, name));
+    return *column;
+  };
+  Columns columns;
+  columns.time = need("timestamp");
+  for (std::size_t i = 0; i < 6; ++i) {
+    columns.pose[i] = need(fmt::format("{}{}", pose_name, i));
+    columns.speed[i] = need(fmt::format("{}{}", speed_name, i));
+  }
+  columns.bits = find(std::string(bits_name));
+  return columns;
+}
+
+}  // namespace
+
+RobotLog read_robot_log(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected a robot log");
+
+  RobotLog log;
+  std::string line;
+  std::vector<std::string> names;
+  std::vector<std::string_view> cells;
+  char separator = ',';
+  Columns columns;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    std::string_view text = line;
+    if (number == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some editors put before UTF-8
+    while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+    if (trimmed(text).empty()) continue;
+    if (names.empty()) {
+      separator = separator_of(text);
+      split(text, separator, cells);
+      names.assign(cells.begin(), cells.end());
+      columns = columns_of(file, names);
+      continue;
+    }
+    split(text, separator, cells);
+    const Row row(file, number, names, cells);
+    const double seconds = row.number_at(columns.time);
+    if (std::abs(seconds) > 1e12) row.refuse(columns.time, "controller seconds");
+    RobotState state;
+    state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
+    for (std::size_t i = 0; i < 6; ++i) {
+      state.tcp_pose[i] = row.number_at(columns.pose[i]);
+      state.tcp_speed[i] = row.number_at(columns.speed[i]);
+    }
+    if (columns.bits) state.digital_output_bits = row.bits_at(*columns.bits);
+    if (!log.states.empty()) {
+      if (state.t == log.states.back().t) continue;  // a recorder that samples on its own clock writes some packages twice
+      if (state.t < log.states.back().t) row.refuse(columns.time, "a time no earlier than the row before");
+    }
+    log.states.push_back(state);
+  }
+  if (in.bad()) throw Error(file + ": reading it failed half-way; expected a readable file");
+  if (names.empty()) throw Error(file + ": is empty; expected a header row with RTDE's names");
+  return log;
+}
+
+void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {
+  const bool has_bits =
+      std::any_of(log.states.begin(), log.states.end(), [](const RobotState& s) { return s.digital_output_bits.has_value(); });
+  std::string text = "timestamp";
+  for (const std::string_view name : {pose_name, speed_name}) {
+    for (int i = 0; i < 6; ++i) text += fmt::format(",{}{}", name, i);
+  }
+  if (has_bits) text += fmt::format(",{}", bits_name);
+  text += '\n';
+  for (const RobotState& state : log.states) {
+    const std::int64_t us = us_of(state.t);
+    const std::uint64_t size = us < 0 ? 0 - static_cast<std::uint64_t>(us) : static_cast<std::uint64_t>(us);
+    text += fmt::format("{}{}.{:06}", us < 0 ? "-" : "", size / 1'000'000, size % 1'000'000);
+    for (const auto& values : {state.tcp_pose, state.tcp_speed}) {
+      for (const double value : values) text += fmt::format(",{}", value);
+    }
+    if (has_bits) text += fmt::format(",{}", state.digital_output_bits.value_or(0));
+    text += '\n';
+  }
+  write_whole(file, text);
+}
+
+}  // namespace tactile

@@ -1,0 +1,80 @@
+#include "tactile/video/video_times.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else if (c != ' ' && c != '\r') {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected the times of a video's frames");
+  std::string line;
+  std::getline(in, line);
+  const std::vector<std::string> names = cells_of(line);
+  const auto column_of = [&](std::string_view name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) throw Error(fmt::format("{}: no column '{}'; expected a header row with index,pts_us", file, name));
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  const std::size_t index_column = column_of("index"), time_column = column_of("pts_us");
+
+  std::vector<VideoTime> times;
+  for (std::size_t number = 2; std::getline(in, line); ++number) {
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells.size() == 1 && cells[0].empty()) continue;
+    if (cells.size() != names.size()) {
+      throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file, number, cells.size(), names.size()));
+    }
+    const auto value_at = [&](std::size_t column) {
+      const std::optional<std::int64_t> value = whole_number_in(cells[column]);
+      if (!value)
+        throw Error(fmt::format("{}: row {}, column '{}' holds '{}'; expected a whole number", file, number, names[column],
+                                cells[column]));
+      return *value;
+    };
+    const std::int64_t index = value_at(index_column);
+    if (index != static_cast<std::int64_t>(times.size())) {
+      throw Error(fmt::format("{}: row {} has index {}; expected {}", file, number, index, times.size()));
+    }
+    const VideoTime t{microseconds{value_at(time_column)}};
+    if (!times.empty() && t <= times.back()) {
+      throw Error(fmt::format("{}: row {} has pts_us {}; expected more than {}, as the frame before", file, number, us_of(t),
+                              us_of(times.back())));
+    }
+    times.push_back(t);
+  }
+  return times;
+}
+
+void write_video_times(const std::filesystem::path& file, std::span<const VideoTime> times) {
+  std::string text = "index,pts_us\n";
+  for (std::size_t i = 0; i < times.size(); ++i) text += fmt::format("{},{}\n", i, us_of(times[i]));
+  write_whole(file, text);
+}
+
+}  // namespace tactile

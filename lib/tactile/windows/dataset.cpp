@@ -1,0 +1,391 @@
+#include "tactile/windows/dataset.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/windows/dataset_layout.hpp"
+#include "tactile/windows/hdf5_objects.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace h5 = hdf5;
+
+namespace {
+
+constexpr hsize_t largest_side = 32767;  // of a heatmap [px]
+
+nlohmann::json parsed(const std::string& text, const std::string& where) {
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(where + ": its settings are no JSON (" + e.what() + "); expected a file that tactile made");
+  }
+}
+
+[[noreturn]] void throw_inconsistent(const std::string& where, const std::string& what) {
+  throw Error(where + ": " + what + "; expected a dataset as 'tactile windows' makes it");
+}
+
+/// @throws Error  unless all columns have the length of the first
+template <class First, class... Others>
+std::size_t common_length(const std::string& where, const First& first, const Others&... others) {
+  if (((others.size() != first.size()) || ...)) throw_inconsistent(where, "columns differ in length");
+  return first.size();
+}
+
+Touch touch_of(std::uint8_t value, const std::string& where) {
+  if (value >= touch_count) throw_inconsistent(where, "class " + std::to_string(value) + " is none of 0, 1 and 2");
+  return static_cast<Touch>(value);
+}
+
+/// The table of a history, which must be of this dataset and of one heatmap a sample.
+h5::Id open_heatmaps(hid_t group, const std::string& name, const std::string& manifest_hash, std::size_t samples,
+                     const std::string& where) {
+  h5::Id table = h5::open_table(group, name, where);
+  const std::vector<hsize_t> shape = h5::shape_of(table, where);
+  if (shape.size() != 3 || shape[0] != samples || shape[1] < 1 || shape[2] < 1 || shape[1] > largest_side ||
+      shape[2] > largest_side) {
+    throw_inconsistent(where, "the history's shape is not [samples, height, width]");
+  }
+  if (h5::read_text_attribute(table, "manifest_sha256", where) != manifest_hash) {
+    throw Error(where + ": of another dataset; expected heatmaps of this one, remove the file and run 'tactile heatmaps'");
+  }
+  return table;
+}
+
+}  // namespace
+
+namespace dataset_layout {
+
+nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs) {
+  nlohmann::json manifest = settings;
+  manifest["format"] = format;
+  manifest["sensor"] = {{"width", sensor.width}, {"height", sensor.height}};
+  manifest["simulated"] = simulated;
+  manifest["runs"] = nlohmann::json::array();
+  for (const DatasetRun& run : runs) {
+    manifest["runs"].push_back(
+        {{"object", run.object}, {"run", run.run}, {"events_sha256", run.events_sha256}, {"labels_sha256", run.labels_sha256}});
+  }
+  return manifest;
+}
+
+FolderLock::FolderLock(const fs::path& dataset) {
+  const fs::path folder = dataset.has_parent_path() ? dataset.parent_path() : fs::path(".");
+  folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // Some network disks lock no folders: then two commands at once may lose the link of one, and the file it led to is made anew.
+  if (folder_ >= 0) (void)::flock(folder_, LOCK_EX);
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) ::close(folder_);
+}
+
+}  // namespace dataset_layout
+
+struct Dataset::State {
+  fs::path file;
+  h5::Id id;
+  SensorSize sensor;
+  bool simulated = false;
+  std::vector<DatasetRun> runs;
+  std::vector<DatasetInterval> intervals;
+  std::vector<Sample> samples;
+  nlohmann::json manifest;
+  SamplingOptions sampling;
+  std::string manifest_hash;
+
+  ~State() {
+    const h5::Session session;
+    id = {};
+  }
+
+  void read();
+  void read_runs(const std::string& where);
+  void check_events(const std::string& where) const;
+  StoredHeatmaps describe(hid_t group, const std::string& name) const;
+};
+
+StoredHeatmaps Dataset::State::describe(hid_t group, const std::string& name) const {
+  const std::string where = file.string() + ": /heatmaps/" + name;
+  const h5::Id table = open_heatmaps(group, name, manifest_hash, samples.size(), where);
+  h5::check_stored_size(table, where);
+  const std::vector<hsize_t> shape = h5::shape_of(table, where);
+  return {.name = name,
+          .settings = parsed(h5::read_text_attribute(table, "settings", where), where),
+          .width = static_cast<int>(shape[2]),
+          .height = static_cast<int>(shape[1])};
+}
+
+void Dataset::State::read() {
+  const std::string where = file.string();
+  if (!h5::has_attribute(id, "manifest_sha256")) throw_inconsistent(where, "no dataset");
+  if (const auto found = h5::read_number(id, "format", where); found != dataset_layout::format) {
+    throw Error(where + ": of format " + std::to_string(found) + "; expected " + std::to_string(dataset_layout::format) +
+                ", run 'tactile windows' anew");
+  }
+  manifest_hash = h5::read_text_attribute(id, "manifest_sha256", where);
+  const auto side = [&](const char* name) {
+    return static_cast<int>(std::clamp<std::int64_t>(h5::read_number(id, name, where), 0, 32767));
+  };
+  sensor = {side("sensor_width"), side("sensor_height")};
+  if (sensor.width <= 0 || sensor.height <= 0) throw_inconsistent(where, "a sensor without area");
+  simulated = h5::read_number(id, "simulated", where) != 0;
+  read_runs(where);
+  const nlohmann::json settings = parsed(h5::read_text_attribute(id, "settings", where), where);
+  manifest = dataset_layout::manifest_of(settings, sensor, simulated, runs);
+  if (hash_of(manifest) != manifest_hash) throw_inconsistent(where, "its manifest hash is not that of its contents");
+  sampling = member<nlohmann::json>(manifest, "sampling", where).get<SamplingOptions>();
+
+  const auto interval_run = h5::read_table<std::uint32_t>(id, "intervals/run", where);
+  const auto interval_class = h5::read_table<std::uint8_t>(id, "intervals/class", where);
+  const auto start = h5::read_table<std::int64_t>(id, "intervals/start_us", where);
+  const auto end = h5::read_table<std::int64_t>(id, "intervals/end_us", where);
+  for (std::size_t i = 0; i < common_length(where + ": /intervals", interval_run, interval_class, start, end); ++i) {
+    if (interval_run[i] >= runs.size()) throw_inconsistent(where, "an interval of a run that is not there");
+    intervals.push_back({interval_run[i], {touch_of(interval_class[i], where), camera_time(start[i]), camera_time(end[i])}});
+  }
+  const auto sample_run = h5::read_table<std::uint32_t>(id, "samples/run", where);
+  const auto t = h5::read_table<std::int64_t>(id, "samples/t_us", where);
+  const auto label = h5::read_table<std::uint8_t>(id, "samples/label", where);
+  for (std::size_t i = 0; i < common_length(where + ": /samples", sample_run, t, label); ++i) {
+    samples.push_back({sample_run[i], camera_time(t[i]), touch_of(label[i], where)});
+    const bool in_order = i == 0 || samples[i - 1].run_index < samples[i].run_index ||
+                          (samples[i - 1].run_index == samples[i].run_index && samples[i - 1].t < samples[i].t);
+    if (sample_run[i] >= runs.size() || !in_order) throw_inconsistent(where, "samples that are not in order of run, then time");
+  }
+  check_events(where);
+}
+
+void Dataset::State::read_runs(const std::string& where) {
+  const auto object = h5::read_texts(id, "runs/object", where), run = h5::read_texts(id, "runs/run", where);
+  const auto folder = h5::read_texts(id, "runs/folder", where);
+  const auto first = h5::read_table<std::uint64_t>(id, "runs/first_event", where);
+  const auto events = h5::read_table<std::uint64_t>(id, "runs/events", where);
+  const auto events_sha256 = h5::read_texts(id, "runs/events_sha256", where);
+  const auto labels_sha256 = h5::read_texts(id, "runs/labels_sha256", where);
+  std::uint64_t next = 0;
+  for (std::size_t i = 0; i < common_length(where + ": /runs", object, run, folder, first, events, events_sha256, labels_sha256);
+       ++i) {
+    runs.push_back({object[i], run[i], folder[i], first[i], events[i], events_sha256[i], labels_sha256[i]});
+    if (first[i] != next || __builtin_add_overflow(next, events[i], &next))
+      throw_inconsistent(where, "runs whose events do not lie end to end");
+  }
+}
+
+void Dataset::State::check_events(const std::string& where) const {
+  const h5::Id group(H5Gopen2(id, "events", H5P_DEFAULT), H5Gclose);
+  if (group < 0) h5::fail(where, "the events beside it cannot be opened");
+  if (h5::read_text_attribute(group, "manifest_sha256", where + ": /events") != manifest_hash) {
+    throw Error(where + ": the events beside it are of another dataset; expected its own, run 'tactile windows' anew");
+  }
+  const std::uint64_t expected = runs.empty() ? 0 : runs.back().first_event + runs.back().events;
+  for (const char* name : {"t_us", "x", "y", "on"}) {
+    const std::string column_where = where + ": /events/" + name;
+    const h5::Id column = h5::open_table(group, name, column_where);
+    if (h5::shape_of(column, column_where) != std::vector<hsize_t>{expected})
+      throw_inconsistent(column_where, "not as long as the runs say");
+    h5::check_stored_size(column, column_where);
+  }
+}
+
+Dataset::Dataset(fs::path file) : state_(std::make_unique<State>()) {
+  if (!fs::exists(file)) throw Error(file.string() + ": no such dataset; expected one that 'tactile windows' made");
+  const h5::Session session;
+  state_->file = std::move(file);
+  state_->id = h5::open_file(state_->file, false);
+  state_->read();
+}
+Dataset::~Dataset() = default;
+Dataset::Dataset(Dataset&&) noexcept = default;
+Dataset& Dataset::operator=(Dataset&&) noexcept = default;
+
+const fs::path& Dataset::file() const { return state_->file; }
+SensorSize Dataset::sensor() const { return state_->sensor; }
+bool Dataset::simulated() const { return state_->simulated; }
+std::span<const DatasetRun> Dataset::runs() const { return state_->runs; }
+std::span<const DatasetInterval> Dataset::intervals() const { return state_->intervals; }
+std::span<const Sample> Dataset::samples() const { return state_->samples; }
+const nlohmann::json& Dataset::settings() const { return state_->manifest; }
+const SamplingOptions& Dataset::sampling() const { return state_->sampling; }
+const std::string& Dataset::manifest_hash() const { return state_->manifest_hash; }
+
+fs::path Dataset::run_folder(std::uint32_t run_index) const {
+  return state_->file.parent_path() / state_->runs.at(run_index).folder;  // an absolute folder stands for itself
+}
+
+std::vector<Event> Dataset::events(std::uint32_t run_index) const {
+  const h5::Session session;
+  const DatasetRun& run = state_->runs.at(run_index);
+  const std::string where = state_->file.string() + ": /events";
+  state_->check_events(state_->file.string());  // the file beside it may have been replaced since
+  std::vector<Event> events(run.events);
+  const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
+    std::vector<T> values(run.events);
+    h5::read_rows(h5::open_table(state_->id, std::string("events/") + name, where), h5::memory_type<T>(), values.data(),
+                  run.first_event, run.events, where + "/" + name);
+    for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
+  };
+  const SensorSize sensor = state_->sensor;
+  read_column("t_us", std::int64_t{}, [](Event& event, std::int64_t t) { event.t = camera_time(t); });
+  read_column("x", std::uint16_t{}, [&](Event& event, std::uint16_t x) {
+    if (x >= sensor.width) throw_inconsistent(where, "an event outside the sensor");
+    event.x = static_cast<std::int16_t>(x);
+  });
+  read_column("y", std::uint16_t{}, [&](Event& event, std::uint16_t y) {
+    if (y >= sensor.height) throw_inconsistent(where, "an event outside the sensor");
+    event.y = static_cast<std::int16_t>(y);
+  });
+  read_column("on", std::uint8_t{}, [](Event& event, std::uint8_t on) { event.on = on; });
+  return events;
+}
+
+std::vector<StoredHeatmaps> Dataset::heatmaps() const {
+  const h5::Session session;
+  const std::string where = state_->file.string() + ": /heatmaps";
+  const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+  if (group < 0) h5::fail(where, "cannot be opened");
+  std::vector<StoredHeatmaps> stored;
+  for (const std::string& name : h5::members_of(group)) stored.push_back(state_->describe(group, name));
+  return stored;
+}
+
+std::optional<StoredHeatmaps> Dataset::find_heatmaps(const std::string& name) const {
+  const h5::Session session;
+  const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+  if (group < 0 || !h5::has_member(group, name)) return std::nullopt;
+  try {
+    return state_->describe(group, name);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const {
+  const h5::Session session;
+  const std::string where = state_->file.string() + ": /heatmaps/" + name;
+  const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+  if (group < 0 || !h5::has_member(group, name))
+    throw Error(where + ": no such history; expected one that 'tactile heatmaps' rendered");
+  const h5::Id table = open_heatmaps(group, name, state_->manifest_hash, state_->samples.size(), where);
+  h5::check_stored_size(table, where);
+  const std::vector<hsize_t> shape = h5::shape_of(table, where);
+  const std::size_t size = shape[1] * shape[2];
+  std::vector<std::uint8_t> heatmaps(sample_indexes.size() * size);
+  for (std::size_t i = 0; i < sample_indexes.size();) {
+    std::size_t end = i + 1;
+    while (end < sample_indexes.size() && sample_indexes[end] == sample_indexes[end - 1] + 1) ++end;
+    h5::read_rows(table, H5T_NATIVE_UINT8, &heatmaps[i * size], sample_indexes[i], end - i, where);
+    i = end;
+  }
+  return heatmaps;
+}
+
+void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
+  const DatasetRun& run = dataset.runs()[run_index];
+  const RunFolder folder{dataset.run_folder(run_index), run.object, run.run};
+  for (const auto& [file, hash] :
+       {std::pair(folder.events(), run.events_sha256), std::pair(folder.labels(), run.labels_sha256)}) {
+    if (!fs::exists(file)) {
+      throw Error(run.object + "/" + run.run + ": " + file.string() + " is gone; expected the file that " +
+                  dataset.file().string() + " was made from");
+    }
+    if (sha256_of_file(file) != hash) {
+      throw Error(run.object + "/" + run.run + ": " + file.string() + " has changed since " + dataset.file().string() +
+                  " was made; expected the same, run 'tactile windows' anew");
+    }
+  }
+}
+
+struct HeatmapsWriter::State {
+  fs::path dataset;
+  std::string manifest_hash;
+  StoredHeatmaps description;
+  std::uint64_t samples = 0, written = 0;
+  fs::path target;
+  std::optional<WholeFile> whole;
+  h5::Id file, table;
+
+  std::size_t heatmap_size() const {
+    return static_cast<std::size_t>(description.width) * static_cast<std::size_t>(description.height);
+  }
+
+  ~State() {
+    const h5::Session session;
+    table = {};
+    file = {};
+  }
+};
+
+HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& description) : state_(std::make_unique<State>()) {
+  const h5::Session session;
+  state_->dataset = dataset.file();
+  state_->manifest_hash = dataset.manifest_hash();
+  state_->description = description;
+  state_->samples = dataset.samples().size();
+  state_->target = dataset_layout::file_beside(dataset.file(), description.name);
+  state_->whole.emplace(state_->target);
+  const std::string where = state_->target.string();
+  state_->file = h5::create_file(state_->whole->path());
+  // A heatmap is a chunk, so that any choice of samples reads no other.
+  state_->table = h5::create_table(state_->file, description.name, H5T_STD_U8LE,
+                                   {static_cast<hsize_t>(description.height), static_cast<hsize_t>(description.width)}, 1, where);
+  h5::write_attribute(state_->table, "manifest_sha256", state_->manifest_hash, where);
+  h5::write_attribute(state_->table, "settings", description.settings.dump(), where);
+  for (const auto& [key, value] : description.settings.items()) {
+    if (value.is_number_integer()) h5::write_attribute(state_->table, key, value.get<std::int64_t>(), where);
+    if (value.is_number_float()) h5::write_attribute(state_->table, key, value.get<double>(), where);
+    if (value.is_string()) h5::write_attribute(state_->table, key, value.get<std::string>(), where);
+  }
+}
+
+HeatmapsWriter::~HeatmapsWriter() = default;
+
+void HeatmapsWriter::append(std::span<const std::uint8_t> heatmaps) {
+  const h5::Session session;
+  const std::size_t count = heatmaps.size() / state_->heatmap_size();
+  h5::append_rows(state_->table, H5T_NATIVE_UINT8, heatmaps.data(), count, state_->target.string());
+  state_->written += count;
+}
+
+void HeatmapsWriter::commit() {
+  const h5::Session session;
+  const std::string where = state_->target.string(), name = state_->description.name;
+  if (state_->written != state_->samples) {
+    throw Error(where + ": " + std::to_string(state_->written) + " heatmaps; expected one for each of " +
+                std::to_string(state_->samples) + " samples");
+  }
+  state_->table.close(where);
+  state_->file.close(where);
+
+  const dataset_layout::FolderLock lock(state_->dataset);
+  WholeFile copy(state_->dataset);
+  std::error_code failed;
+  fs::copy_file(state_->dataset, copy.path(), failed);
+  if (failed)
+    throw Error(state_->dataset.string() + ": cannot be copied (" + failed.message() + "); expected a folder with room");
+  h5::Id linked = h5::open_file(copy.path(), true);
+  if (h5::read_text_attribute(linked, "manifest_sha256", state_->dataset.string()) != state_->manifest_hash) {
+    throw Error(state_->dataset.string() +
+                ": replaced by another dataset meanwhile; expected it to stay while heatmaps are rendered");
+  }
+  h5::Id group(H5Gopen2(linked, "heatmaps", H5P_DEFAULT), H5Gclose);
+  if (group < 0) h5::fail(state_->dataset.string(), "/heatmaps cannot be opened");
+  state_->whole->commit();
+  if (h5::has_member(group, name)) return;  // of another process, which made the same
+  h5::link_to_file(group, name, state_->target.filename().string(), name, state_->dataset.string());
+  group.close(where);
+  linked.close(where);
+  copy.commit();
+}
+
+}  // namespace tactile

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tactile/events/event.hpp"
+#include "tactile/windows/dataset.hpp"
+
+// Names and rules that reading and writing a dataset share.
+namespace tactile::dataset_layout {
+
+inline constexpr std::int64_t format = 1;
+
+/// "dataset.h5" -> "dataset.events.h5", "dataset.th_040.h5", beside it.
+inline std::filesystem::path file_beside(const std::filesystem::path& dataset, const std::string& part) {
+  return dataset.parent_path() / (dataset.stem().string() + "." + part + ".h5");
+}
+
+/// What names a dataset once hashed. `settings` = sampling options, mix, include_flagged.
+nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs);
+
+/// Keeps other processes from putting files in place beside a dataset until it goes.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& dataset);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int folder_ = -1;
+};
+
+}  // namespace tactile::dataset_layout

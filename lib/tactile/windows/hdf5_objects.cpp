@@ -1,0 +1,269 @@
+#include "tactile/windows/hdf5_objects.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tactile::hdf5 {
+namespace {
+
+constexpr unsigned deflate_level = 4;
+constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to 1032 times its size at the most
+constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // a last chunk may be all but empty
+constexpr std::size_t longest_text = std::size_t{1} << 16;
+
+/// Properties under which an object keeps no times, so that the same content is the same bytes.
+Id untimed(hid_t of_class) {
+  Id properties(H5Pcreate(of_class), H5Pclose);
+  H5Pset_obj_track_times(properties, 0);
+  return properties;
+}
+
+Id text_type(std::size_t size) {
+  Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, std::max<std::size_t>(size, 1));
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return type;
+}
+
+/// Texts end at their first zero byte: a fixed-length text is padded with them.
+std::string text_at(const char* bytes, std::size_t size) { return {bytes, std::find(bytes, bytes + size, '\0')}; }
+
+template <class T>
+void write_plain_attribute(hid_t object, const std::string& name, hid_t type, hid_t in_memory, const T* value,
+                           const std::string& where) {
+  const Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Id attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (attribute < 0 || H5Awrite(attribute, in_memory, value) < 0) fail(where, "attribute '" + name + "' cannot be written");
+}
+
+Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class, const std::string& where) {
+  Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (attribute < 0) throw Error(where + ": attribute '" + name + "' is missing; expected a file that tactile made");
+  const Id type(H5Aget_type(attribute), H5Tclose);
+  const Id space(H5Aget_space(attribute), H5Sclose);
+  if (H5Tget_class(type) != type_class || H5Sget_simple_extent_npoints(space) != 1) {
+    throw Error(where + ": attribute '" + name + "' is of another type; expected a file that tactile made");
+  }
+  return attribute;
+}
+
+}  // namespace
+
+Session::Session() {
+  static std::recursive_mutex guard;
+  lock_ = std::unique_lock(guard);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+void Id::close(const std::string& where) {
+  if (id_ >= 0 && close_(std::exchange(id_, -1)) < 0) fail(where, "cannot be closed");
+}
+
+std::string last_error() {
+  std::string text;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned index, const H5E_error2_t* error, void* out) -> herr_t {
+        if (index == 0 && error->desc != nullptr) *static_cast<std::string*>(out) = error->desc;
+        return 0;
+      },
+      &text);
+  return text.empty() ? "HDF5 gives no reason" : text;
+}
+
+void fail(const std::string& where, const std::string& what) {
+  throw Error(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file in a place with room");
+}
+
+Id create_file(const std::filesystem::path& file) {
+  const Id properties = untimed(H5P_FILE_CREATE);
+  Id id(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT), H5Fclose);
+  if (id < 0) fail(file.string(), "cannot be made");
+  return id;
+}
+
+Id open_file(const std::filesystem::path& file, bool for_writing) {
+  if (!std::filesystem::exists(file)) throw Error(file.string() + ": no such file; expected an HDF5 file");
+  Id id(H5Fopen(file.c_str(), for_writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (id < 0) fail(file.string(), "cannot be opened");
+  return id;
+}
+
+Id create_group(hid_t parent, const std::string& name, const std::string& where) {
+  const Id properties = untimed(H5P_GROUP_CREATE);
+  Id id(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose);
+  if (id < 0) fail(where, "group '" + name + "' cannot be made");
+  return id;
+}
+
+Id open_table(hid_t parent, const std::string& name, const std::string& where) {
+  Id id(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (id < 0) fail(where, "'" + name + "' cannot be read");
+  return id;
+}
+
+bool has_member(hid_t parent, const std::string& name) { return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0; }
+
+std::vector<std::string> members_of(hid_t group) {
+  std::vector<std::string> names;
+  hsize_t index = 0;
+  H5Literate(
+      group, H5_INDEX_NAME, H5_ITER_INC, &index,
+      [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+      },
+      &names);
+  return names;
+}
+
+void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
+                  const std::string& where) {
+  if (H5Lcreate_external(file.c_str(), path_there.c_str(), parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0) {
+    fail(where, "link '" + name + "' cannot be made");
+  }
+}
+
+std::string linked_file(hid_t parent, const std::string& name) {
+  H5L_info_t info{};
+  if (H5Lget_info(parent, name.c_str(), &info, H5P_DEFAULT) < 0 || info.type != H5L_TYPE_EXTERNAL ||
+      info.u.val_size > longest_text)
+    return {};
+  std::vector<char> value(info.u.val_size);
+  const char *file = nullptr, *path = nullptr;
+  unsigned flags = 0;
+  if (H5Lget_val(parent, name.c_str(), value.data(), value.size(), H5P_DEFAULT) < 0) return {};
+  if (H5Lunpack_elink_val(value.data(), value.size(), &flags, &file, &path) < 0) return {};
+  return file;
+}
+
+Id create_table(hid_t parent, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape, hsize_t rows_per_chunk,
+                const std::string& where) {
+  std::vector<hsize_t> shape{0}, most{H5S_UNLIMITED}, chunk{rows_per_chunk};
+  for (auto* axes : {&shape, &most, &chunk}) axes->insert(axes->end(), row_shape.begin(), row_shape.end());
+  const Id space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), most.data()), H5Sclose);
+  const Id properties = untimed(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
+  if (H5Tget_size(type) > 1 && H5Tget_class(type) == H5T_INTEGER) H5Pset_shuffle(properties);
+  H5Pset_deflate(properties, deflate_level);
+  Id table(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+  if (table < 0) fail(where, "'" + name + "' cannot be made");
+  return table;
+}
+
+void append_rows(hid_t table, hid_t in_memory, const void* rows, hsize_t count, const std::string& where) {
+  if (count == 0) return;
+  std::vector<hsize_t> shape = shape_of(table, where);
+  std::vector<hsize_t> first(shape.size(), 0), rows_shape = shape;
+  first[0] = shape[0];
+  rows_shape[0] = count;
+  shape[0] += count;
+  if (H5Dset_extent(table, shape.data()) < 0) fail(where, "cannot grow");
+  const Id in_file(H5Dget_space(table), H5Sclose);
+  const Id given(H5Screate_simple(static_cast<int>(rows_shape.size()), rows_shape.data(), nullptr), H5Sclose);
+  if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, first.data(), nullptr, rows_shape.data(), nullptr) < 0 ||
+      H5Dwrite(table, in_memory, given, in_file, H5P_DEFAULT, rows) < 0) {
+    fail(where, "cannot be written");
+  }
+}
+
+std::vector<hsize_t> shape_of(hid_t table, const std::string& where) {
+  const Id space(H5Dget_space(table), H5Sclose);
+  const int axes = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+  if (axes < 1) throw Error(where + ": no table; expected one of 1 axis or more");
+  std::vector<hsize_t> shape(static_cast<std::size_t>(axes));
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+void read_rows(hid_t table, hid_t in_memory, void* rows, hsize_t first, hsize_t count, const std::string& where) {
+  const Id type(H5Dget_type(table), H5Tclose);
+  if (H5Tget_class(type) != H5Tget_class(in_memory)) throw Error(where + ": of another type; expected a file that tactile made");
+  std::vector<hsize_t> shape = shape_of(table, where), begin(shape.size(), 0);
+  if (first > shape[0] || count > shape[0] - first) {
+    throw Error(where + ": has " + std::to_string(shape[0]) + " rows; expected at least " + std::to_string(first + count));
+  }
+  if (count == 0) return;
+  begin[0] = first;
+  shape[0] = count;
+  const Id in_file(H5Dget_space(table), H5Sclose);
+  const Id wanted(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, begin.data(), nullptr, shape.data(), nullptr) < 0 ||
+      H5Dread(table, in_memory, wanted, in_file, H5P_DEFAULT, rows) < 0) {
+    fail(where, "cannot be read");
+  }
+}
+
+void check_stored_size(hid_t table, const std::string& where) {
+  const Id type(H5Dget_type(table), H5Tclose);
+  std::uint64_t size = H5Tget_size(type);
+  const std::uint64_t limit = free_of_doubt + largest_expansion * H5Dget_storage_size(table);
+  for (const hsize_t along : shape_of(table, where)) {
+    if (__builtin_mul_overflow(size, along, &size)) size = limit + 1;
+    if (size > limit) throw Error(where + ": claims more values than its file can hold; expected a sound file");
+  }
+}
+
+void write_table(hid_t parent, const std::string& name, const std::vector<std::string>& values, const std::string& where) {
+  std::size_t longest = 1;
+  for (const std::string& value : values) longest = std::max(longest, value.size());
+  std::string bytes(longest * values.size(), '\0');
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(&bytes[i * longest], longest);
+  const Id type = text_type(longest);
+  const Id table = create_table(parent, name, type, {}, 256, where);
+  append_rows(table, type, bytes.data(), values.size(), where);
+}
+
+std::vector<std::string> read_texts(hid_t parent, const std::string& name, const std::string& where) {
+  const Id table = open_table(parent, name, where);
+  const std::string what = where + ": '" + name + "'";
+  const Id type(H5Dget_type(table), H5Tclose);
+  const std::size_t size = H5Tget_size(type);
+  const std::vector<hsize_t> shape = shape_of(table, what);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 || shape.size() != 1 || size > longest_text) {
+    throw Error(what + " is of another type; expected a column of fixed-length texts");
+  }
+  check_stored_size(table, what);
+  std::string bytes(size * shape[0], '\0');
+  read_rows(table, type, bytes.data(), 0, shape[0], what);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < shape[0]; ++i) texts.push_back(text_at(&bytes[i * size], size));
+  return texts;
+}
+
+void write_attribute(hid_t object, const std::string& name, std::int64_t value, const std::string& where) {
+  write_plain_attribute(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &value, where);
+}
+
+void write_attribute(hid_t object, const std::string& name, double value, const std::string& where) {
+  write_plain_attribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value, where);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::string& value, const std::string& where) {
+  const Id type = text_type(value.size());
+  const std::string bytes = value.empty() ? std::string(1, '\0') : value;
+  write_plain_attribute(object, name, type, type, bytes.data(), where);
+}
+
+bool has_attribute(hid_t object, const std::string& name) { return H5Aexists(object, name.c_str()) > 0; }
+
+std::int64_t read_number(hid_t object, const std::string& name, const std::string& where) {
+  const Id attribute = open_attribute(object, name, H5T_INTEGER, where);
+  std::int64_t value = 0;
+  if (H5Aread(attribute, H5T_NATIVE_INT64, &value) < 0) fail(where, "attribute '" + name + "' cannot be read");
+  return value;
+}
+
+std::string read_text_attribute(hid_t object, const std::string& name, const std::string& where) {
+  const Id attribute = open_attribute(object, name, H5T_STRING, where);
+  const Id type(H5Aget_type(attribute), H5Tclose);
+  const std::size_t size = H5Tget_size(type);
+  if (H5Tis_variable_str(type) > 0 || size > longest_text)
+    throw Error(where + ": attribute '" + name + "' is of another type; expected a fixed-length text");
+  std::string bytes(size, '\0');
+  if (H5Aread(attribute, type, bytes.data()) < 0) fail(where, "attribute '" + name + "' cannot be read");
+  return text_at(bytes.data(), size);
+}
+
+}  // namespace tactile::hdf5

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+
+// HDF5 as the dataset's files use it: identifiers that close themselves, and errors as `Error`. Only sources include this header.
+namespace tactile::hdf5 {
+
+/// Held around everything below: one thread at a time is in HDF5, which then prints nothing of its own.
+class Session {
+ public:
+  Session();
+
+ private:
+  std::unique_lock<std::recursive_mutex> lock_;
+};
+
+/// An identifier, closed when it goes.
+class Id {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Id() = default;
+  Id(hid_t id, Close closed_by) : id_(id), close_(closed_by) {}
+  ~Id() { reset(); }
+  Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Id& operator=(Id&& other) noexcept {
+    if (this != &other) {
+      reset();
+      id_ = std::exchange(other.id_, -1);
+      close_ = other.close_;
+    }
+    return *this;
+  }
+
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): handed to HDF5's functions as it is
+  void close(const std::string& where);   ///< @throws Error if what was written did not reach the file
+
+ private:
+  void reset() {
+    if (id_ >= 0) close_(id_);
+    id_ = -1;
+  }
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// What HDF5 says went wrong, innermost first.
+std::string last_error();
+[[noreturn]] void fail(const std::string& where, const std::string& what);
+
+Id create_file(const std::filesystem::path& file);                  ///< replaces what is there
+Id open_file(const std::filesystem::path& file, bool for_writing);  ///< @throws Error if it is missing or no HDF5
+Id create_group(hid_t parent, const std::string& name, const std::string& where);
+Id open_table(hid_t parent, const std::string& name, const std::string& where);
+bool has_member(hid_t parent, const std::string& name);
+std::vector<std::string> members_of(hid_t group);  ///< the names of its links, in ascending order
+void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
+                  const std::string& where);
+
+std::string linked_file(hid_t parent, const std::string& name);  ///< of an external link; empty if it is none
+
+/// The type of T in a file: little-endian, of T's own width; and in memory.
+template <class T>
+hid_t file_type() {
+  static_assert(std::is_integral_v<T>);
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_STD_U8LE;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return H5T_STD_U16LE;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_STD_U32LE;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_STD_U64LE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
+}
+template <class T>
+hid_t memory_type() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_NATIVE_UINT8;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return H5T_NATIVE_UINT16;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_NATIVE_UINT32;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_NATIVE_UINT64;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+}
+
+/// A table that grows along its first axis, in compressed chunks that any HDF5 reads.
+Id create_table(hid_t parent, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape, hsize_t rows_per_chunk,
+                const std::string& where);
+void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count, const std::string& where);
+
+/// [rows, ...]
+std::vector<hsize_t> shape_of(hid_t table, const std::string& where);
+/// Reads `count` rows from `first` on into memory that holds them. @throws Error also if the table holds no whole numbers
+void read_rows(hid_t table, hid_t memory_type, void* rows, hsize_t first, hsize_t count, const std::string& where);
+/// @throws Error  if a table claims to hold more than what it takes of its file can expand to
+void check_stored_size(hid_t table, const std::string& where);
+
+template <class T>
+void write_table(hid_t parent, const std::string& name, const std::vector<T>& values, const std::string& where) {
+  const Id table = create_table(parent, name, file_type<T>(), {}, 16384, where);
+  append_rows(table, memory_type<T>(), values.data(), values.size(), where);
+}
+void write_table(hid_t parent, const std::string& name, const std::vector<std::string>& values, const std::string& where);
+
+template <class T>
+std::vector<T> read_table(hid_t parent, const std::string& name, const std::string& where) {
+  const Id table = open_table(parent, name, where);
+  const std::vector<hsize_t> shape = shape_of(table, where + ": /" + name);
+  if (shape.size() != 1) throw Error(where + ": '" + name + "' has " + std::to_string(shape.size()) + " axes; expected 1");
+  check_stored_size(table, where + ": '" + name + "'");
+  std::vector<T> values(shape[0]);
+  read_rows(table, memory_type<T>(), values.data(), 0, shape[0], where + ": '" + name + "'");
+  return values;
+}
+std::vector<std::string> read_texts(hid_t parent, const std::string& name, const std::string& where);
+
+void write_attribute(hid_t object, const std::string& name, std::int64_t value, const std::string& where);
+void write_attribute(hid_t object, const std::string& name, double value, const std::string& where);
+void write_attribute(hid_t object, const std::string& name, const std::string& value, const std::string& where);
+bool has_attribute(hid_t object, const std::string& name);
+std::int64_t read_number(hid_t object, const std::string& name, const std::string& where);
+std::string read_text_attribute(hid_t object, const std::string& name, const std::string& where);
+
+}  // namespace tactile::hdf5

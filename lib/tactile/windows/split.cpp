@@ -1,0 +1,80 @@
+#include "tactile/windows/split.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+using RunIndexes = std::vector<std::uint32_t>;
+
+std::uint32_t training_run(std::span<const RunName> runs, const std::string& object, const RunIndexes& of_object,
+                           const std::string& wanted) {
+  for (const std::uint32_t index : of_object) {
+    if (runs[index].run == wanted && runs[index].has_samples) return index;
+  }
+  std::vector<std::string> whole;
+  for (const std::uint32_t index : of_object) {
+    if (runs[index].has_samples) whole.push_back(runs[index].run);
+  }
+  const std::string lacking = object + "/" + wanted + ": this training run has no samples; ";
+  if (whole.empty()) throw Error(lacking + "expected some, but no run of '" + object + "' has any");
+  std::sort(whole.begin(), whole.end());
+  const auto next = std::upper_bound(whole.begin(), whole.end(), wanted);
+  throw Error(lacking + "expected one that has, the next is --train-run " + (next == whole.end() ? whole.front() : *next));
+}
+
+}  // namespace
+
+std::string_view name_of(SplitKind kind) { return kind == SplitKind::single_run ? "single-run" : "unseen"; }
+
+SplitKind split_named(std::string_view name) {
+  for (const SplitKind kind : {SplitKind::single_run, SplitKind::unseen}) {
+    if (name == name_of(kind)) return kind;
+  }
+  throw Error("split '" + std::string(name) + "' is unknown; expected single-run or unseen");
+}
+
+const std::vector<std::string>& default_held_out() {
+  static const std::vector<std::string> objects{"textured-box", "plastic-container", "fan", "small-box", "sprayer"};
+  return objects;
+}
+
+Split split_runs(std::span<const RunName> runs, const SplitOptions& options) {
+  std::map<std::string, RunIndexes> by_object;
+  for (std::uint32_t index = 0; index < runs.size(); ++index) by_object[runs[index].object].push_back(index);
+  const bool unseen = options.kind == SplitKind::unseen;
+  if (unseen) {
+    for (const std::string& object : options.held_out) {
+      if (!by_object.contains(object))
+        throw Error("held-out object '" + object + "': no run of it; expected one of the dataset's objects");
+    }
+  }
+  Split split;
+  for (const auto& [object, of_object] : by_object) {
+    if (unseen && std::find(options.held_out.begin(), options.held_out.end(), object) != options.held_out.end()) {
+      split.test_runs.insert(split.test_runs.end(), of_object.begin(), of_object.end());
+      continue;
+    }
+    const std::uint32_t trained_on = training_run(runs, object, of_object, options.train_run);
+    split.train_runs.push_back(trained_on);
+    if (unseen) continue;
+    std::copy_if(of_object.begin(), of_object.end(), std::back_inserter(split.test_runs),
+                 [&](std::uint32_t index) { return index != trained_on; });
+  }
+  const std::string which = "split " + std::string(name_of(options.kind)) + " with --train-run " + options.train_run;
+  if (split.train_runs.empty())
+    throw Error(which + ": no run is left to train on; expected at least one object that is not held out");
+  const auto has_samples = [&](std::uint32_t index) { return runs[index].has_samples; };
+  if (std::none_of(split.test_runs.begin(), split.test_runs.end(), has_samples)) {
+    throw Error(which + ": no run with samples is left to test on; expected at least " +
+                (unseen ? "one held-out object" : "two runs of an object"));
+  }
+  std::sort(split.train_runs.begin(), split.train_runs.end());
+  std::sort(split.test_runs.begin(), split.test_runs.end());
+  return split;
+}
+
+}  // namespace tactile

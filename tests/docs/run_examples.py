@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""Runs every example of a Markdown page, in its order, in one empty folder.
+
+    run_examples.py PAGE BINARY TEST_DATA
+
+An example is a line of a ```sh block. It must end with 0, or with N where the line ends in "# exits with N". The folder holds what a new
+user has at hand: `tactile` on the path, and `recordings/` with a few small recordings.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def examples(page):
+    inside = False
+    for number, line in enumerate(open(page, encoding="utf-8"), 1):
+        line = line.rstrip("\n")
+        if line.startswith("```"):
+            inside = line == "```sh"
+        elif inside and line.strip() and not line.startswith("#"):
+            expected = re.search(r"# exits with (\d+)$", line)
+            yield number, line, int(expected.group(1)) if expected else 0
+
+
+def main():
+    page, binary, test_data = sys.argv[1:]
+    folder = tempfile.mkdtemp(prefix="tactile-docs-")
+    try:
+        shutil.copytree(os.path.join(test_data, "aedat4"), os.path.join(folder, "recordings"))
+        environment = dict(os.environ, PATH=os.path.dirname(binary) + os.pathsep + os.environ["PATH"])
+        count = 0
+        for number, line, expected in examples(page):
+            result = subprocess.run(["bash", "-c", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                                    capture_output=True, text=True)
+            if result.returncode != expected:
+                print(f"{page}:{number}: '{line}' ended with {result.returncode}, expected {expected}\n{result.stdout}{result.stderr}")
+                return 1
+            print(f"ok  {line}")
+            count += 1
+        if count == 0:
+            print(f"{page}: no example found; expected ```sh blocks")
+            return 1
+        print(f"{count} examples ran")
+        return 0
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+sys.exit(main())

@@ -1,0 +1,87 @@
+#include "tactile/labels/label_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include "labels/made_run.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+using test::made_camera_begin_us;
+using test::made_lift;
+using test::write_made_run;
+
+// A press of 200 ms at 0.8 s; a lift at 1.5 s that moves for 0.6 s, with the skin firing from 3 ms after its start to 3 ms before its end.
+const test::MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
+const RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
+
+double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - made_camera_begin_us) / 1000.0; }
+
+TEST(LabelRun, FindsPressAndSlipInCameraTime) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
+  EXPECT_TRUE(labels.flags.empty()) << labels.flags.front().reason;
+  ASSERT_EQ(labels.intervals.size(), 2U);
+  EXPECT_EQ(labels.intervals[0].touch, Touch::press);
+  EXPECT_NEAR(ms_from_begin(labels.intervals[0].start.at), 800.0, 0.5);
+  EXPECT_NEAR(ms_from_begin(labels.intervals[0].end.at), 1000.0, 3.0);
+  EXPECT_EQ(labels.intervals[1].touch, Touch::slip);
+  EXPECT_NEAR(ms_from_begin(labels.intervals[1].start.at), 1503.0, 0.5);
+  EXPECT_NEAR(ms_from_begin(labels.intervals[1].end.at), 2097.0, 3.0);
+}
+
+TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
+  ASSERT_TRUE(labels.robot_clock.has_value());
+  EXPECT_NEAR(static_cast<double>(labels.robot_clock->relation.offset_us), -123'456'789, 5'000);
+  EXPECT_EQ(labels.robot_clock->relation.drift_ppm, 0.0);
+  ASSERT_TRUE(labels.intervals[1].evidence.robot.has_value());
+  EXPECT_NEAR(ms_from_begin(*labels.intervals[1].evidence.robot), 1500.0, 5.0);
+}
+
+TEST(LabelRun, TellsTheSlipByTheLiftWhenThePressIsTheLongerOne) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{500'000, 1'100'000}, {1'502'000, 1'800'000}}},
+                                                 made_lift(1'500'000, 250'000, 0.06, 77)));
+  ASSERT_EQ(labels.intervals.size(), 2U);
+  EXPECT_EQ(labels.intervals[0].touch, Touch::press);
+  EXPECT_EQ(labels.intervals[1].touch, Touch::slip);
+}
+
+TEST(LabelRun, WithoutRobotLogGoesByTheOrderAndSaysSo) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, {}));
+  ASSERT_EQ(labels.intervals.size(), 2U);
+  EXPECT_EQ(labels.intervals[1].touch, Touch::slip);
+  EXPECT_FALSE(labels.robot_clock.has_value());
+  EXPECT_TRUE(labels.run_is_flagged());
+}
+
+TEST(LabelRun, OfNoiseAloneFindsNothingAndSaysSo) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), {}, lift));
+  EXPECT_TRUE(labels.intervals.empty());
+  EXPECT_TRUE(labels.run_is_flagged());
+}
+
+TEST(LabelRun, OfAnArmThatNeverRisesIsFlagged) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}}}, made_lift(9e9, 1, 0.06, 0)));
+  ASSERT_EQ(labels.intervals.size(), 1U);
+  EXPECT_EQ(labels.intervals[0].touch, Touch::press);
+  EXPECT_TRUE(labels.run_is_flagged());
+}
+
+TEST(LabelRun, GivesTheSameBytesEachTime) {
+  const test::TemporaryFolder data;
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  write_labels(data / "first.json", label_run(run));
+  write_labels(data / "second.json", label_run(run));
+  EXPECT_EQ(read_text(data / "first.json"), read_text(data / "second.json"));
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,132 @@
+#include "tactile/robot/robot_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+/// A header with the needed columns and what a test adds, parted by `separator`.
+std::string header(const std::string& separator, const std::string& last = "") {
+  std::string text = "timestamp";
+  for (const char* name : {"actual_TCP_pose_", "actual_TCP_speed_"}) {
+    for (int i = 0; i < 6; ++i) text += separator + name + std::to_string(i);
+  }
+  return text + (last.empty() ? "" : separator + last);
+}
+
+/// A row at `time` whose values are 0.5, 1.5, ... 11.5.
+std::string row(const std::string& time, const std::string& separator, const std::string& last = "") {
+  std::string text = time;
+  for (int i = 0; i < 12; ++i) text += separator + std::to_string(i) + ".5";
+  return text + (last.empty() ? "" : separator + last);
+}
+
+RobotLog read(const std::string& text) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "robot.csv", text);
+  return read_robot_log(folder / "robot.csv");
+}
+
+std::string complaint_about(const std::string& text) {
+  try {
+    read(text);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(RobotLog, ComesBackAsItWasWritten) {
+  RobotLog log;
+  for (int i = 0; i < 3; ++i) {
+    RobotState state;
+    state.t = RobotTime{microseconds{83'456'789'012 + 8000 * i}};
+    for (std::size_t k = 0; k < 6; ++k) {
+      state.tcp_pose[k] = 0.1 * i - 1.0 / (3.0 + static_cast<double>(k));
+      state.tcp_speed[k] = 1e-7 * i * static_cast<double>(k);
+    }
+    state.digital_output_bits = i == 2 ? 5 : 0;
+    log.states.push_back(state);
+  }
+  const test::TemporaryFolder folder;
+  write_robot_log(folder / "robot.csv", log);
+  const RobotLog back = read_robot_log(folder / "robot.csv");
+  ASSERT_EQ(back.states.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(back.states[i].t, log.states[i].t);
+    EXPECT_EQ(back.states[i].tcp_pose, log.states[i].tcp_pose);
+    EXPECT_EQ(back.states[i].tcp_speed, log.states[i].tcp_speed);
+    EXPECT_EQ(back.states[i].digital_output_bits, log.states[i].digital_output_bits);
+  }
+  EXPECT_TRUE(read_text(folder / "robot.csv").find("\n83456.789012,") != std::string::npos);
+}
+
+TEST(RobotLog, IsPartedAsItsHeaderIs) {
+  for (const std::string separator : {",", " ", "\t", ";", ", "}) {
+    const RobotLog log = read(header(separator) + "\n" + row("12.008", separator) + "\n");
+    ASSERT_EQ(log.states.size(), 1U) << "'" << separator << "'";
+    EXPECT_EQ(us_of(log.states[0].t), 12'008'000);
+    EXPECT_EQ(log.states[0].tcp_pose[5], 5.5);
+    EXPECT_EQ(log.states[0].tcp_speed[0], 6.5);
+    EXPECT_FALSE(log.states[0].digital_output_bits.has_value());
+  }
+}
+
+TEST(RobotLog, MayEndItsRowsAsWindowsDoesAndHoldBlankOnes) {
+  const RobotLog log = read(header(" ") + "\r\r\n\r\n" + row("1.0", " ") + "\r\n\r\n" + row("1.008", " ") + "\r\n \r\n");
+  ASSERT_EQ(log.states.size(), 2U);
+  EXPECT_EQ(log.states[1].tcp_speed[5], 11.5);
+}
+
+TEST(RobotLog, FindsItsColumnsByName) {
+  const RobotLog log = read("robot_mode," + header(",", "actual_digital_output_bits") + "\n7," + row("2.5", ",", "65537") + "\n");
+  ASSERT_EQ(log.states.size(), 1U);
+  EXPECT_EQ(us_of(log.states[0].t), 2'500'000);
+  EXPECT_EQ(log.states[0].digital_output_bits, 65537U);
+}
+
+TEST(RobotLog, DropsARepeatedRow) {
+  const RobotLog log = read(header(",") + "\n" + row("1", ",") + "\n" + row("1", ",") + "\n" + row("1.008", ",") + "\n");
+  EXPECT_EQ(log.states.size(), 2U);
+}
+
+TEST(RobotLog, NamesTheColumnThatIsMissing) {
+  std::string text = header(",");
+  text.replace(text.find("actual_TCP_speed_3"), 18, "actual_TCP_spede_3");
+  EXPECT_NE(complaint_about(text + "\n").find("no column 'actual_TCP_speed_3'"), std::string::npos);
+}
+
+TEST(RobotLog, NamesTheRowAndColumnThatIsNoNumber) {
+  for (const std::string wrong : {"4,5", "nan", "inf", "", "0x10", "1.5mm"}) {
+    std::string text = header(";") + "\n" + row("1", ";") + "\n" + row("2", ";") + "\n";
+    text.replace(text.rfind("4.5"), 3, wrong);
+    const std::string complaint = complaint_about(text);
+    EXPECT_NE(complaint.find("row 3, column 'actual_TCP_pose_4' holds '" + wrong + "'"), std::string::npos) << complaint;
+  }
+  const std::string bits = complaint_about(header(",", "actual_digital_output_bits") + "\n" + row("1", ",", "-1") + "\n");
+  EXPECT_NE(bits.find("row 2, column 'actual_digital_output_bits' holds '-1'"), std::string::npos) << bits;
+}
+
+TEST(RobotLog, RefusesARowOfAnotherLength) {
+  EXPECT_NE(complaint_about(header(",") + "\n" + row("1", ",", "9") + "\n").find("row 2 has 14 values; expected 13"),
+            std::string::npos);
+}
+
+TEST(RobotLog, RefusesTimesThatGoBack) {
+  EXPECT_NE(complaint_about(header(",") + "\n" + row("2", ",") + "\n" + row("1", ",") + "\n").find("row 3, column 'timestamp'"),
+            std::string::npos);
+}
+
+TEST(RobotLog, RefusesAnEmptyFileAndOneThatIsNotThere) {
+  EXPECT_NE(complaint_about("\n\n").find("is empty"), std::string::npos);
+  EXPECT_THROW(read_robot_log("/nowhere/robot.csv"), Error);
+}
+
+}  // namespace
+}  // namespace tactile

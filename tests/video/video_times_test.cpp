@@ -1,0 +1,40 @@
+#include "tactile/video/video_times.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+std::vector<VideoTime> read(const std::string& text) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "video.csv", text);
+  return read_video_times(folder / "video.csv");
+}
+
+TEST(VideoTimes, ComeBackAsTheyWereWritten) {
+  const std::vector<VideoTime> times{VideoTime{0us}, VideoTime{33'417us}, VideoTime{70'001us}};
+  const test::TemporaryFolder folder;
+  write_video_times(folder / "video.csv", times);
+  EXPECT_EQ(read_text(folder / "video.csv"), "index,pts_us\n0,0\n1,33417\n2,70001\n");
+  EXPECT_EQ(read_video_times(folder / "video.csv"), times);
+}
+
+TEST(VideoTimes, PassOverFurtherColumnsAndWindowsLineEnds) {
+  EXPECT_EQ(read("index,host_time_us,pts_us\r\n0,99,5\r\n1,98,6\r\n"), (std::vector<VideoTime>{VideoTime{5us}, VideoTime{6us}}));
+}
+
+TEST(VideoTimes, AreReadStrictly) {
+  EXPECT_THROW(read("index\n0\n"), Error) << "no pts_us";
+  EXPECT_THROW(read("index,pts_us\n0,0\n2,5\n"), Error) << "a skipped index";
+  EXPECT_THROW(read("index,pts_us\n0,5\n1,5\n"), Error) << "a time twice";
+  EXPECT_THROW(read("index,pts_us\n0,1.5\n"), Error) << "no whole number";
+  EXPECT_THROW(read("index,pts_us\n0\n"), Error) << "a missing value";
+  EXPECT_THROW(read_video_times("/nowhere/video.csv"), Error);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,94 @@
+#include "tactile/video/video_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+#include <vector>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+/// Times like a webcam's: about 30 a second, one frame dropped, one late.
+std::vector<VideoTime> uneven_times() {
+  std::vector<VideoTime> times;
+  std::int64_t us = 0;
+  for (int i = 0; i < 70; ++i) {
+    times.emplace_back(microseconds{us});
+    us += 33'333 + (i * 7919) % 1511 - 700 + (i == 20 ? 33'333 : 0) + (i == 41 ? 9'001 : 0);
+  }
+  return times;
+}
+
+/// Dark, with a brighter square that wanders to the right; its column tells the frame.
+cv::Mat frame_with_square(int index, int type) {
+  cv::Mat frame(64, 96, type, cv::Scalar::all(40));
+  frame(cv::Rect(index, 20, 16, 16)).setTo(cv::Scalar::all(200));
+  return frame;
+}
+
+void write_film(const std::filesystem::path& file, int type) {
+  VideoWriter writer(file, {.width = 96, .height = 64});
+  int index = 0;
+  for (const VideoTime t : uneven_times()) writer.write(frame_with_square(index++, type), t);
+  writer.close();
+}
+
+TEST(VideoWriter, KeepsEveryFrameAndItsTime) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    const test::TemporaryFolder folder;
+    write_film(folder / "video.mp4", type);
+    cv::VideoCapture film((folder / "video.mp4").string(), cv::CAP_FFMPEG);
+    ASSERT_TRUE(film.isOpened());
+    const std::vector<VideoTime> times = uneven_times();
+    cv::Mat frame;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      ASSERT_TRUE(film.read(frame)) << "frame " << i;
+      EXPECT_NEAR(film.get(cv::CAP_PROP_POS_MSEC), static_cast<double>(us_of(times[i])) / 1000.0, 1e-3) << "frame " << i;
+      const cv::Mat expected = frame_with_square(static_cast<int>(i), CV_8UC3);
+      EXPECT_LT(cv::norm(frame, expected, cv::NORM_L1) / static_cast<double>(expected.total() * 3), 4.0) << "frame " << i;
+    }
+    EXPECT_FALSE(film.read(frame));
+  }
+}
+
+TEST(VideoWriter, GivesTheSameBytesForTheSameFrames) {
+  const test::TemporaryFolder folder;
+  write_film(folder / "a.mp4", CV_8UC1);
+  write_film(folder / "b.mp4", CV_8UC1);
+  EXPECT_EQ(read_text(folder / "a.mp4"), read_text(folder / "b.mp4"));
+}
+
+TEST(VideoWriter, LeavesWholeFragmentsWhenItIsCutOff) {
+  const test::TemporaryFolder folder;
+  write_film(folder / "video.mp4", CV_8UC1);
+  const std::string whole = read_text(folder / "video.mp4");
+  const std::size_t third = whole.rfind("moof") - 4;  // 70 frames are three fragments of 30, 30 and 10
+  write_whole(folder / "cut.mp4", whole.substr(0, third));
+  cv::VideoCapture film((folder / "cut.mp4").string(), cv::CAP_FFMPEG);
+  ASSERT_TRUE(film.isOpened());
+  cv::Mat frame;
+  int frames = 0;
+  while (film.read(frame)) ++frames;
+  EXPECT_EQ(frames, 60);
+}
+
+TEST(VideoWriter, RefusesWhatItCannotWrite) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", {.width = 95, .height = 64}), Error) << "an odd side";
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", {.quality = 52}), Error);
+  EXPECT_THROW(VideoWriter("/nowhere/a.mp4", {}), Error);
+  VideoWriter writer(folder / "b.mp4", {.width = 96, .height = 64});
+  EXPECT_THROW(writer.write(cv::Mat(64, 95, CV_8UC1), VideoTime{0us}), Error) << "another size";
+  EXPECT_THROW(writer.write(cv::Mat(64, 96, CV_32FC1), VideoTime{0us}), Error) << "another type";
+  EXPECT_THROW(writer.write(frame_with_square(0, CV_8UC1), VideoTime{5us}), Error) << "a first frame not at 0";
+  writer.write(frame_with_square(0, CV_8UC1), VideoTime{0us});
+  EXPECT_THROW(writer.write(frame_with_square(1, CV_8UC1), VideoTime{0us}), Error) << "a time twice";
+}
+
+}  // namespace
+}  // namespace tactile
