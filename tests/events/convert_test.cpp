@@ -117,8 +117,9 @@ TEST(Convert, WritesACsvThatPythonFindsTrue) {
     convert_recording(vendor_files / (name + ".aedat4"), folder / (name + ".csv"));
     const test::CommandResult python = test::run_shell("python3 sums.py " + name + ".csv", folder.path());
     ASSERT_EQ(python.exit_code, 0) << python.err;
-    for (const auto& [key, value] : nlohmann::json::parse(python.out).items())
-      EXPECT_EQ(value, expected.at(key)) << name << ": " << key;
+    const nlohmann::json sums = nlohmann::json::parse(python.out);
+    EXPECT_EQ(sums.size(), 7U);
+    for (const auto& [key, value] : sums.items()) EXPECT_EQ(value, expected.at(key)) << name << ": " << key;
   }
 }
 
