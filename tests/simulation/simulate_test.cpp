@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <opencv2/videoio.hpp>
 
 #include "support/temporary_folder.hpp"
