@@ -5,6 +5,11 @@
 namespace tactile {
 
 // In the order they are run.
+void add_simulate_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+void add_repair_command(CLI::App& app);
+void add_convert_command(CLI::App& app);
+void add_label_command(CLI::App& app);
 void add_windows_command(CLI::App& app);
 void add_heatmaps_command(CLI::App& app);
 void add_view_command(CLI::App& app);

@@ -21,6 +21,11 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
 
+  add_simulate_command(app);
+  add_info_command(app);
+  add_repair_command(app);
+  add_convert_command(app);
+  add_label_command(app);
   add_windows_command(app);
   add_heatmaps_command(app);
   add_view_command(app);

@@ -55,7 +55,8 @@ UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::siz
   while (low > 0 && likelihood[low - 1] >= limit) --low;
   while (high + 1 < likelihood.size() && likelihood[high + 1] >= limit) ++high;
   // A bin stands for all of its span, and an onset inside it is seen from its end on.
-  return {rate.begin_of(begin + best), before(rate.begin_of(begin + low), rate.bin), rate.begin_of(begin + high + 1)};
+  return {rate.begin_of(begin + best), before(rate.begin_of(begin + low), rate.bin + options.latency),
+          rate.begin_of(begin + high + 1)};
 }
 
 }  // namespace tactile

@@ -11,6 +11,7 @@ namespace tactile {
 struct OnsetOptions {
   microseconds before{40'000};  ///< searched so far before the candidate
   microseconds after{25'000};   ///< and so far behind it, > 0
+  microseconds latency{1'000};  ///< a marker may have moved so long before its first event
 };
 
 /// When a burst's rate left the quiet rate, by maximum likelihood. With tau the onset, q the quiet rate and u = t - tau,

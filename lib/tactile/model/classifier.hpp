@@ -1,27 +1,28 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "tactile/core/touch.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/logits.hpp"
+#include "tactile/model/model_bundle.hpp"
 
 namespace tactile {
-
-using Logits = std::array<float, touch_count>;
 
 /// A trained LeNet with the settings it was trained under.
 class Classifier {
  public:
-  /// Opens the model bundle `models/<name>/`. @throws Error if it is missing, incomplete or damaged
+  /// Opens the model bundle `models/<name>/`.
+  /// @param threads  0: as many as the machine has cores; the logits do not depend on it
+  /// @throws Error  if it is missing, incomplete or damaged: another format, weights that are not those of its hash, of the
+  /// network's
+  ///                sizes, or finite
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0);
   ~Classifier();
   Classifier(Classifier&&) noexcept;
@@ -29,6 +30,7 @@ class Classifier {
 
   const std::filesystem::path& bundle() const;
   const nlohmann::json& description() const;  ///< the bundle's model.json
+  const ModelDescription& model() const;      ///< the same, read
   const HeatmapOptions& rendering() const;
   SensorSize input_size() const;
 
@@ -36,12 +38,13 @@ class Classifier {
   /// @return n times the logits of none, press, slip
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
 
+  /// The verdicts of the same. May be called from several threads at once.
+  std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps) const;
+  std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The touch with the largest logit; the earlier one of equals.
-Touch verdict_of(const Logits& logits);
 
 }  // namespace tactile

@@ -1,0 +1,131 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "quantity_text.hpp"
+#include "tactile/events/repair.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+struct RepairArguments {
+  std::string in, out;
+  bool force = false;
+};
+
+/// What was wrong and is not in the output, one line each; empty if the input was sound.
+std::vector<std::string> losses(const RepairSummary& summary) {
+  const RecordingProblems& problems = summary.problems;
+  std::vector<std::string> lines;
+  if (problems.truncated_bytes > 0)
+    lines.push_back(counted(problems.truncated_bytes, "byte") + " behind the last whole packet: the recording was cut off");
+  if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that did not decode");
+  if (problems.mismatched_packets > 0)
+    lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");
+  if (problems.undeclared_packets > 0)
+    lines.push_back(counted(problems.undeclared_packets, "packet") + " of a stream that the header does not declare");
+  if (problems.empty_packets > 0) lines.push_back(counted(problems.empty_packets, "packet") + " without contents");
+  if (problems.out_of_range_events > 0)
+    lines.push_back(counted(problems.out_of_range_events, "event") + " outside the sensor or without polarity");
+  return lines;
+}
+
+std::string table_text(const RepairSummary& summary) {
+  if (summary.index == PacketIndex::table) return "sound, written anew";
+  return "rebuilt: " + (summary.problems.table.empty() ? std::string("there was none, the recording was never closed")
+                                                       : summary.problems.table);
+}
+
+std::uint64_t steps_back_in(const RepairSummary& summary) {
+  std::uint64_t steps = 0;
+  for (const RepairedStream& stream : summary.streams) steps += stream.steps_back;
+  return steps;
+}
+
+nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary) {
+  nlohmann::json streams = nlohmann::json::array();
+  for (const RepairedStream& stream : summary.streams) {
+    streams.push_back({{"id", stream.stream.id},
+                       {"type", name_of(stream.stream.type)},
+                       {"name", stream.stream.name},
+                       {"source", stream.stream.source},
+                       {"packets_kept", stream.packets_kept},
+                       {"packets_lost", stream.packets_lost},
+                       {"bytes_lost", stream.bytes_lost},
+                       {"elements_kept", stream.elements_kept},
+                       {"steps_back", stream.steps_back}});
+  }
+  const RecordingProblems& problems = summary.problems;
+  return {{"in", args.in},
+          {"out", args.out},
+          {"bytes_in", summary.bytes_in},
+          {"bytes_out", summary.bytes_out},
+          {"bytes_lost", summary.bytes_lost()},
+          {"packets_kept", summary.packets_kept()},
+          {"packets_rewritten", summary.packets_rewritten},
+          {"packets_lost", summary.packets_lost()},
+          {"table_rebuilt", summary.index == PacketIndex::scan},
+          {"table_why", problems.table},
+          {"steps_back", steps_back_in(summary)},
+          {"problems",
+           {{"truncated_bytes", problems.truncated_bytes},
+            {"broken_packets", problems.broken_packets},
+            {"mismatched_packets", problems.mismatched_packets},
+            {"undeclared_packets", problems.undeclared_packets},
+            {"empty_packets", problems.empty_packets},
+            {"unwrapped_packets", problems.unwrapped_packets},
+            {"out_of_range_events", problems.out_of_range_events}}},
+          {"losses", losses(summary)},
+          {"streams", streams}};
+}
+
+std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
+  const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<8}{}\n", label, text); };
+  std::string text = args.out + "\n";
+  text += line("from", fmt::format("{}, {}", args.in, bytes_text(summary.bytes_in)));
+  text += line("kept", fmt::format("{}, {} of them bit for bit", counted(summary.packets_kept(), "packet"),
+                                   summary.packets_kept() - summary.packets_rewritten));
+  const std::vector<std::string> lost = losses(summary);
+  if (lost.empty()) text += line("lost", "nothing");
+  for (std::size_t i = 0; i < lost.size(); ++i) text += line(i == 0 ? "lost" : "", lost[i]);
+  text += line("table", table_text(summary));
+  if (summary.problems.unwrapped_packets > 0)
+    text += line("times", counted(summary.problems.unwrapped_packets, "packet") + " moved by 2^32 us into place");
+  if (const std::uint64_t steps = steps_back_in(summary); steps > 0) {
+    text +=
+        line("times", fmt::format("step back {}; left as they are, for what is right cannot be told", counted(steps, "time")));
+  }
+  text += "\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const RepairedStream& stream : summary.streams) {
+    rows.push_back({fmt::format("{}  {}", stream.stream.id, name_of(stream.stream.type)), std::to_string(stream.packets_kept),
+                    std::to_string(stream.packets_lost), std::to_string(stream.elements_kept),
+                    std::to_string(stream.bytes_lost)});
+  }
+  return text + text_table({"Stream", "packets kept", "packets lost", "elements kept", "bytes lost"}, rows);
+}
+
+void repair(const RepairArguments& args, const CommonArguments& common) {
+  const RepairSummary summary = repair_recording(args.in, args.out, args.force, progress_line(common));
+  print_result(common, json_of(args, summary), text_of(args, summary));
+}
+
+}  // namespace
+
+void add_repair_command(CLI::App& app) {
+  auto args = std::make_shared<RepairArguments>();
+  CLI::App* command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
+                                  [args](const CommonArguments& common) { repair(*args, common); });
+  command->add_option("in", args->in, "Damaged recording; it is left as it is")->type_name("IN")->required();
+  command->add_option("out", args->out, "Repaired recording, .aedat4")->type_name("OUT")->required();
+  command->add_flag("--force", args->force, "Replace OUT if it exists; never IN");
+}
+
+}  // namespace tactile

@@ -1,0 +1,94 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/simulation/simulate.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+struct SimulateArguments {
+  std::string data = "data";
+  std::string preset = "quick";
+  int runs = 0;
+  std::vector<std::string> objects{"all"};
+  std::uint64_t seed = 1;
+  bool force = false;
+};
+
+std::string_view name_of(RunOutcome::Kind kind) {
+  constexpr std::array<std::string_view, 4> names{"made", "kept", "replaced", "removed"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
+  SimulateOptions options{.data = args.data,
+                          .preset = args.preset,
+                          .runs = {},
+                          .objects = args.objects,
+                          .seed = args.seed,
+                          .force = args.force,
+                          .threads = common.threads};
+  if (args.runs > 0) options.runs = args.runs;
+  if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
+  const std::vector<RunOutcome> outcomes = simulate(options, progress_line(common));
+
+  std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
+  nlohmann::json runs = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  std::uint64_t bytes = 0;
+  for (const RunOutcome& outcome : outcomes) {
+    ++counts[name_of(outcome.kind)];
+    bytes += outcome.bytes;
+    const bool is_new = outcome.kind == RunOutcome::Kind::made || outcome.kind == RunOutcome::Kind::replaced;
+    nlohmann::json run = {{"run", outcome.run.name()}, {"outcome", name_of(outcome.kind)}, {"bytes", outcome.bytes}};
+    if (is_new) {
+      run["events"] = outcome.events;
+      run["duration_s"] = outcome.duration_s;
+    }
+    runs.push_back(run);
+    rows.push_back({outcome.run.name(), std::string(name_of(outcome.kind)),
+                    is_new ? fmt::format("{:.2f}", outcome.duration_s) : "", is_new ? std::to_string(outcome.events) : "",
+                    fmt::format("{:.1f}", 1e-6 * static_cast<double>(outcome.bytes))});
+  }
+  const nlohmann::json result = {{"data", args.data},
+                                 {"preset", args.preset},
+                                 {"seed", args.seed},
+                                 {"made", counts["made"]},
+                                 {"kept", counts["kept"]},
+                                 {"replaced", counts["replaced"]},
+                                 {"removed", counts["removed"]},
+                                 {"bytes", bytes},
+                                 {"runs", runs}};
+  std::string text = text_table({"run", "", "seconds", "events", "MB"}, rows);
+  text +=
+      fmt::format("\n{}: {} made, {} kept, {} replaced, {} removed; {:.1f} MB (simulated, seed {})\n", args.data, counts["made"],
+                  counts["kept"], counts["replaced"], counts["removed"], 1e-6 * static_cast<double>(bytes), args.seed);
+  print_result(common, result, text);
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app) {
+  auto args = std::make_shared<SimulateArguments>();
+  CLI::App* command = add_command(app, "simulate", "Make run folders: events, robot log, video and their exact truth",
+                                  [args](const CommonArguments& common) { simulate_runs(*args, common); });
+  command->add_option("data", args->data, "Folder of runs")->capture_default_str();
+  command->add_option("--preset", args->preset, "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s")
+      ->check(CLI::IsMember({"tiny", "quick"}))
+      ->capture_default_str();
+  command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(CLI::Range(1, 99))->type_name("N");
+  command->add_option("--objects", args->objects, "Objects, parted by commas, or all ten")
+      ->delimiter(',')
+      ->type_name("NAME,...")
+      ->capture_default_str();
+  command->add_option("--seed", args->seed, "Seed of the whole data set")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_flag("--force", args->force, "Replace runs simulated with other settings, and remove extra simulated ones");
+}
+
+}  // namespace tactile

@@ -1,0 +1,94 @@
+#include "tactile/evaluation/accuracy.hpp"
+
+#include <functional>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+std::optional<double> accuracy_over(std::span<const RunConfusion> runs, std::span<const std::size_t> indexes) {
+  std::uint64_t correct = 0, samples = 0;
+  for (const std::size_t i : indexes) {
+    correct += runs[i].confusion.correct();
+    samples += runs[i].confusion.samples();
+  }
+  if (samples == 0) return std::nullopt;
+  return static_cast<double>(correct) / static_cast<double>(samples);
+}
+
+Accuracy accuracy_by(std::span<const RunConfusion> runs,
+                     const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
+                     const BootstrapOptions& options) {
+  const auto objects = runs_by_object(runs, [](const RunConfusion& run) { return run.confusion.samples() > 0; });
+  Accuracy accuracy;
+  for (const auto& [name, indexes] : objects)
+    accuracy.objects[name] = figure_of_object(indexes, mean_over_objects(of_runs), options);
+  accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options);
+  return accuracy;
+}
+
+}  // namespace
+
+Confusion& Confusion::operator+=(const Confusion& other) {
+  for (std::size_t i = 0; i < touch_count; ++i) {
+    for (std::size_t j = 0; j < touch_count; ++j) counts[i][j] += other.counts[i][j];
+  }
+  return *this;
+}
+
+std::uint64_t Confusion::samples() const {
+  std::uint64_t sum = 0;
+  for (const auto& row : counts) {
+    for (const std::uint64_t count : row) sum += count;
+  }
+  return sum;
+}
+
+std::uint64_t Confusion::correct() const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < touch_count; ++i) sum += counts[i][i];
+  return sum;
+}
+
+std::optional<double> Confusion::accuracy() const {
+  if (samples() == 0) return std::nullopt;
+  return static_cast<double>(correct()) / static_cast<double>(samples());
+}
+
+void to_json(nlohmann::json& json, const Confusion& confusion) { json = confusion.counts; }
+
+Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said) {
+  if (truth.size() != said.size()) {
+    throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(said.size()) +
+                " verdicts; expected one each");
+  }
+  Confusion confusion;
+  for (std::size_t i = 0; i < truth.size(); ++i) confusion.add(truth[i], said[i]);
+  return confusion;
+}
+
+void to_json(nlohmann::json& json, const Accuracy& accuracy) { json = {{"mean", accuracy.mean}, {"objects", accuracy.objects}}; }
+
+Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
+  return accuracy_by(
+      runs, [runs](std::span<const std::size_t> indexes) { return accuracy_over(runs, indexes); }, options);
+}
+
+Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b, const BootstrapOptions& options) {
+  bool same = a.size() == b.size();
+  for (std::size_t i = 0; same && i < a.size(); ++i) {
+    same = a[i].object == b[i].object && a[i].confusion.samples() == b[i].confusion.samples();
+  }
+  if (!same) throw Error("difference of accuracies: the two are not of the same runs; expected the same runs in the same order");
+  return accuracy_by(
+      a,
+      [a, b](std::span<const std::size_t> indexes) -> std::optional<double> {
+        const auto first = accuracy_over(a, indexes), second = accuracy_over(b, indexes);
+        if (!first || !second) return std::nullopt;
+        return *second - *first;
+      },
+      options);
+}
+
+}  // namespace tactile

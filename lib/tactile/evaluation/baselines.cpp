@@ -1,0 +1,250 @@
+#include "tactile/evaluation/baselines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t inputs = moment_count + 1;
+constexpr std::size_t others = touch_count - 1;
+constexpr std::size_t unknowns = inputs * others;
+
+using Vector = std::array<double, unknowns>;
+using Matrix = std::array<Vector, unknowns>;
+using Inputs = std::array<double, inputs>;
+
+void check_one_each(std::size_t values, std::size_t samples, const char* baseline) {
+  if (samples > 0 && values == samples) return;
+  throw Error(std::string(baseline) + ": " + std::to_string(values) + " values for " + std::to_string(samples) +
+              " training samples; expected at least one sample, and a value for each");
+}
+
+std::array<double, touch_count> softmax(const Inputs& x, const LogisticBaseline& model) {
+  std::array<double, touch_count> p{};
+  for (std::size_t c = 0; c < others; ++c) p[c + 1] = std::inner_product(x.begin(), x.end(), model.weights[c].begin(), 0.0);
+  const double largest = *std::max_element(p.begin(), p.end());
+  double sum = 0;
+  for (double& value : p) sum += value = std::exp(value - largest);
+  for (double& value : p) value /= sum;
+  return p;
+}
+
+Inputs standardised(const Moments& moments, const LogisticBaseline& model) {
+  Inputs x{};
+  for (std::size_t i = 0; i < moment_count; ++i) x[i] = (moments[i] - model.mean[i]) / model.deviation[i];
+  x[moment_count] = 1;
+  return x;
+}
+
+double loss_of(std::span<const Inputs> samples, std::span<const Touch> truth, const LogisticBaseline& model, double ridge) {
+  double loss = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    loss -= std::log(std::max(softmax(samples[n], model)[static_cast<std::size_t>(truth[n])], 1e-300));
+  }
+  loss /= static_cast<double>(samples.size());
+  for (const auto& row : model.weights) loss += ridge / 2 * std::inner_product(row.begin(), row.end(), row.begin(), 0.0);
+  return loss;
+}
+
+/// Solves `a x = b` for a positive definite `a` by its Cholesky factor.
+Vector solve(Matrix a, Vector b) {
+  for (std::size_t i = 0; i < unknowns; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = a[i][j];
+      for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
+      a[i][j] = i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / a[j][j];
+    }
+  }
+  for (std::size_t i = 0; i < unknowns; ++i) {
+    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
+    b[i] /= a[i][i];
+  }
+  for (std::size_t i = unknowns; i-- > 0;) {
+    for (std::size_t k = i + 1; k < unknowns; ++k) b[i] -= a[k][i] * b[k];
+    b[i] /= a[i][i];
+  }
+  return b;
+}
+
+struct Slope {
+  Vector gradient{};
+  Matrix curvature{};
+};
+
+Slope slope_of(std::span<const Inputs> samples, std::span<const Touch> truth, const LogisticBaseline& model, double ridge) {
+  Slope slope;
+  const double share = 1.0 / static_cast<double>(samples.size());
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const Inputs& x = samples[n];
+    const auto p = softmax(x, model);
+    for (std::size_t c = 0; c < others; ++c) {
+      const double error = p[c + 1] - (static_cast<std::size_t>(truth[n]) == c + 1 ? 1.0 : 0.0);
+      for (std::size_t i = 0; i < inputs; ++i) slope.gradient[c * inputs + i] += share * error * x[i];
+      for (std::size_t d = 0; d < others; ++d) {
+        const double spread = share * p[c + 1] * ((c == d ? 1.0 : 0.0) - p[d + 1]);
+        for (std::size_t i = 0; i < inputs; ++i) {
+          for (std::size_t j = 0; j < inputs; ++j) slope.curvature[c * inputs + i][d * inputs + j] += spread * x[i] * x[j];
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < unknowns; ++i) {
+    slope.gradient[i] += ridge * model.weights[i / inputs][i % inputs];
+    slope.curvature[i][i] += ridge;
+  }
+  return slope;
+}
+
+void standardise_by(std::span<const Moments> moments, LogisticBaseline& model) {
+  const auto n = static_cast<double>(moments.size());
+  for (std::size_t i = 0; i < moment_count; ++i) {
+    double sum = 0, squares = 0;
+    for (const Moments& sample : moments) sum += sample[i];
+    model.mean[i] = sum / n;
+    for (const Moments& sample : moments) squares += (sample[i] - model.mean[i]) * (sample[i] - model.mean[i]);
+    const double deviation = std::sqrt(squares / n);
+    model.deviation[i] = deviation > 1e-12 * (1 + std::abs(model.mean[i])) ? deviation : 1.0;
+  }
+}
+
+}  // namespace
+
+Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
+  if (size.width <= 0 || size.height <= 0 ||
+      heatmap.size() != static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)) {
+    throw Error("heatmap: " + std::to_string(heatmap.size()) + " cells; expected " + std::to_string(size.width) + " x " +
+                std::to_string(size.height));
+  }
+  double active = 0, sum = 0, squares = 0, largest = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_yy = 0, sum_xy = 0;
+  for (int row = 0; row < size.height; ++row) {
+    const double y = (row + 0.5) / size.height;
+    for (int column = 0; column < size.width; ++column) {
+      const std::uint8_t cell =
+          heatmap[static_cast<std::size_t>(row) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(column)];
+      if (cell == 0) continue;
+      const double value = cell / 255.0, x = (column + 0.5) / size.width;
+      active += 1;
+      sum += value;
+      squares += value * value;
+      largest = std::max(largest, value);
+      sum_x += value * x;
+      sum_y += value * y;
+      sum_xx += value * x * x;
+      sum_yy += value * y * y;
+      sum_xy += value * x * y;
+    }
+  }
+  const auto cells = static_cast<double>(heatmap.size());
+  const double mean = sum / cells;
+  Moments moments{active / cells, mean, std::sqrt(std::max(squares / cells - mean * mean, 0.0)), largest, 0.5, 0.5, 0, 0, 0};
+  if (sum > 0) {
+    const double x = sum_x / sum, y = sum_y / sum;
+    moments[4] = x;
+    moments[5] = y;
+    moments[6] = std::max(sum_xx / sum - x * x, 0.0);
+    moments[7] = std::max(sum_yy / sum - y * y, 0.0);
+    moments[8] = sum_xy / sum - x * y;
+  }
+  return moments;
+}
+
+MajorityBaseline fit_majority(std::span<const Touch> truth) {
+  check_one_each(truth.size(), truth.size(), "majority");
+  std::array<std::size_t, touch_count> counts{};
+  for (const Touch touch : truth) ++counts[static_cast<std::size_t>(touch)];
+  return {all_touches[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin())]};
+}
+
+Touch EventCountBaseline::verdict(std::uint64_t events) const {
+  const auto count = static_cast<double>(events);
+  return count < low ? touches[0] : count < high ? touches[1] : touches[2];
+}
+
+EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth) {
+  check_one_each(events.size(), truth.size(), "event_count");
+  // Cut c parts the samples with a count below values[c] from the rest; before[c][k] of those below are of touch k.
+  std::vector<std::uint64_t> values(events.begin(), events.end());
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  std::vector<std::array<std::int64_t, touch_count>> before(values.size() + 1);
+  for (std::size_t n = 0; n < events.size(); ++n) {
+    const auto place = static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), events[n]) - values.begin());
+    ++before[place + 1][static_cast<std::size_t>(truth[n])];
+  }
+  for (std::size_t c = 1; c < before.size(); ++c) {
+    for (std::size_t k = 0; k < touch_count; ++k) before[c][k] += before[c - 1][k];
+  }
+  const auto threshold_at = [&](std::size_t cut) {
+    if (cut == 0) return static_cast<double>(values.front());
+    if (cut == values.size()) return static_cast<double>(values.back()) + 1;
+    return (static_cast<double>(values[cut - 1]) + static_cast<double>(values[cut])) / 2;
+  };
+
+  EventCountBaseline best;
+  std::int64_t best_right = -1;
+  for (std::size_t a = 0; a < touch_count; ++a) {
+    for (std::size_t b = 0; b < touch_count; ++b) {
+      for (std::size_t c = 0; c < touch_count; ++c) {
+        // right(i, j) = below i said a, from i to j said b, the rest c; the best i <= j is carried along as j grows.
+        std::size_t low = 0;
+        for (std::size_t high = 0; high < before.size(); ++high) {
+          if (before[high][a] - before[high][b] > before[low][a] - before[low][b]) low = high;
+          const std::int64_t right = before[low][a] + before[high][b] - before[low][b] + before.back()[c] - before[high][c];
+          if (right <= best_right) continue;
+          best_right = right;
+          best = {threshold_at(low), threshold_at(high), {all_touches[a], all_touches[b], all_touches[c]}};
+        }
+      }
+    }
+  }
+  return best;
+}
+
+std::array<double, touch_count> LogisticBaseline::probabilities(const Moments& moments) const {
+  return softmax(standardised(moments, *this), *this);
+}
+
+Touch LogisticBaseline::verdict(const Moments& moments) const {
+  const auto p = probabilities(moments);
+  return all_touches[static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin())];
+}
+
+LogisticBaseline fit_logistic_moments(std::span<const Moments> moments, std::span<const Touch> truth,
+                                      const LogisticOptions& options) {
+  check_one_each(moments.size(), truth.size(), "logistic_moments");
+  LogisticBaseline model;
+  standardise_by(moments, model);
+  std::vector<Inputs> samples;
+  samples.reserve(moments.size());
+  for (const Moments& sample : moments) samples.push_back(standardised(sample, model));
+
+  double loss = loss_of(samples, truth, model, options.ridge);
+  for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {
+    const Slope slope = slope_of(samples, truth, model, options.ridge);
+    const auto largest = [](double a, double b) { return std::max(a, std::abs(b)); };
+    if (std::accumulate(slope.gradient.begin(), slope.gradient.end(), 0.0, largest) < options.tolerance) break;
+    const Vector direction = solve(slope.curvature, slope.gradient);
+    double step = 1;
+    const LogisticBaseline from = model;
+    double stepped = loss;
+    do {
+      for (std::size_t i = 0; i < unknowns; ++i)
+        model.weights[i / inputs][i % inputs] = from.weights[i / inputs][i % inputs] - step * direction[i];
+      stepped = loss_of(samples, truth, model, options.ridge);
+      step /= 2;
+    } while (!(stepped < loss) && step > 1e-10);
+    if (!(stepped < loss)) {
+      model = from;
+      break;
+    }
+    loss = stepped;
+  }
+  return model;
+}
+
+}  // namespace tactile

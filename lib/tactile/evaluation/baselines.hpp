@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tactile/core/touch.hpp"
+#include "tactile/events/event.hpp"
+
+namespace tactile {
+
+inline constexpr std::size_t moment_count = 9;
+
+/// What a heatmap looks like from afar, with H / 255 as weight at every cell and places as shares of width and height in [0, 1]:
+/// share of cells that are not 0, mean, standard deviation, largest value, centre x and y (0.5 where all is 0), variance in x and
+/// in y, covariance of x and y.
+using Moments = std::array<double, moment_count>;
+
+/// @param heatmap  [height, width], row by row
+/// @throws Error  if its size is not width * height, or that is 0
+Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size);
+
+/// Always the touch that is most frequent in training; the earlier one of equals.
+struct MajorityBaseline {
+  Touch touch = Touch::none;
+};
+
+/// @throws Error  if `truth` is empty
+MajorityBaseline fit_majority(std::span<const Touch> truth);
+
+/// Two thresholds on the number of events in t_h: below `low`, from there to below `high`, and from there on.
+struct EventCountBaseline {
+  double low = 0, high = 0;
+  std::array<Touch, 3> touches{};
+
+  Touch verdict(std::uint64_t events) const;
+};
+
+/// The thresholds and touches that say the most training samples right, found exactly; the lowest thresholds of equals.
+/// Thresholds lie half-way between counts that occur.
+/// @throws Error  if there is no sample, or not one count for each
+EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth);
+
+/// Multinomial logistic regression on standardised moments; none's logit is 0.
+struct LogisticBaseline {
+  Moments mean{}, deviation{};  ///< of the training samples; a moment that never varies has deviation 1
+  std::array<std::array<double, moment_count + 1>, touch_count - 1> weights{};  ///< of press and slip; the last one stands alone
+
+  std::array<double, touch_count> probabilities(const Moments& moments) const;
+  Touch verdict(const Moments& moments) const;  ///< the likeliest; the earlier one of equals
+};
+
+struct LogisticOptions {
+  double ridge = 1e-4;  ///< times half the sum of squared weights, added to the mean loss, > 0: keeps separable samples finite
+  double tolerance = 1e-8;       ///< of the gradient's largest element, > 0
+  std::size_t iterations = 200;  ///< at most
+};
+
+/// Minimises mean cross-entropy plus ridge by Newton's method with step halving: deterministic, and the minimum is the only one.
+/// @throws Error  if there is no sample, or no moments for each
+LogisticBaseline fit_logistic_moments(std::span<const Moments> moments, std::span<const Touch> truth,
+                                      const LogisticOptions& options = {});
+
+}  // namespace tactile

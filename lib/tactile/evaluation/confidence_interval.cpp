@@ -1,0 +1,92 @@
+#include "tactile/evaluation/confidence_interval.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "tactile/core/random.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t fewest_to_draw_from = 3;
+
+nlohmann::json number_or_null(std::optional<double> number) {
+  return number && std::isfinite(*number) ? nlohmann::json(*number) : nlohmann::json();
+}
+
+std::vector<std::size_t> drawn_from(std::span<const std::size_t> runs, Random& random) {
+  std::vector<std::size_t> drawn(runs.size());
+  for (std::size_t& run : drawn) run = runs[random.below(runs.size())];
+  return drawn;
+}
+
+Figure figure_of_draws(std::optional<double> value, std::size_t n, const BootstrapOptions& options,
+                       const std::function<std::optional<double>(Random&)>& draw) {
+  Figure figure;
+  figure.n = n;
+  if (value) figure.value = *value;
+  if (!value || n < fewest_to_draw_from) return figure;
+  Random random(seed_for(options.seed, {"bootstrap"}));
+  std::vector<double> values;
+  for (std::size_t i = 0; i < options.draws; ++i) {
+    if (const auto drawn = draw(random)) values.push_back(*drawn);
+  }
+  if (2 * values.size() < options.draws) return figure;
+  const double outside = (1 - options.confidence) / 2;
+  figure.low = quantile(values, outside);
+  figure.high = quantile(std::move(values), 1 - outside);
+  return figure;
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const Figure& figure) {
+  json = {{"value", number_or_null(figure.value)},
+          {"low", number_or_null(figure.low)},
+          {"high", number_or_null(figure.high)},
+          {"n", figure.n}};
+}
+
+Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options) {
+  if (runs.empty()) return {};
+  return figure_of_draws(statistic({{runs.begin(), runs.end()}}), runs.size(), options,
+                         [&](Random& random) { return statistic({drawn_from(runs, random)}); });
+}
+
+Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic, const BootstrapOptions& options) {
+  RunsByObject filled;
+  std::copy_if(runs.begin(), runs.end(), std::back_inserter(filled), [](const auto& object) { return !object.empty(); });
+  if (filled.empty()) return {};
+  return figure_of_draws(statistic(filled), filled.size(), options, [&](Random& random) {
+    RunsByObject drawn(filled.size());
+    for (auto& object : drawn) object = drawn_from(filled[random.below(filled.size())], random);
+    return statistic(drawn);
+  });
+}
+
+Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object) {
+  return [of_object = std::move(of_object)](const RunsByObject& runs) -> std::optional<double> {
+    double sum = 0;
+    std::size_t objects = 0;
+    for (const auto& object : runs) {
+      const auto value = of_object(object);
+      if (!value) continue;
+      sum += *value;
+      ++objects;
+    }
+    if (objects == 0) return std::nullopt;
+    return sum / static_cast<double>(objects);
+  };
+}
+
+double quantile(std::vector<double> values, double q) {
+  assert(!values.empty() && q >= 0 && q <= 1);
+  std::sort(values.begin(), values.end());
+  const double place = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+}  // namespace tactile

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace tactile {
+
+/// A value and its 95 % interval.
+struct Figure {
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
+  std::optional<double> low, high;                          ///< nothing where fewer than three runs or objects could be drawn
+  std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
+};
+
+/// {"value", "low", "high", "n"}; what is not known is null.
+void to_json(nlohmann::json& json, const Figure& figure);
+
+struct BootstrapOptions {
+  std::size_t draws = 2000;  ///< > 0
+  double confidence = 0.95;  ///< in (0, 1)
+  std::uint64_t seed = 1;
+};
+
+/// Runs by their index, one list for each object. A drawn object or run may stand in it several times.
+using RunsByObject = std::vector<std::vector<std::size_t>>;
+
+/// A figure of the runs given; nothing where they hold nothing to measure, as a delay of runs without a detection.
+using Statistic = std::function<std::optional<double>(const RunsByObject&)>;
+
+/// The figure of one object: its runs are drawn with replacement, and the interval holds the middle 95 % of what the draws give.
+///
+/// Every figure with the same number of runs is made from the same draws, so figures of the same runs are paired; a difference is
+/// a `statistic` that subtracts. Draws that give nothing are left out; fewer than half left, and there is no interval.
+Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options = {});
+
+/// The figure over objects: objects are drawn with replacement first, then as many runs within each as it has.
+Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic, const BootstrapOptions& options = {});
+
+/// A statistic that averages over objects what `of_object` gives of each one's runs; objects that give nothing are left out.
+Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object);
+
+/// The value below which the share `q` in [0, 1] of the values lies, interpolated between neighbours; `values` not empty, in any
+/// order.
+double quantile(std::vector<double> values, double q);
+
+}  // namespace tactile

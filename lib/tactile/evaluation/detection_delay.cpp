@@ -1,0 +1,152 @@
+#include "tactile/evaluation/detection_delay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/accuracy.hpp"
+
+namespace tactile {
+namespace {
+
+/// The index of the first tick with t_c > t; below 0 where that lies before the range.
+std::int64_t first_tick_after(CameraTime t, const TickRange& ticks) {
+  const std::int64_t us = between(ticks.first, t).count(), tick_us = ticks.tick.count();
+  const std::int64_t floor = us / tick_us - (us % tick_us < 0 ? 1 : 0);
+  return floor + 1;
+}
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000.0; }
+
+std::vector<double> delays_ms(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch) {
+  std::vector<double> delays;
+  for (const auto& object : chosen) {
+    for (const std::size_t i : object) {
+      for (const Detection& detection : runs[i].detections) {
+        if (detection.interval.touch == touch && detection.outcome == DetectionOutcome::detected)
+          delays.push_back(in_ms(detection.delay));
+      }
+    }
+  }
+  return delays;
+}
+
+double mean_of(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+double standard_error_of(std::span<const double> values) {
+  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const double mean = mean_of(values);
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const auto n = static_cast<double>(values.size());
+  return std::sqrt(squares / (n - 1) / n);
+}
+
+template <class MakeFigure>
+DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch, MakeFigure make_figure) {
+  DelaySummary summary;
+  for (const auto& object : chosen) {
+    for (const std::size_t i : object) {
+      for (const Detection& detection : runs[i].detections) {
+        if (detection.interval.touch != touch) continue;
+        ++summary.intervals;
+        if (detection.outcome == DetectionOutcome::missed) ++summary.misses;
+        if (detection.outcome == DetectionOutcome::early) ++summary.early;
+      }
+    }
+  }
+  summary.sem_ms = standard_error_of(delays_ms(runs, chosen, touch));
+  const auto figure = [&](auto of_delays) {
+    return make_figure([&runs, touch, of_delays](const RunsByObject& drawn) -> std::optional<double> {
+      auto delays = delays_ms(runs, drawn, touch);
+      if (delays.empty()) return std::nullopt;
+      return of_delays(std::move(delays));
+    });
+  };
+  summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
+  summary.median_ms = figure([](std::vector<double> delays) { return quantile(std::move(delays), 0.5); });
+  return summary;
+}
+
+}  // namespace
+
+std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
+                                     std::span<const TouchInterval> intervals, const DelayOptions& options) {
+  if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
+    throw Error("detection delay: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
+                " ticks; expected one for each");
+  }
+  const auto says = [&](std::int64_t index, Touch touch) {
+    return index >= 0 && index < ticks.count && verdicts[static_cast<std::size_t>(index)] == touch;
+  };
+  std::vector<Detection> detections;
+  for (const TouchInterval& interval : intervals) {
+    Detection detection;
+    detection.interval = interval;
+    const std::int64_t k0 = first_tick_after(interval.start, ticks);
+    if (says(k0 - 1, interval.touch) && says(k0, interval.touch)) {
+      std::int64_t first = k0 - 1;
+      while (says(first - 1, interval.touch)) --first;
+      detection.leading_episode = first;
+      if (ticks.tick * (k0 - first) > options.head_start) {
+        detection.outcome = DetectionOutcome::early;
+        detections.push_back(detection);
+        continue;
+      }
+    }
+    const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
+    for (std::int64_t k = std::max<std::int64_t>(k0, 0); k < ticks.count && ticks.at(k) <= latest; ++k) {
+      if (!says(k, interval.touch)) continue;
+      detection.outcome = DetectionOutcome::detected;
+      detection.delay = ticks.tick * (k - k0 + 1);
+      detection.first_right = ticks.at(k);
+      break;
+    }
+    detections.push_back(detection);
+  }
+  return detections;
+}
+
+Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks) {
+  Detection other = detection;
+  if (other.outcome != DetectionOutcome::detected) return other;
+  const std::int64_t k = first_tick_after(detection.first_right, ticks) - 1;
+  other.delay = ticks.tick * (k - first_tick_after(onset, ticks) + 1);
+  return other;
+}
+
+void to_json(nlohmann::json& json, const DelaySummary& summary) {
+  json = {
+      {"mean", summary.mean_ms},     {"sem", std::isfinite(summary.sem_ms) ? nlohmann::json(summary.sem_ms) : nlohmann::json()},
+      {"median", summary.median_ms}, {"intervals", summary.intervals},
+      {"misses", summary.misses},    {"early", summary.early}};
+}
+
+void to_json(nlohmann::json& json, const DelayTable& table) {
+  json = table.all;
+  json["objects"] = table.objects;
+}
+
+DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {
+  const auto objects = runs_by_object(runs, [touch](const RunDetections& run) {
+    return std::any_of(run.detections.begin(), run.detections.end(),
+                       [touch](const Detection& d) { return d.interval.touch == touch; });
+  });
+  DelayTable table;
+  for (const auto& [name, indexes] : objects) {
+    table.objects[name] = summary_of(runs, {indexes}, touch, [&, &of = indexes](const Statistic& statistic) {
+      return figure_of_object(of, statistic, options);
+    });
+  }
+  const RunsByObject chosen = without_names(objects);
+  table.all = summary_of(runs, chosen, touch,
+                         [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
+  return table;
+}
+
+}  // namespace tactile

@@ -1,0 +1,106 @@
+#include "tactile/evaluation/false_alarms.hpp"
+
+#include <algorithm>
+
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/episodes.hpp"
+
+namespace tactile {
+namespace {
+
+enum class Zone : std::uint8_t { in_interval, after_interval, unlabelled, none };
+
+Zone zone_of(CameraTime tick, std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
+             microseconds guard) {
+  const auto holds = [tick](const TouchInterval& interval) { return interval.contains(tick); };
+  if (std::any_of(intervals.begin(), intervals.end(), holds)) return Zone::in_interval;
+  const auto just_ended = [tick, guard](const TouchInterval& interval) {
+    return interval.end < tick && tick <= after(interval.end, guard);
+  };
+  if (std::any_of(intervals.begin(), intervals.end(), just_ended)) return Zone::after_interval;
+  return std::any_of(unlabelled.begin(), unlabelled.end(), holds) ? Zone::unlabelled : Zone::none;
+}
+
+double in_minutes(microseconds us) { return static_cast<double>(us.count()) / 60e6; }
+
+}  // namespace
+
+FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
+  alarms += other.alarms;
+  after_intervals += other.after_intervals;
+  unlabelled += other.unlabelled;
+  none_time += other.none_time;
+  after_intervals_time += other.after_intervals_time;
+  unlabelled_time += other.unlabelled_time;
+  return *this;
+}
+
+FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
+                            std::span<const TouchInterval> unlabelled, std::span<const Detection> detections,
+                            microseconds guard) {
+  if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
+    throw Error("false alarms: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
+                " ticks; expected one for each");
+  }
+  const auto zone_at = [&](std::int64_t index) { return zone_of(ticks.at(index), intervals, unlabelled, guard); };
+  FalseAlarms found;
+  for (std::int64_t i = 0; i < ticks.count; ++i) {
+    const Zone zone = zone_at(i);
+    if (zone == Zone::none) found.none_time += ticks.tick;
+    if (zone == Zone::after_interval) found.after_intervals_time += ticks.tick;
+    if (zone == Zone::unlabelled) found.unlabelled_time += ticks.tick;
+  }
+  for (const Episode& episode : episodes_in(verdicts)) {
+    const auto led_to = [&](DetectionOutcome outcome) {
+      return std::any_of(detections.begin(), detections.end(), [&](const Detection& detection) {
+        return detection.leading_episode == episode.first && detection.outcome == outcome;
+      });
+    };
+    const bool spoilt_an_interval = led_to(DetectionOutcome::early);
+    if (!spoilt_an_interval && led_to(DetectionOutcome::detected)) continue;
+    switch (zone_at(episode.first)) {
+      case Zone::in_interval:
+        found.alarms += spoilt_an_interval ? 1 : 0;
+        break;
+      case Zone::after_interval:
+        ++found.after_intervals;
+        break;
+      case Zone::unlabelled:
+        ++found.unlabelled;
+        break;
+      case Zone::none:
+        ++found.alarms;
+        break;
+    }
+  }
+  return found;
+}
+
+void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
+  json = {{"count", table.total.alarms},
+          {"none_min", in_minutes(table.total.none_time)},
+          {"per_min", table.per_min},
+          {"objects", table.objects},
+          {"after_intervals", {{"count", table.total.after_intervals}, {"min", in_minutes(table.total.after_intervals_time)}}},
+          {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}}};
+}
+
+FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const BootstrapOptions& options) {
+  const auto objects = runs_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
+  const Statistic per_min = [runs](const RunsByObject& chosen) -> std::optional<double> {
+    FalseAlarms sum;
+    for (const auto& object : chosen) {
+      for (const std::size_t i : object) sum += runs[i].counts;
+    }
+    if (sum.none_time <= microseconds{0}) return std::nullopt;
+    return static_cast<double>(sum.alarms) / in_minutes(sum.none_time);
+  };
+  FalseAlarmTable table;
+  for (const auto& [name, indexes] : objects) table.objects[name] = figure_of_object(indexes, per_min, options);
+  table.per_min = figure_over_objects(without_names(objects), per_min, options);
+  for (const RunFalseAlarms& run : runs) table.total += run.counts;
+  return table;
+}
+
+}  // namespace tactile

@@ -1,0 +1,59 @@
+#include "tactile/evaluation/full_run.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t batch = 256;  // heatmaps rendered before they are classified together
+
+}  // namespace
+
+FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
+                          const std::function<void(std::size_t)>& advance) {
+  RecordingReader reader(recording);
+  const Stream& stream = event_stream(reader);
+  const SensorSize size = stream.size ? heatmap_size(*stream.size, classifier.rendering().factor) : SensorSize{};
+  const SensorSize expected = classifier.input_size();
+  if (size != expected) {
+    throw Error(fmt::format("{}: its heatmaps are {} x {} cells; expected the {} x {} that {} was trained on", recording.string(),
+                            size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
+  }
+  FullRun run;
+  std::vector<std::uint8_t> waiting;
+  const auto classify_waiting = [&] {
+    const auto verdicts = classifier.verdicts(waiting, threads);
+    run.verdicts.insert(run.verdicts.end(), verdicts.begin(), verdicts.end());
+    waiting.clear();
+    if (advance) advance(verdicts.size());
+  };
+  const auto use = [&](CameraTime, std::span<const std::uint8_t> heatmap, std::uint64_t) {
+    waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
+    if (waiting.size() >= batch * heatmap.size()) classify_waiting();
+  };
+  run.ticks = for_every_tick(reader, stream.id, classifier.rendering(), use);
+  if (!waiting.empty()) classify_waiting();
+  return run;
+}
+
+std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options) {
+  const RecordingReader reader(recording);
+  const std::int32_t id = event_stream(reader).id;
+  std::optional<CameraTime> first, last;
+  for (const PacketRecord& packet : reader.packets()) {
+    if (packet.stream_id != id || packet.elements == 0) continue;
+    first = std::min(first.value_or(packet.first), packet.first);
+    last = std::max(last.value_or(packet.last), packet.last);
+  }
+  if (!first) return 0;
+  return static_cast<std::size_t>(std::max<std::int64_t>(full_ticks(*first, *last, options.history, options.tick).count, 0));
+}
+
+}  // namespace tactile

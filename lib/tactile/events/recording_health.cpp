@@ -1,0 +1,353 @@
+#include "tactile/events/recording_health.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t longest_difference_us = 20'000;
+constexpr std::uint64_t fewest_differences = 50;
+constexpr double fewest_active_share = 0.01;
+
+/// The begin of the tick that holds `t`: whole multiples of `tick`, also before 0.
+CameraTime tick_begin_of(CameraTime t, microseconds tick) {
+  const std::int64_t us = us_of(t);
+  std::int64_t rest = us % tick.count();
+  if (rest < 0) rest += tick.count();
+  return camera_time(saturating_subtract(us, rest));
+}
+
+/// Of positive counts; the lower one where two are in the middle.
+std::uint32_t median_of(std::vector<std::uint32_t>& counts) {
+  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>((counts.size() - 1) / 2);
+  std::nth_element(counts.begin(), middle, counts.end());
+  return *middle;
+}
+
+std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
+  return fmt::format("{} {}", n, n == 1 ? thing : things);
+}
+
+std::string name_of(const Stream& stream) {
+  return fmt::format("stream {} ({})", stream.id, stream.name.empty() ? name_of(stream.type) : stream.name);
+}
+
+bool overlap(const Gap& a, const Gap& b) { return a.begin < b.end && b.begin < a.end; }
+
+/// An inertial sensor samples steadily. Its silence says something only if it usually samples far more often than the limit.
+void compare_gaps_with_imu(std::vector<StreamHealth>& streams, microseconds limit) {
+  for (StreamHealth& events : streams) {
+    if (!events.events) continue;
+    for (const StreamHealth& imu : streams) {
+      if (imu.stream.type != StreamType::imu || imu.stream.source != events.stream.source) continue;
+      const double awake_s = std::chrono::duration<double>(imu.stamps.duration() - imu.stamps.silent).count();
+      if (static_cast<double>(imu.stamps.elements) * std::chrono::duration<double>(limit).count() < 10 * awake_s) continue;
+      for (Gap& gap : events.stamps.longest_gaps) {
+        gap.imu_silent |= std::any_of(imu.stamps.longest_gaps.begin(), imu.stamps.longest_gaps.end(),
+                                      [&](const Gap& other) { return overlap(gap, other); });
+      }
+    }
+  }
+}
+
+void judge_packets(RecordingHealth& health) {
+  const RecordingProblems& problems = health.problems;
+  auto& reasons = health.reasons;
+  auto& notes = health.notes;
+  if (problems.truncated_bytes > 0)
+    reasons.push_back(
+        fmt::format("truncated: {} behind the last whole packet", counted(problems.truncated_bytes, "byte", "bytes")));
+  if (!problems.table.empty()) reasons.push_back("the data table cannot be used: " + problems.table);
+  if (problems.broken_packets > 0)
+    reasons.push_back(counted(problems.broken_packets, "packet does", "packets do") + " not decode");
+  if (problems.mismatched_packets > 0) {
+    reasons.push_back(counted(problems.mismatched_packets, "packet holds", "packets hold") + " another type than the stream's");
+  }
+  if (problems.undeclared_packets > 0) {
+    reasons.push_back(counted(problems.undeclared_packets, "packet belongs", "packets belong") +
+                      " to a stream that the header does not declare");
+  }
+  if (problems.out_of_range_events > 0) {
+    reasons.push_back(counted(problems.out_of_range_events, "event lies", "events lie") +
+                      " outside the sensor or has no polarity; dropped on reading");
+  }
+  if (health.index == PacketIndex::scan && problems.table.empty() && problems.truncated_bytes == 0) {
+    notes.emplace_back("never closed: no data table, but every packet is whole; 'tactile repair' adds the table");
+  }
+  if (problems.empty_packets > 0) notes.push_back(counted(problems.empty_packets, "packet is", "packets are") + " empty");
+  if (problems.unwrapped_packets > 0) {
+    notes.push_back(counted(problems.unwrapped_packets, "packet was", "packets were") +
+                    " 2^32 us too early; put right on reading");
+  }
+}
+
+void judge_stream(const StreamHealth& stream, const HealthOptions& options, RecordingHealth& health) {
+  const std::string name = name_of(stream.stream);
+  const StampHealth& stamps = stream.stamps;
+  if (stamps.steps_back_in_packets + stamps.steps_back_between_packets > 0) {
+    health.reasons.push_back(fmt::format("{}: time steps back {} inside packets and {} from one packet to the next", name,
+                                         counted(stamps.steps_back_in_packets, "time", "times"),
+                                         counted(stamps.steps_back_between_packets, "time", "times")));
+  }
+  if (!stream.events) return;
+  if (stamps.elements == 0) health.reasons.push_back(name + ": no events");
+  if (!stream.stream.size) {
+    health.reasons.push_back(name + ": no sensor size declared");
+  } else if (!stream.events->pixels_counted) {
+    health.reasons.push_back(fmt::format("{}: {}x{} is no sane sensor size, so hot pixels were not looked for", name,
+                                         stream.stream.size->width, stream.stream.size->height));
+  }
+  const auto lost =
+      std::count_if(stamps.longest_gaps.begin(), stamps.longest_gaps.end(), [](const Gap& gap) { return gap.imu_silent; });
+  if (lost > 0) {
+    health.reasons.push_back(fmt::format("{}: {} without events and IMU samples alike: data is missing", name,
+                                         counted(static_cast<std::uint64_t>(lost), "time", "times")));
+  }
+  if (stamps.gaps > static_cast<std::uint64_t>(lost)) {
+    health.notes.push_back(fmt::format("{}: {} longer than {} us; normal where the scene is quiet", name,
+                                       counted(stamps.gaps, "silence", "silences"), options.gap.count()));
+  }
+  if (stream.events->hot_pixels > 0) {
+    health.notes.push_back(
+        fmt::format("{}: {} with {:.1f} % of the events", name, counted(stream.events->hot_pixels, "hot pixel", "hot pixels"),
+                    100.0 * static_cast<double>(stream.events->hot_events) / static_cast<double>(stamps.elements)));
+  }
+}
+
+}  // namespace
+
+std::optional<double> StampHealth::rate_hz() const {
+  if (duration() <= microseconds{}) return std::nullopt;
+  return static_cast<double>(elements) / std::chrono::duration<double>(duration()).count();
+}
+
+void StampMeter::note_gap(CameraTime begin, CameraTime end) {
+  ++stamps_.gaps;
+  stamps_.silent = microseconds{saturating_add(stamps_.silent.count(), between(begin, end).count())};
+  auto& gaps = stamps_.longest_gaps;
+  const Gap gap{begin, end};
+  const auto place =
+      std::upper_bound(gaps.begin(), gaps.end(), gap, [](const Gap& a, const Gap& b) { return a.length() > b.length(); });
+  if (static_cast<std::size_t>(place - gaps.begin()) >= listed_) return;
+  gaps.insert(place, gap);
+  if (gaps.size() > listed_) gaps.pop_back();
+}
+
+StampHealth StampMeter::health() const {
+  StampHealth health = stamps_;
+  std::sort(health.longest_gaps.begin(), health.longest_gaps.end(), [](const Gap& a, const Gap& b) { return a.begin < b.begin; });
+  return health;
+}
+
+EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& options)
+    : options_(options), stamps_(options.gap, options.listed), differences_(longest_difference_us + 1) {
+  const bool sane = size && size->width > 0 && size->height > 0 && std::int64_t{size->width} * size->height <= most_pixels;
+  if (!sane) return;
+  size_ = *size;
+  counts_.resize(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height));
+}
+
+void EventMeter::add_packet(std::span<const Event> events) {
+  stamps_.begin_packet();
+  for (const Event& event : events) {
+    if (!any_ || event.t > latest_) {
+      if (any_) {
+        const std::int64_t difference = between(latest_, event.t).count();
+        if (difference <= static_cast<std::int64_t>(longest_difference_us)) ++differences_[static_cast<std::size_t>(difference)];
+      }
+      latest_ = event.t;
+    }
+    if (!any_ || event.t < tick_begin_ || event.t >= tick_end_) {
+      tick_begin_ = tick_begin_of(event.t, options_.tick);
+      tick_end_ = after(tick_begin_, options_.tick);
+      tick_events_ = 0;
+    }
+    any_ = true;
+    peak_tick_events_ = std::max(peak_tick_events_, ++tick_events_);
+    stamps_.add(event.t);
+    on_ += event.on;
+    if (event.x >= 0 && event.y >= 0 && event.x < size_.width && event.y < size_.height) {
+      std::uint32_t& count =
+          counts_[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(event.x)];
+      if (count < std::numeric_limits<std::uint32_t>::max()) ++count;
+    }
+  }
+}
+
+EventHealth EventMeter::health() const {
+  EventHealth health;
+  health.on = on_;
+  health.peak_tick_events = peak_tick_events_;
+  health.peak_rate_hz = static_cast<double>(peak_tick_events_) / std::chrono::duration<double>(options_.tick).count();
+  health.readout_period_us = readout_period_us();
+  health.pixels_counted = !counts_.empty();
+  if (health.pixels_counted) find_hot_pixels(health);
+  return health;
+}
+
+void EventMeter::find_hot_pixels(EventHealth& health) const {
+  std::vector<std::uint32_t> fired;
+  std::copy_if(counts_.begin(), counts_.end(), std::back_inserter(fired), [](std::uint32_t count) { return count > 0; });
+  health.pixels_fired = fired.size();
+  const double seconds = std::chrono::duration<double>(stamps_.health().duration()).count();
+  if (fired.empty() || seconds <= 0) return;
+
+  const HotPixelRule& rule = options_.hot;
+  const bool has_scene = static_cast<double>(fired.size()) >= fewest_active_share * static_cast<double>(counts_.size());
+  const double median = has_scene ? median_of(fired) : 1;
+  const double least = std::max({rule.over_median * median, rule.min_rate_hz * seconds, static_cast<double>(rule.min_events)});
+  const auto count_at = [&](int x, int y) -> std::uint32_t {
+    if (x < 0 || y < 0 || x >= size_.width || y >= size_.height) return 0;
+    return counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
+  };
+  std::vector<HotPixel> hot;
+  for (int y = 0; y < size_.height; ++y) {
+    for (int x = 0; x < size_.width; ++x) {
+      const std::uint32_t count = count_at(x, y);
+      if (count < least) continue;
+      std::array<std::uint32_t, 8> neighbours{count_at(x - 1, y - 1), count_at(x, y - 1),    count_at(x + 1, y - 1),
+                                              count_at(x - 1, y),     count_at(x + 1, y),    count_at(x - 1, y + 1),
+                                              count_at(x, y + 1),     count_at(x + 1, y + 1)};
+      std::nth_element(neighbours.begin(), neighbours.begin() + 1, neighbours.end(), std::greater<>());
+      if (count < rule.over_neighbours * neighbours[1]) continue;
+      hot.push_back({x, y, count, count / seconds});
+      health.hot_events += count;
+    }
+  }
+  health.hot_pixels = hot.size();
+  std::stable_sort(hot.begin(), hot.end(), [](const HotPixel& a, const HotPixel& b) { return a.events > b.events; });
+  hot.resize(std::min(hot.size(), options_.listed));
+  health.hottest = std::move(hot);
+}
+
+std::optional<double> EventMeter::readout_period_us() const {
+  std::vector<std::uint64_t> up_to(differences_.size());  // how many differences are at most the index
+  std::partial_sum(differences_.begin(), differences_.end(), up_to.begin());
+  const std::uint64_t total = up_to.back();
+  if (total < fewest_differences) return std::nullopt;
+
+  const auto last_index = static_cast<double>(longest_difference_us);
+  const auto share_between = [&](double low, double high) {  // both included; low >= 1
+    const auto below = static_cast<std::size_t>(std::ceil(low)) - 1;
+    return up_to[static_cast<std::size_t>(std::min(high, last_index))] - up_to[below];
+  };
+  const auto median_between = [&](double low, double high) {
+    const auto below = up_to[static_cast<std::size_t>(std::ceil(low)) - 1];
+    const std::uint64_t middle = below + (share_between(low, high) + 1) / 2;
+    return static_cast<double>(std::lower_bound(up_to.begin(), up_to.end(), middle) - up_to.begin());
+  };
+  for (double low = 1; low <= last_index; ++low) {
+    if (20 * share_between(low, low * 1.05 / 0.95) < total) continue;
+    // The window that slid in from below holds only the near side of the crowd: let it follow its own median into the middle.
+    double period = median_between(low, low * 1.05 / 0.95);
+    for (int step = 0; step < 100; ++step) {
+      const double next = median_between(std::max(1.0, 0.95 * period), 1.05 * period);
+      if (next == period) break;
+      period = next;
+    }
+    return period;
+  }
+  return std::nullopt;
+}
+
+std::uint64_t RecordingHealth::packets() const {
+  return std::accumulate(streams.begin(), streams.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const StreamHealth& stream) { return sum + stream.packets; });
+}
+
+std::optional<CameraTime> RecordingHealth::first() const {
+  std::optional<CameraTime> first;
+  for (const StreamHealth& stream : streams) {
+    if (stream.stamps.elements > 0) first = std::min(first.value_or(CameraTime::max()), stream.stamps.first);
+  }
+  return first;
+}
+
+std::optional<CameraTime> RecordingHealth::last() const {
+  std::optional<CameraTime> last;
+  for (const StreamHealth& stream : streams) {
+    if (stream.stamps.elements > 0) last = std::max(last.value_or(CameraTime::min()), stream.stamps.last);
+  }
+  return last;
+}
+
+microseconds RecordingHealth::duration() const { return first() ? between(*first(), *last()) : microseconds{}; }
+
+RecordingHealth examine_recording(const std::filesystem::path& file, const HealthOptions& options,
+                                  const ProgressCallback& progress) {
+  RecordingReader recording(file);
+  std::optional<std::int32_t> chosen;
+  if (!options.stream.empty()) chosen = event_stream(recording, options.stream).id;
+
+  struct Examination {
+    Examination(const Stream& stream, const HealthOptions& options) : stamps(options.gap, options.listed) {
+      health.stream = stream;
+      if (stream.type == StreamType::events) events.emplace(stream.size, options);
+    }
+    StreamHealth health;
+    StampMeter stamps;
+    std::optional<EventMeter> events;
+  };
+  std::vector<Examination> examinations;
+  for (const Stream& stream : recording.streams()) {
+    if (stream.type == StreamType::events && chosen && stream.id != *chosen) continue;
+    examinations.emplace_back(stream, options);
+  }
+
+  for (const PacketRecord& packet : recording.packets()) {
+    tell(progress, packet.payload_offset, recording.file_size(), file.filename().string());
+    const auto found = std::find_if(examinations.begin(), examinations.end(),
+                                    [&](const Examination& e) { return e.health.stream.id == packet.stream_id; });
+    if (found == examinations.end()) continue;
+    ++found->health.packets;
+    found->health.bytes += 8 + std::uint64_t{packet.payload_size};
+    found->stamps.begin_packet();
+    switch (found->health.stream.type) {
+      case StreamType::events:
+        found->events->add_packet(recording.read_events(packet));
+        break;
+      case StreamType::imu:
+        for (const ImuSample& sample : recording.read_imu(packet)) found->stamps.add(sample.t);
+        break;
+      case StreamType::triggers:
+        for (const Trigger& trigger : recording.read_triggers(packet)) found->stamps.add(trigger.t);
+        break;
+      case StreamType::frames:
+        if (const auto frame = recording.read_frame(packet)) found->stamps.add(frame->t);
+        break;
+      case StreamType::other:
+        break;
+    }
+  }
+
+  RecordingHealth health;
+  health.file = file;
+  health.file_size = recording.file_size();
+  health.compression = recording.compression();
+  health.index = recording.index();
+  health.problems = recording.problems();
+  for (Examination& examination : examinations) {
+    health.streams.push_back(std::move(examination.health));
+    StreamHealth& stream = health.streams.back();
+    stream.stamps = examination.events ? examination.events->stamps() : examination.stamps.health();
+    if (examination.events) stream.events = examination.events->health();
+  }
+  compare_gaps_with_imu(health.streams, options.gap);
+  judge_packets(health);
+  if (std::none_of(health.streams.begin(), health.streams.end(),
+                   [](const StreamHealth& stream) { return stream.events.has_value(); })) {
+    health.reasons.emplace_back("no event stream declared");
+  }
+  for (const StreamHealth& stream : health.streams) judge_stream(stream, options, health);
+  return health;
+}
+
+}  // namespace tactile

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/core/time.hpp"
+#include "tactile/events/event.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+/// When a pixel is hot: it fires on its own, whatever the scene does. No absolute rate tells (a read-out of 200 us allows 5000
+/// events/s at most, and a trembling edge reaches hundreds), so a pixel with n events in a recording of length T is hot if all of
+/// these hold:
+///
+///   n >= over_median     * m,    m = median count of the pixels that fired; 1 where fewer than 1 % of the sensor's did
+///   n >= over_neighbours * n2,   n2 = second largest count among its 8 neighbours: edges come in lines, hot pixels alone or in
+///   pairs n >= min_events  and  n / T >= min_rate_hz
+struct HotPixelRule {
+  double over_median = 10;
+  double over_neighbours = 5;
+  double min_rate_hz = 50;
+  std::uint32_t min_events = 30;
+};
+
+struct HealthOptions {
+  std::string stream{};       ///< the one event stream to examine, by id or source; all if empty
+  microseconds gap{100'000};  ///< a longer silence is reported, > 0
+  microseconds tick{2'000};   ///< the peak rate is that of the fullest tick, > 0; ticks lie at whole multiples of it
+  std::size_t listed = 10;    ///< how many gaps and hot pixels are listed; all are counted
+  HotPixelRule hot{};
+};
+
+/// A silence longer than the limit: nothing in `begin < t < end`. A quiet scene has them too; where the inertial sensor of the
+/// same camera, which never rests, is silent as well, data is missing.
+struct Gap {
+  CameraTime begin{}, end{};
+  bool imu_silent = false;
+
+  microseconds length() const { return between(begin, end); }
+};
+
+/// How the time stamps of one stream run. Only what advances the latest stamp so far can leave a gap behind it.
+struct StampHealth {
+  std::uint64_t elements = 0;
+  CameraTime first{}, last{};               ///< earliest and latest; meaningless without elements
+  std::uint64_t steps_back_in_packets = 0;  ///< a stamp earlier than the one before it in its packet
+  std::uint64_t steps_back_between_packets =
+      0;  ///< a packet whose first stamp is earlier than the last one of the packet before it
+  std::uint64_t gaps = 0;
+  microseconds silent{};          ///< total length of the gaps
+  std::vector<Gap> longest_gaps;  ///< the longest of them, in order of time
+
+  microseconds duration() const { return elements == 0 ? microseconds{} : between(first, last); }
+  std::optional<double> rate_hz() const;  ///< elements / duration; nothing where the duration is 0
+};
+
+/// Takes the time stamps of a stream packet by packet.
+class StampMeter {
+ public:
+  StampMeter(microseconds gap, std::size_t listed) : gap_(gap), listed_(listed) {}
+
+  void begin_packet() { at_packet_begin_ = true; }
+  void add(CameraTime t) {
+    if (stamps_.elements++ == 0) {
+      stamps_.first = stamps_.last = t;
+    } else {
+      if (t < previous_) ++(at_packet_begin_ ? stamps_.steps_back_between_packets : stamps_.steps_back_in_packets);
+      if (t > stamps_.last) {
+        if (between(stamps_.last, t) > gap_) note_gap(stamps_.last, t);
+        stamps_.last = t;
+      } else if (t < stamps_.first) {
+        stamps_.first = t;
+      }
+    }
+    previous_ = t;
+    at_packet_begin_ = false;
+  }
+  StampHealth health() const;
+
+ private:
+  void note_gap(CameraTime begin, CameraTime end);
+
+  microseconds gap_;
+  std::size_t listed_;
+  StampHealth stamps_;
+  CameraTime previous_{};
+  bool at_packet_begin_ = true;
+};
+
+struct HotPixel {
+  int x = 0, y = 0;
+  std::uint32_t events = 0;
+  double rate_hz = 0;
+};
+
+/// What is true of event streams only.
+struct EventHealth {
+  std::uint64_t on = 0;                ///< events that are brighter
+  std::uint64_t peak_tick_events = 0;  ///< in the fullest tick
+  double peak_rate_hz = 0;             ///< that, over the length of a tick
+  std::uint64_t pixels_fired = 0;
+  bool pixels_counted = false;  ///< whether the sensor's size is declared and sane, so that hot pixels could be looked for
+  std::uint64_t hot_pixels = 0;
+  std::uint64_t hot_events = 0;   ///< of the hot pixels
+  std::vector<HotPixel> hottest;  ///< with the most events first
+
+  /// Time from one read-out of the sensor to the next [us]; nothing below 50 differences to go by. Read-outs in which nothing
+  /// fired leave no stamp and busy ones take longer, so this is no mean: of the differences of successive distinct stamps up to
+  /// 20 ms, the shortest around which (+-5 %) at least 5 % of them lie; the median of those. 1 to 10 us means that there is no
+  /// common read-out.
+  std::optional<double> readout_period_us;
+};
+
+/// Takes the events of one stream packet by packet; keeps 4 bytes per pixel of the sensor.
+class EventMeter {
+ public:
+  /// Pixels are counted if `size` is given and has at most `most_pixels`.
+  EventMeter(std::optional<SensorSize> size, const HealthOptions& options);
+
+  void add_packet(std::span<const Event> events);
+  StampHealth stamps() const { return stamps_.health(); }
+  EventHealth health() const;
+
+  static constexpr std::int64_t most_pixels = std::int64_t{1} << 24;
+
+ private:
+  void find_hot_pixels(EventHealth& health) const;
+  std::optional<double> readout_period_us() const;
+
+  HealthOptions options_;
+  SensorSize size_;
+  StampMeter stamps_;
+  std::uint64_t on_ = 0;
+  CameraTime tick_begin_{}, tick_end_{};  ///< of the tick that is being counted
+  std::uint64_t tick_events_ = 0, peak_tick_events_ = 0;
+  CameraTime latest_{};
+  bool any_ = false;
+  std::vector<std::uint32_t> counts_;       ///< per pixel, row by row; held at the largest value
+  std::vector<std::uint64_t> differences_;  ///< of distinct stamps; the index is the difference [us]
+};
+
+struct StreamHealth {
+  Stream stream;
+  std::uint64_t packets = 0;
+  std::uint64_t bytes = 0;  ///< as stored, packet headers included
+  StampHealth stamps;
+  std::optional<EventHealth> events;  ///< of an event stream that was examined
+};
+
+/// What a recording holds, and whether it is sound.
+struct RecordingHealth {
+  std::filesystem::path file;
+  std::uint64_t file_size = 0;
+  Compression compression = Compression::none;
+  PacketIndex index = PacketIndex::table;
+  RecordingProblems problems;
+  std::vector<StreamHealth> streams;  ///< as declared; without the event streams that were not chosen
+  std::vector<std::string>
+      reasons;  ///< why it is sick: truncated, broken or foreign packets, an unusable data table, events out of range, time that
+                ///< steps back, no events, no sane sensor size, a time without events and IMU samples alike
+  std::vector<std::string> notes;  ///< what is worth knowing and no sickness: never closed (all packets whole, no table), gaps,
+                                   ///< hot pixels, empty packets, times put right
+
+  bool healthy() const { return reasons.empty(); }
+  std::uint64_t packets() const;
+  std::optional<CameraTime> first() const;  ///< earliest over the streams; nothing if all are empty
+  std::optional<CameraTime> last() const;   ///< latest over the streams
+  microseconds duration() const;            ///< from `first` to `last`
+};
+
+/// Reads every packet once; memory follows the packet.
+/// @throws Error  if the file is none of AEDAT4, or has no event stream named `options.stream`
+RecordingHealth examine_recording(const std::filesystem::path& file, const HealthOptions& options = {},
+                                  const ProgressCallback& progress = {});
+
+}  // namespace tactile

@@ -1,0 +1,276 @@
+#include "tactile/events/repair.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+#include <optional>
+#include <span>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/convert.hpp"
+#include "tactile/events/packet_compression.hpp"
+#include "tactile/events/packet_contents.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/recording_health.hpp"
+#include "tactile/events/whole_recording.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t packet_header_size = 8;
+
+/// The input's bytes as they are stored, beside the reader that makes sense of them.
+class StoredPackets {
+ public:
+  explicit StoredPackets(const fs::path& file, Compression compression)
+      : name_(file.string()), in_(file, std::ios::binary), compression_(compression) {}
+
+  /// The payload of a packet that the reader has found to lie inside the file; valid until the next call.
+  std::span<const std::byte> payload(const PacketRecord& packet) {
+    stored_.grow(packet.payload_size, 0);
+    in_.seekg(static_cast<std::streamoff>(packet.payload_offset));
+    in_.read(reinterpret_cast<char*>(stored_.data()), packet.payload_size);
+    if (!in_) throw Error(name_ + ": reading it failed half-way; expected a readable file");
+    return {stored_.data(), packet.payload_size};
+  }
+
+  /// Its contents, decompressed, stand at the front of `content()`; returns their size.
+  std::size_t load(const PacketRecord& packet) {
+    const std::span<const std::byte> stored = payload(packet);
+    if (compression_ != Compression::none) {
+      return decompressor_.decompress(compression_, stored, content_, largest_content(compression_, stored.size())).size;
+    }
+    content_.grow(stored.size(), 0);
+    std::memcpy(content_.data(), stored.data(), stored.size());
+    return stored.size();
+  }
+  PacketBuffer& content() { return content_; }
+
+ private:
+  std::string name_;
+  std::ifstream in_;
+  Compression compression_;
+  PacketBuffer stored_, content_;
+  PacketDecompressor decompressor_;
+};
+
+/// A recording written packet by packet, as they come.
+class PacketWriter {
+ public:
+  PacketWriter(const fs::path& file, const std::string& name, Compression compression, std::span<const Stream> streams)
+      : name_(name), out_(file, std::ios::binary), compression_(compression), header_(header_image(compression, streams)) {
+    put(magic_line);
+    put(header_.bytes);
+  }
+
+  /// One packet; `record` tells its stream, its elements and their times.
+  void write(PacketRecord record, std::span<const std::byte> payload) {
+    record.payload_size = static_cast<std::uint32_t>(payload.size());
+    record.payload_offset = written_ + packet_header_size;
+    const std::int32_t head[2] = {record.stream_id, static_cast<std::int32_t>(record.payload_size)};
+    put({reinterpret_cast<const char*>(head), sizeof head});
+    put(payload);
+    records_.push_back(record);
+  }
+
+  /// Likewise, of contents that stand behind nothing in `content`.
+  void write_content(const PacketRecord& record, PacketBuffer& content, std::size_t size) {
+    write(record, stored_form({content.data(), size}));
+  }
+
+  void close() {
+    const std::uint64_t table_position = written_;
+    PacketBuffer table;
+    const std::size_t size = encode_table(records_, table, 0);
+    put(stored_form({table.data(), size}));
+    out_.seekp(static_cast<std::streamoff>(magic_line.size() + header_.table_position));
+    out_.write(reinterpret_cast<const char*>(&table_position), sizeof table_position);
+    out_.close();
+    if (!out_) fail();
+  }
+
+ private:
+  std::span<const std::byte> stored_form(std::span<const std::byte> content) {
+    if (compression_ == Compression::none) return content;
+    return {stored_.data(), compressor_.compress(compression_, content, stored_, 0)};
+  }
+
+  void put(std::string_view bytes) {
+    out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!out_) fail();
+    written_ += bytes.size();
+  }
+  void put(std::span<const std::byte> bytes) { put(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())); }
+  [[noreturn]] void fail() const {
+    throw Error(fmt::format("{}: cannot be written ({}); expected a writable place with room", name_, std::strerror(errno)));
+  }
+
+  std::string name_;
+  std::ofstream out_;
+  Compression compression_;
+  HeaderImage header_;
+  PacketCompressor compressor_;
+  PacketBuffer stored_;
+  std::vector<PacketRecord> records_;
+  std::uint64_t written_ = 0;
+};
+
+/// What is known of one stream on the way.
+struct StreamRepair {
+  RepairedStream result;
+  StampMeter stamps{microseconds::max(), 0};
+};
+
+/// Takes packets from a reader to a writer.
+class Repair {
+ public:
+  Repair(RecordingReader& recording, PacketWriter& writer)
+      : recording_(recording), stored_(recording.file(), recording.compression()), writer_(writer) {
+    for (const Stream& stream : recording.streams()) streams_.emplace_back().result.stream = stream;
+  }
+
+  void keep(const PacketRecord& packet) {
+    StreamRepair& stream = *std::find_if(streams_.begin(), streams_.end(),
+                                         [&](const StreamRepair& s) { return s.result.stream.id == packet.stream_id; });
+    const bool kept = keep_of_type(packet, stream);
+    if (kept) {
+      ++stream.result.packets_kept;
+    } else {
+      ++stream.result.packets_lost;
+      stream.result.bytes_lost += packet_header_size + packet.payload_size;
+    }
+  }
+
+  RepairSummary summary() const {
+    RepairSummary summary;
+    for (const StreamRepair& stream : streams_) {
+      RepairedStream result = stream.result;
+      const StampHealth stamps = stream.stamps.health();
+      result.elements_kept += stamps.elements;
+      result.steps_back = stamps.steps_back_in_packets + stamps.steps_back_between_packets;
+      summary.streams.push_back(std::move(result));
+    }
+    summary.packets_rewritten = rewritten_;
+    summary.problems = recording_.problems();
+    summary.index = recording_.index();
+    return summary;
+  }
+
+ private:
+  bool keep_of_type(const PacketRecord& packet, StreamRepair& stream) {
+    switch (stream.result.stream.type) {
+      case StreamType::events: {
+        const std::span<const Event> events = recording_.read_events(packet);
+        std::span<Event> as_stored;
+        decode_events(stored_.content(), stored_.load(packet), as_stored);
+        return keep_elements(packet, stream, events, std::span<const Event>(as_stored), [&] {
+          content_.grow(event_packet_head + events.size_bytes(), 0);
+          write_event_packet_head(content_.data(), events.size());
+          std::memcpy(content_.data() + event_packet_head, events.data(), events.size_bytes());
+          return event_packet_head + events.size_bytes();
+        });
+      }
+      case StreamType::imu: {
+        const std::vector<ImuSample> samples = recording_.read_imu(packet);
+        std::vector<ImuSample> as_stored;
+        decode_imu(stored_.content(), stored_.load(packet), as_stored);
+        return keep_elements(packet, stream, std::span(samples), std::span<const ImuSample>(as_stored),
+                             [&] { return encode_imu(samples, content_, 0); });
+      }
+      case StreamType::triggers: {
+        const std::vector<Trigger> triggers = recording_.read_triggers(packet);
+        std::vector<Trigger> as_stored;
+        decode_triggers(stored_.content(), stored_.load(packet), as_stored);
+        return keep_elements(packet, stream, std::span(triggers), std::span<const Trigger>(as_stored),
+                             [&] { return encode_triggers(triggers, content_, 0); });
+      }
+      case StreamType::frames: {
+        const std::optional<Frame> frame = recording_.read_frame(packet);
+        if (!frame) return false;
+        Frame as_stored;
+        decode_frame(stored_.content(), stored_.load(packet), as_stored);
+        return keep_elements(packet, stream, std::span(&*frame, 1), std::span<const Frame>(&as_stored, 1),
+                             [&] { return encode_frame(*frame, content_, 0); });
+      }
+      case StreamType::other:
+        stream.result.elements_kept += static_cast<std::uint64_t>(std::max<std::int64_t>(packet.elements, 0));
+        writer_.write(packet, stored_.payload(packet));
+        return true;
+    }
+    return false;
+  }
+
+  /// The reader drops events and puts times right without saying in which packets, so what it gives is held against what is
+  /// stored.
+  template <class Element, class Encode>
+  bool keep_elements(PacketRecord packet, StreamRepair& stream, std::span<const Element> sound,
+                     std::span<const Element> as_stored, const Encode& encode) {
+    if (sound.empty()) return false;
+    packet.elements = static_cast<std::int64_t>(sound.size());
+    packet.first = sound.front().t;
+    packet.last = sound.back().t;
+    stream.stamps.begin_packet();
+    for (const Element& element : sound) stream.stamps.add(element.t);
+    if (std::equal(sound.begin(), sound.end(), as_stored.begin(), as_stored.end(),
+                   [](const Element& a, const Element& b) { return a.t == b.t; })) {
+      writer_.write(packet, stored_.payload(packet));
+    } else {
+      ++rewritten_;
+      const std::size_t size = encode();
+      writer_.write_content(packet, content_, size);
+    }
+    return true;
+  }
+
+  RecordingReader& recording_;
+  StoredPackets stored_;
+  PacketWriter& writer_;
+  std::vector<StreamRepair> streams_;
+  std::uint64_t rewritten_ = 0;
+  PacketBuffer content_;
+};
+
+}  // namespace
+
+std::uint64_t RepairSummary::packets_kept() const {
+  return std::accumulate(streams.begin(), streams.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const RepairedStream& s) { return sum + s.packets_kept; });
+}
+
+std::uint64_t RepairSummary::packets_lost() const {
+  return std::accumulate(streams.begin(), streams.end(), problems.undeclared_packets,
+                         [](std::uint64_t sum, const RepairedStream& s) { return sum + s.packets_lost; });
+}
+
+std::uint64_t RepairSummary::bytes_lost() const {
+  return std::accumulate(streams.begin(), streams.end(), problems.truncated_bytes,
+                         [](std::uint64_t sum, const RepairedStream& s) { return sum + s.bytes_lost; });
+}
+
+RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool replace, const ProgressCallback& progress) {
+  if (recording_format_of(out) != RecordingFormat::aedat4)
+    throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
+  RecordingReader recording(in);
+  WholeRecording whole(out, in, replace);
+  PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());
+  Repair repair(recording, writer);
+  for (const PacketRecord& packet : recording.packets()) {
+    tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
+    repair.keep(packet);
+  }
+  writer.close();
+  RepairSummary summary = repair.summary();
+  if (summary.packets_kept() == 0)
+    throw Error(in.string() + ": not one whole packet to keep; expected a recording with data in it");
+  whole.commit();
+  summary.bytes_in = recording.file_size();
+  summary.bytes_out = fs::file_size(out);
+  return summary;
+}
+
+}  // namespace tactile

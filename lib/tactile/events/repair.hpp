@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+struct RepairedStream {
+  Stream stream;
+  std::uint64_t packets_kept = 0;
+  std::uint64_t packets_lost = 0;  ///< broken, of another type, or without a sound element
+  std::uint64_t bytes_lost = 0;    ///< of those, headers included
+  std::uint64_t elements_kept = 0;
+  std::uint64_t steps_back = 0;  ///< in time, kept as they are
+};
+
+/// What a repair did.
+struct RepairSummary {
+  std::vector<RepairedStream> streams;
+  std::uint64_t packets_rewritten = 0;     ///< of those kept: without events that were out of range, or with times put right
+  RecordingProblems problems;              ///< of the input, complete
+  PacketIndex index = PacketIndex::table;  ///< of the input
+  std::uint64_t bytes_in = 0, bytes_out = 0;
+
+  std::uint64_t packets_kept() const;
+  std::uint64_t packets_lost() const;  ///< those of undeclared streams too
+  std::uint64_t bytes_lost() const;    ///< of packets of declared streams, and behind the last whole packet
+};
+
+/// Writes what is whole in `in` to `out` and gives it a data table: sound packets bit for bit, those with events outside the
+/// sensor without these. Streams keep their ids, sources and attributes. Times that step back are left as they are, and counted:
+/// what is right cannot be told.
+/// @throws Error  if `out` is `in` or exists already and `replace` is false, `in` is none of AEDAT4, or not one of its packets is
+/// sound
+RepairSummary repair_recording(const std::filesystem::path& in, const std::filesystem::path& out, bool replace = false,
+                               const ProgressCallback& progress = {});
+
+}  // namespace tactile

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/model/model_settings.hpp"
+#include "tactile/model/weights.hpp"
+
+namespace tactile {
+
+/// What `model.json` says of a model.
+struct ModelDescription {
+  ModelSettings settings;
+  SensorSize input;                     ///< of a heatmap [cells]
+  std::string dataset;                  ///< file, as it was given
+  std::string manifest_hash;            ///< of that dataset
+  nlohmann::json manifest;              ///< that dataset's settings and the hashes of its runs
+  bool simulated = false;               ///< learned from simulated runs
+  std::vector<std::string> train_runs;  ///< "fan/01"
+  std::vector<std::string> test_runs;
+  std::uint64_t samples = 0;  ///< learned from
+  unsigned threads = 1;
+  std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
+  std::string version, revision;  ///< of the software
+  std::string weights_sha256;
+};
+
+void to_json(nlohmann::json& json, const ModelDescription& description);
+void from_json(const nlohmann::json& json, ModelDescription& description);  ///< @throws Error
+
+/// Files of a model bundle: the folder `models/<name>/`.
+struct ModelBundle {
+  std::filesystem::path folder;
+
+  std::string name() const { return folder.filename().string(); }
+  std::filesystem::path description() const { return folder / "model.json"; }
+  std::filesystem::path weights() const { return folder / "weights.safetensors"; }
+  std::filesystem::path history() const { return folder / "history.csv"; }
+  std::filesystem::path evaluation() const { return folder / "eval.json"; }
+  std::filesystem::path unseen_evaluation() const { return folder / "eval-unseen.json"; }
+};
+
+/// Writes a bundle, whole or not at all; one that is there under its name is replaced, with all that lies in it. Sets
+/// `weights_sha256`.
+void write_bundle(const ModelBundle& bundle, ModelDescription description, const Weights& weights,
+                  const TrainingSummary& summary);
+
+/// @throws Error  if there is no such bundle, or its model.json is not of this format
+ModelDescription read_description(const ModelBundle& bundle);
+
+/// The bundle's weights. @throws Error  if they are not those that `description` names by hash, of the network's sizes, and
+/// finite
+Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description);
+
+/// Images per second of the last epoch that `history.csv` tells of; nothing if it cannot be read.
+std::optional<double> images_per_s(const ModelBundle& bundle);
+
+/// The bundle below `models` that was trained last of those that `wanted` takes; nothing if there is none. Folders that hold no
+/// readable model.json are passed over.
+std::optional<ModelBundle> newest_bundle(const std::filesystem::path& models,
+                                         const std::function<bool(const ModelDescription&)>& wanted);
+
+}  // namespace tactile

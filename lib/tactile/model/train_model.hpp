@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/model/model_bundle.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/split.hpp"
+
+namespace tactile {
+
+/// "fan/01"
+std::string name_of(const DatasetRun& run);
+
+/// The split of a dataset's runs. @throws Error as `split_runs`
+Split split_of(const Dataset& dataset, const SplitOptions& options);
+
+/// The samples of these runs, by their index, in the dataset's order.
+std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes);
+
+/// Heatmaps of samples: read from the dataset where that rendering is stored, else rendered from its events; the bytes are the
+/// same.
+/// @return  [sample_indexes, height, width]
+/// @throws Error as `render_samples`
+std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapOptions& options,
+                                          std::span<const std::uint32_t> sample_indexes, unsigned threads = 0,
+                                          const ProgressCallback& progress = {});
+
+enum class BundleState : std::uint8_t {
+  missing,
+  unchanged,  ///< made with these settings from this dataset, and whole
+  changed,    ///< made with others, or damaged
+};
+
+/// What lies under a bundle's name, against what `train_model` would put there.
+BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
+
+/// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole.
+/// @throws Error  as `split_of`, `sample_heatmaps` and `train_lenet`; nothing is overwritten then
+TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+                            unsigned threads = 0, const ProgressCallback& progress = {});
+
+}  // namespace tactile

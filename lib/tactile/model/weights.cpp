@@ -1,0 +1,102 @@
+#include "tactile/model/weights.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values and the header's length are written as they lie in memory");
+
+constexpr std::size_t length_bytes = 8;
+constexpr std::size_t longest_header = std::size_t{1} << 20;
+
+std::string sizes_in_words(const std::vector<std::int64_t>& sizes) { return nlohmann::json(sizes).dump(); }
+
+}  // namespace
+
+void write_weights(const std::filesystem::path& file, const Weights& weights) {
+  nlohmann::json header = nlohmann::json::object();
+  std::uint64_t offset = 0;
+  for (const Parameter& parameter : weights) {
+    const std::uint64_t end = offset + parameter.values.size() * sizeof(float);
+    header[parameter.shape.name] = {{"dtype", "F32"}, {"shape", parameter.shape.sizes}, {"data_offsets", {offset, end}}};
+    offset = end;
+  }
+  std::string header_text = header.dump();
+  header_text.append((length_bytes - header_text.size() % length_bytes) % length_bytes, ' ');  // values begin aligned
+  const std::uint64_t length = header_text.size();
+  std::string text(length_bytes, '\0');
+  std::memcpy(text.data(), &length, length_bytes);
+  text += header_text;
+  for (const Parameter& parameter : weights) {
+    text.append(reinterpret_cast<const char*>(parameter.values.data()), parameter.values.size() * sizeof(float));
+  }
+  write_whole(file, text);
+}
+
+Weights read_weights(const std::filesystem::path& file, const std::vector<ParameterShape>& expected) {
+  std::size_t value_bytes = 0;
+  for (const ParameterShape& shape : expected) value_bytes += shape.count() * sizeof(float);
+  const std::string where = file.string();
+  const std::string text = read_text(file, length_bytes + longest_header + value_bytes);
+  std::uint64_t length = 0;
+  if (text.size() < length_bytes) throw Error(where + ": cut off; expected a safetensors file");
+  std::memcpy(&length, text.data(), length_bytes);
+  if (length > longest_header || length > text.size() - length_bytes) {
+    throw Error(where + ": its header is " + std::to_string(length) + " bytes long; expected a safetensors file");
+  }
+  const std::size_t values_at = length_bytes + length;
+  if (text.size() - values_at != value_bytes) {
+    throw Error(where + ": " + std::to_string(text.size() - values_at) + " bytes of values; expected " +
+                std::to_string(value_bytes));
+  }
+  nlohmann::json header;
+  try {
+    header = nlohmann::json::parse(text.begin() + static_cast<std::ptrdiff_t>(length_bytes),
+                                   text.begin() + static_cast<std::ptrdiff_t>(values_at));
+  } catch (const nlohmann::json::exception&) {
+    throw Error(where + ": its header is no JSON; expected a safetensors file");
+  }
+  if (!header.is_object() || header.size() - header.count("__metadata__") != expected.size()) {
+    throw Error(where + ": its header does not list " + std::to_string(expected.size()) +
+                " parameters; expected those of the network");
+  }
+  Weights weights;
+  for (const ParameterShape& shape : expected) {
+    const auto entry = member<nlohmann::json>(header, shape.name, where);
+    const std::string parameter = where + ": " + shape.name;
+    const auto sizes = member<std::vector<std::int64_t>>(entry, "shape", parameter);
+    const auto offsets = member<std::vector<std::uint64_t>>(entry, "data_offsets", parameter);
+    if (member<std::string>(entry, "dtype", parameter) != "F32" || sizes != shape.sizes) {
+      throw Error(parameter + ": of sizes " + sizes_in_words(sizes) + "; expected F32 of sizes " + sizes_in_words(shape.sizes));
+    }
+    const std::size_t bytes = shape.count() * sizeof(float);
+    if (offsets.size() != 2 || offsets[0] > value_bytes || offsets[1] > value_bytes || offsets[1] < offsets[0] ||
+        offsets[1] - offsets[0] != bytes) {
+      throw Error(parameter + ": its values do not lie in the file; expected " + std::to_string(bytes) + " bytes of them");
+    }
+    Parameter read{shape, std::vector<float>(shape.count())};
+    std::memcpy(read.values.data(), text.data() + values_at + offsets[0], bytes);
+    weights.push_back(std::move(read));
+  }
+  check_finite(weights, where);
+  return weights;
+}
+
+void check_finite(const Weights& weights, const std::string& where) {
+  for (const Parameter& parameter : weights) {
+    for (const float value : parameter.values) {
+      if (!std::isfinite(value))
+        throw Error(where + ": " + parameter.shape.name + " holds NaN or infinity; expected finite weights");
+    }
+  }
+}
+
+}  // namespace tactile

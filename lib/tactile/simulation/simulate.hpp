@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/simulation/event_camera.hpp"
+#include "tactile/simulation/run_plan.hpp"
+
+namespace tactile {
+
+/// A size of data set.
+struct SimulationPreset {
+  std::string name;
+  int runs = 0;  ///< per object
+  RunTimings timings;
+};
+
+/// "tiny" (2 runs of about 2.5 s) or "quick" (3 of about 4 s). @throws Error if it is neither
+const SimulationPreset& simulation_preset(std::string_view name);
+
+struct SimulateOptions {
+  std::filesystem::path data = "data";
+  std::string preset = "quick";
+  std::optional<int> runs;           ///< per object, 1 to 99; the preset's where it is not given
+  std::vector<std::string> objects;  ///< all ten where it is empty
+  std::uint64_t seed = 1;            ///< of the whole data set: one camera serves all of its runs
+  bool force = false;                ///< replace runs that this made with other settings, and remove its extra ones
+  unsigned threads = 0;              ///< 0: as many as the machine has cores
+};
+
+/// What became of one run.
+struct RunOutcome {
+  enum class Kind { made, kept, replaced, removed };
+  RunFolder run;
+  Kind kind = Kind::made;
+  std::uint64_t events = 0;  ///< of a run made or replaced now
+  double duration_s = 0;
+  std::uint64_t bytes = 0;  ///< of all its files
+};
+
+/// Makes run folders, each whole or not at all, and the same bytes for the same seed on any number of threads. A run that this
+/// made with the same settings is kept as it is; one made with others is refused, or replaced with `force`, which also removes
+/// runs of the same objects that this made beyond the number asked for. Any other folder is left alone, and refused where a run
+/// is to stand.
+/// @return what was done, in order of object, then run
+/// @throws Error  before anything is written if an option or a folder is refused
+std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
+
+/// Makes one run's files in the folder, which is there and empty.
+RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
+                        const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
+
+/// The camera that serves all runs of a data set with this seed.
+EventCameraOptions simulated_camera_options();
+CameraPixels simulated_camera_pixels(std::uint64_t seed);
+
+}  // namespace tactile

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace tactile {
+
+/// The sensor's skin as its camera sees it: nine pairs of markers, a black one above a white one, on white skin.
+///
+/// Marker 4.0 mm wide and 0.5 mm thick, 12 mm from one to the next along a strip that is 40 mm long (Faris et al.,
+/// arXiv:2403.10120, figure 2); the 40 mm fill the image's 640 px. The distance between the rows is not published: 9 mm lets
+/// three rows share the 30 mm that the image is high.
+inline constexpr double px_per_mm = 16.0;
+inline constexpr double marker_width_mm = 4.0;
+inline constexpr double marker_thickness_mm = 0.5;
+inline constexpr double column_pitch_mm = 12.0;
+inline constexpr double row_pitch_mm = 9.0;
+inline constexpr double eye_distance_mm = 55.0;  ///< from lens to skin: a tip pushed inward by q looks 1 + q / 55 times as large
+inline constexpr double image_centre_x_px = 320.0;
+inline constexpr double image_centre_y_px = 240.0;
+
+inline constexpr std::size_t marker_count = 9;  ///< pairs, row by row from the top left
+
+/// Where a pair of markers is seen: `x`, `y` is the middle of the edge between black and white.
+struct MarkerPose {
+  double x = 0;      ///< [px]
+  double y = 0;      ///< [px]
+  double scale = 1;  ///< of its size at rest
+
+  friend bool operator==(const MarkerPose&, const MarkerPose&) = default;
+};
+
+using SkinPose = std::array<MarkerPose, marker_count>;
+
+/// Where marker `index` sits, from the middle of the skin: x to the right, y down [mm].
+constexpr double marker_x_mm(std::size_t index) { return (static_cast<double>(index % 3) - 1.0) * column_pitch_mm; }
+constexpr double marker_y_mm(std::size_t index) { return (static_cast<double>(index / 3) - 1.0) * row_pitch_mm; }
+
+/// A marker whose tip is pushed inward by `inward_mm` and aside by (`aside_x_mm`, `aside_y_mm`).
+constexpr MarkerPose marker_pose(std::size_t index, double inward_mm, double aside_x_mm, double aside_y_mm) {
+  const double scale = 1.0 + inward_mm / eye_distance_mm;
+  return {.x = image_centre_x_px + px_per_mm * (marker_x_mm(index) * scale + aside_x_mm),
+          .y = image_centre_y_px + px_per_mm * (marker_y_mm(index) * scale + aside_y_mm),
+          .scale = scale};
+}
+
+constexpr SkinPose skin_at_rest() {
+  SkinPose pose;
+  for (std::size_t i = 0; i < marker_count; ++i) pose[i] = marker_pose(i, 0, 0, 0);
+  return pose;
+}
+
+}  // namespace tactile

@@ -1,0 +1,181 @@
+#include "tactile/evaluation/detection_delay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "evaluation/verdict_row.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+using test::interval_ms;
+using test::ticks_of;
+using test::verdict_row;
+
+Detection detection_in(std::string_view letters, TouchInterval interval, DelayOptions options = {}) {
+  const auto verdicts = verdict_row(letters);
+  const TouchInterval intervals[] = {interval};
+  return detections_of(ticks_of(verdicts), verdicts, intervals, options).front();
+}
+
+// Ticks lie at 0, 2, 4, ... ms, so tick i at 2 i ms.
+
+TEST(DetectionDelay, OfAVerdictRightAtTheFirstTickIsOneTick) {
+  // Onset at 5 ms: k0 is tick 3 at 6 ms.
+  const Detection detection = detection_in("...pp", interval_ms(Touch::press, 5, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 2ms);
+  EXPECT_EQ(detection.first_right, camera_time(6000));
+  EXPECT_FALSE(detection.leading_episode.has_value());
+}
+
+TEST(DetectionDelay, CountsTicksFromTheFirstAfterTheOnset) {
+  const Detection detection = detection_in("......s", interval_ms(Touch::slip, 5, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 8ms);  // k0 = 3, k = 6
+}
+
+TEST(DetectionDelay, BeginsBehindATickThatLiesExactlyOnTheOnset) {
+  // Onset at 6 ms: tick 3 is not after it, k0 is tick 4; the press said at tick 3 alone led to nothing.
+  EXPECT_EQ(detection_in("....p", interval_ms(Touch::press, 6, 100)).delay, 2ms);
+  EXPECT_EQ(detection_in("...p.p", interval_ms(Touch::press, 6, 100)).delay, 4ms);
+}
+
+TEST(DetectionDelay, TakesOnlyTheRightClass) {
+  EXPECT_EQ(detection_in("...ssp", interval_ms(Touch::press, 5, 100)).delay, 6ms);
+  EXPECT_EQ(detection_in("...ss", interval_ms(Touch::press, 5, 100)).outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, OfAnEpisodeThatBeginsTenMillisecondsAheadIsOneTick) {
+  // Onset at 21 ms: k0 is tick 11 at 22 ms; the episode begins at tick 6, 10 ms before k0.
+  const Detection detection = detection_in("......pppppp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 2ms);
+  EXPECT_EQ(detection.leading_episode, 6);
+}
+
+TEST(DetectionDelay, IsEarlyWhereTheEpisodeBeginsFurtherAhead) {
+  const Detection detection = detection_in(".....ppppppp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::early);
+  EXPECT_EQ(detection.leading_episode, 5);
+}
+
+TEST(DetectionDelay, OfAnEpisodeThatEndsBeforeTheFirstTickIsCountedAsUsual) {
+  // Press said until tick 10, not at k0 = 11; said again at tick 12.
+  const Detection detection = detection_in("ppppppppppp.p", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 4ms);
+  EXPECT_FALSE(detection.leading_episode.has_value());
+}
+
+TEST(DetectionDelay, AnotherClassAheadOfTheOnsetIsNoHeadStart) {
+  const Detection detection = detection_in("sssssssssssp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 2ms);
+}
+
+TEST(DetectionDelay, IsAMissWithoutARightVerdict) {
+  const Detection detection = detection_in("............", interval_ms(Touch::press, 5, 12));
+  EXPECT_EQ(detection.outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, StillCountsATickExactlyAtTheEnd) {
+  // Ends at 12 ms, the time of tick 6; tick 7 is behind it.
+  EXPECT_EQ(detection_in("......p", interval_ms(Touch::press, 5, 12)).delay, 8ms);
+  EXPECT_EQ(detection_in(".......p", interval_ms(Touch::press, 5, 12)).outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, StopsHalfASecondAfterTheOnset) {
+  // Onset at 4 ms: the last tick that counts is at 504 ms, index 252; k0 is index 3.
+  std::string letters(300, '.');
+  letters[252] = 's';
+  EXPECT_EQ(detection_in(letters, interval_ms(Touch::slip, 4, 590)).delay, 500ms);
+  letters[252] = '.';
+  letters[253] = 's';
+  EXPECT_EQ(detection_in(letters, interval_ms(Touch::slip, 4, 590)).outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, OfAnIntervalShorterThanATickIsAMiss) {
+  const auto verdicts = verdict_row("....pp");
+  const TouchInterval between_ticks{Touch::press, camera_time(6100), camera_time(7900)};
+  EXPECT_EQ(detections_of(ticks_of(verdicts), verdicts, {&between_ticks, 1}).front().outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, CountsFromTheOnsetAlsoWhereTheFirstTicksAreMissing) {
+  // Full ticks begin at 40 ms only; onset at 31 ms, so k0 would have been at 32 ms and the first verdict is 4 ticks behind it.
+  const auto verdicts = verdict_row("pp");
+  const TouchInterval interval = interval_ms(Touch::press, 31, 100);
+  const Detection detection = detections_of(ticks_of(verdicts, 40), verdicts, {&interval, 1}).front();
+  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  EXPECT_EQ(detection.delay, 10ms);
+}
+
+TEST(DetectionDelay, OfAnIntervalBehindTheLastTickIsAMiss) {
+  EXPECT_EQ(detection_in("pppp", interval_ms(Touch::press, 50, 100)).outcome, DetectionOutcome::missed);
+}
+
+TEST(DetectionDelay, HoldsForNegativeTimes) {
+  const auto verdicts = verdict_row("...pp");
+  const TouchInterval interval = interval_ms(Touch::press, -95, 0);  // ticks from -100 ms on: k0 is tick 3 at -94 ms
+  EXPECT_EQ(detections_of(ticks_of(verdicts, -100), verdicts, {&interval, 1}).front().delay, 2ms);
+}
+
+TEST(DetectionDelay, NeedsOneVerdictForEachTick) {
+  const auto verdicts = verdict_row("...");
+  TickRange ticks = ticks_of(verdicts);
+  ticks.count = 4;
+  EXPECT_THROW(detections_of(ticks, verdicts, {}), Error);
+}
+
+TEST(DetectionDelay, CountedFromALaterOnsetMayBeNegative) {
+  const auto verdicts = verdict_row("....s");  // said at 8 ms
+  const TouchInterval interval = interval_ms(Touch::slip, 5, 100);
+  const Detection detection = detections_of(ticks_of(verdicts), verdicts, {&interval, 1}).front();
+  EXPECT_EQ(detection.delay, 4ms);
+  EXPECT_EQ(counted_from(detection, camera_time(7000), ticks_of(verdicts)).delay, 2ms);
+  EXPECT_EQ(counted_from(detection, camera_time(8000), ticks_of(verdicts)).delay, 0ms);
+  EXPECT_EQ(counted_from(detection, camera_time(13'000), ticks_of(verdicts)).delay, -4ms);
+}
+
+Detection detected(Touch touch, microseconds delay) { return {{touch, {}, {}}, DetectionOutcome::detected, delay, {}, {}}; }
+Detection without_delay(Touch touch, DetectionOutcome outcome) { return {{touch, {}, {}}, outcome, 0us, {}, {}}; }
+
+TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
+  const std::vector<RunDetections> runs{
+      {"fan", {detected(Touch::press, 2ms), detected(Touch::slip, 4ms)}},
+      {"fan", {detected(Touch::press, 4ms), without_delay(Touch::slip, DetectionOutcome::missed)}},
+      {"box", {detected(Touch::press, 12ms), without_delay(Touch::press, DetectionOutcome::early)}},
+  };
+  const DelayTable press = delay_table(runs, Touch::press);
+  EXPECT_DOUBLE_EQ(press.all.mean_ms.value, 6.0);
+  EXPECT_DOUBLE_EQ(press.all.median_ms.value, 4.0);
+  EXPECT_NEAR(press.all.sem_ms, std::sqrt(28.0 / 3), 1e-12);  // deviations -4, -2, 6: variance 56/2, over 3 values
+  EXPECT_EQ(press.all.intervals, 4U);
+  EXPECT_EQ(press.all.misses, 0U);
+  EXPECT_EQ(press.all.early, 1U);
+  EXPECT_EQ(press.all.mean_ms.n, 2U);
+  EXPECT_DOUBLE_EQ(press.objects.at("fan").mean_ms.value, 3.0);
+  EXPECT_EQ(press.objects.at("fan").mean_ms.n, 2U);
+  EXPECT_DOUBLE_EQ(press.objects.at("box").median_ms.value, 12.0);
+  EXPECT_TRUE(std::isnan(press.objects.at("box").sem_ms));
+
+  const DelayTable slip = delay_table(runs, Touch::slip);
+  EXPECT_DOUBLE_EQ(slip.all.mean_ms.value, 4.0);
+  EXPECT_EQ(slip.all.intervals, 2U);
+  EXPECT_EQ(slip.all.misses, 1U);
+  EXPECT_EQ(slip.objects.count("box"), 0U);
+}
+
+TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
+  const std::vector<RunDetections> runs{{"fan", {without_delay(Touch::slip, DetectionOutcome::missed)}}};
+  const nlohmann::json json = delay_table(runs, Touch::slip);
+  EXPECT_TRUE(json.at("mean").at("value").is_null());
+  EXPECT_TRUE(json.at("sem").is_null());
+  EXPECT_EQ(json.at("misses"), 1);
+  EXPECT_EQ(json.at("objects").at("fan").at("intervals"), 1);
+}
+
+}  // namespace
+}  // namespace tactile

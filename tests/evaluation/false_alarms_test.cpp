@@ -1,0 +1,110 @@
+#include "tactile/evaluation/false_alarms.hpp"
+
+#include <gtest/gtest.h>
+
+#include "evaluation/verdict_row.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+using test::interval_ms;
+using test::ticks_of;
+using test::verdict_row;
+
+FalseAlarms alarms_in(std::string_view letters, std::vector<TouchInterval> intervals, microseconds guard = 4ms,
+                      std::vector<TouchInterval> unlabelled = {}) {
+  const auto verdicts = verdict_row(letters);
+  const auto detections = detections_of(ticks_of(verdicts), verdicts, intervals);
+  return false_alarms_of(ticks_of(verdicts), verdicts, intervals, unlabelled, detections, guard);
+}
+
+// Ticks lie at 0, 2, 4, ... ms, so tick i at 2 i ms.
+
+TEST(FalseAlarms, AreEpisodesThatBeginInNoInterval) {
+  const FalseAlarms found = alarms_in("pp.s.pp.", {});
+  EXPECT_EQ(found.alarms, 3U);
+  EXPECT_EQ(found.none_time, 16ms);
+}
+
+TEST(FalseAlarms, ChangingTheClassBeginsAnotherEpisode) { EXPECT_EQ(alarms_in(".ps.", {}).alarms, 2U); }
+
+TEST(FalseAlarms, AnEpisodeThatBeginsInAnIntervalIsNoneWhateverItSays) {
+  // The interval holds ticks 3 to 6 (6 to 12 ms); a slip said in a press is wrong, but no false alarm, nor is what outlasts the
+  // interval.
+  EXPECT_EQ(alarms_in("...ps.ppp.", {interval_ms(Touch::press, 5, 12)}).alarms, 0U);
+}
+
+TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesBehindItsStart) {
+  // Start at 6 ms: tick 3 is not in it yet, and a slip that begins there is a false alarm.
+  EXPECT_EQ(alarms_in("...s......", {interval_ms(Touch::press, 6, 20)}).alarms, 1U);
+  EXPECT_EQ(alarms_in("....s.....", {interval_ms(Touch::press, 6, 20)}).alarms, 0U);
+}
+
+TEST(FalseAlarms, WithinTheGuardAfterAnIntervalAreCountedApart) {
+  // Ends at 8 ms (tick 4); the guard of 4 ms holds ticks 5 and 6.
+  const std::vector<TouchInterval> intervals{interval_ms(Touch::press, 3, 8)};
+  const FalseAlarms within = alarms_in("......s...", intervals);
+  EXPECT_EQ(within.alarms, 0U);
+  EXPECT_EQ(within.after_intervals, 1U);
+  EXPECT_EQ(within.after_intervals_time, 4ms);
+  EXPECT_EQ(within.none_time, 2ms * (10 - 3 - 2));  // without ticks 2, 3, 4 of the interval and the two of the guard
+  EXPECT_EQ(alarms_in(".......s..", intervals).alarms, 1U);
+}
+
+TEST(FalseAlarms, InUnlabelledMotionAreCountedApart) {
+  const FalseAlarms found = alarms_in("..s..s....", {}, 4ms, {interval_ms(Touch::slip, 3, 6)});
+  EXPECT_EQ(found.alarms, 1U);
+  EXPECT_EQ(found.unlabelled, 1U);
+  EXPECT_EQ(found.unlabelled_time, 4ms);
+  EXPECT_EQ(found.none_time, 16ms);
+}
+
+TEST(FalseAlarms, TheEpisodeThatDetectsAnOnsetTenMillisecondsAheadIsNone) {
+  // Onset at 21 ms, k0 is tick 11.
+  EXPECT_EQ(alarms_in("......pppppppp", {interval_ms(Touch::press, 21, 26)}).alarms, 0U);
+}
+
+TEST(FalseAlarms, TheEpisodeThatMakesAnIntervalEarlyIsOne) {
+  EXPECT_EQ(alarms_in(".....ppppppppp", {interval_ms(Touch::press, 21, 26)}).alarms, 1U);
+}
+
+TEST(FalseAlarms, AnEpisodeThatEndsJustBeforeTheOnsetIsOne) {
+  EXPECT_EQ(alarms_in(".........pp.pp", {interval_ms(Touch::press, 21, 26)}).alarms, 1U);
+}
+
+TEST(FalseAlarms, AnEarlyEpisodeThatBeganInAnotherIntervalIsOneToo) {
+  // Slip is said from within the first slip until the second, 20 ms later.
+  const std::vector<TouchInterval> slips{interval_ms(Touch::slip, 1, 6), interval_ms(Touch::slip, 25, 30)};
+  EXPECT_EQ(alarms_in(".ssssssssssssss", slips).alarms, 1U);
+}
+
+TEST(FalseAlarms, NeedOneVerdictForEachTick) {
+  const auto verdicts = verdict_row("...");
+  TickRange ticks = ticks_of(verdicts);
+  ticks.count = 2;
+  EXPECT_THROW(false_alarms_of(ticks, verdicts, {}, {}, {}, 4ms), Error);
+}
+
+TEST(FalseAlarmTable, DividesAllAlarmsByAllNoneTime) {
+  FalseAlarms busy, quiet;
+  busy.alarms = 3;
+  busy.none_time = 30s;
+  quiet.none_time = 90s;
+  quiet.after_intervals = 2;
+  quiet.after_intervals_time = 6s;
+  const std::vector<RunFalseAlarms> runs{{"fan", busy}, {"fan", quiet}, {"box", quiet}};
+  const FalseAlarmTable table = false_alarm_table(runs);
+  EXPECT_DOUBLE_EQ(table.per_min.value, 3 / 3.5);
+  EXPECT_EQ(table.per_min.n, 2U);
+  EXPECT_DOUBLE_EQ(table.objects.at("fan").value, 1.5);
+  EXPECT_DOUBLE_EQ(table.objects.at("box").value, 0.0);
+  const nlohmann::json json = table;
+  EXPECT_EQ(json.at("count"), 3);
+  EXPECT_DOUBLE_EQ(json.at("none_min").get<double>(), 3.5);
+  EXPECT_EQ(json.at("after_intervals").at("count"), 4);
+  EXPECT_DOUBLE_EQ(json.at("after_intervals").at("min").get<double>(), 0.2);
+}
+
+}  // namespace
+}  // namespace tactile
