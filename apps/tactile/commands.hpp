@@ -13,6 +13,8 @@ void add_label_command(CLI::App& app);
 void add_windows_command(CLI::App& app);
 void add_heatmaps_command(CLI::App& app);
 void add_view_command(CLI::App& app);
+void add_train_command(CLI::App& app);
+void add_eval_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
 }  // namespace tactile

@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
   add_windows_command(app);
   add_heatmaps_command(app);
   add_view_command(app);
+  add_train_command(app);
+  add_eval_command(app);
   add_doctor_command(app);
 
   try {

@@ -54,9 +54,8 @@ std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapO
                                           std::span<const std::uint32_t> sample_indexes, unsigned threads,
                                           const ProgressCallback& progress) {
   const std::string name = stored_name(options);
-  for (const StoredHeatmaps& stored : dataset.heatmaps()) {
-    if (stored.name == name && stored.settings == nlohmann::json(options)) return dataset.read_heatmaps(name, sample_indexes);
-  }
+  const auto stored = dataset.find_heatmaps(name);
+  if (stored && stored->settings == nlohmann::json(options)) return dataset.read_heatmaps(name, sample_indexes);
   return render_samples(dataset, options, sample_indexes, threads, progress);
 }
 

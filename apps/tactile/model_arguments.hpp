@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "command.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+/// The dataset that DATA means: DATA/dataset.h5, or DATA itself where it is a file.
+std::filesystem::path dataset_file(const std::string& data);
+
+/// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
+bool make_missing_dataset(const std::string& data, const CommonArguments& common);
+
+/// How long a training will take, for people: from `images_per_s` where it is known, else from what a common core does.
+std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
+                              unsigned threads);
+
+}  // namespace tactile
