@@ -239,9 +239,9 @@ TEST(ExamineRecording, FindsTheVendorsFilesHealthyAndCountsWhatIsInThem) {
 }
 
 /// 3000 events in 30 packets of 10 ms on 64 x 48 pixels.
-class DamagedRecording : public testing::Test {
+class HealthOfADamagedRecording : public testing::Test {
  protected:
-  DamagedRecording() {
+  HealthOfADamagedRecording() {
     test::write_plain_recording(file, test::steady_events(3'000, 1'000'000, 100, {64, 48}), {64, 48});
     packets = test::packets_of(file);
   }
@@ -252,7 +252,7 @@ class DamagedRecording : public testing::Test {
   std::vector<PacketRecord> packets;
 };
 
-TEST_F(DamagedRecording, IsHealthyBeforeItIsDamaged) {
+TEST_F(HealthOfADamagedRecording, IsHealthyBeforeItIsDamaged) {
   ASSERT_EQ(packets.size(), 30U);
   const RecordingHealth health = examine();
   EXPECT_TRUE(health.healthy()) << listed(health.reasons);
@@ -260,7 +260,7 @@ TEST_F(DamagedRecording, IsHealthyBeforeItIsDamaged) {
   EXPECT_EQ(health.index, PacketIndex::table);
 }
 
-TEST_F(DamagedRecording, IsSickWhereItIsTruncated) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereItIsTruncated) {
   std::filesystem::resize_file(file, packets.back().payload_offset + 100);
   test::overwrite(file, test::table_position_offset, std::int64_t{-1});
   const RecordingHealth health = examine();
@@ -268,7 +268,7 @@ TEST_F(DamagedRecording, IsSickWhereItIsTruncated) {
   EXPECT_EQ(health.streams.front().stamps.elements, 2'900U);
 }
 
-TEST_F(DamagedRecording, IsMerelyNotedWhereItWasNeverClosed) {
+TEST_F(HealthOfADamagedRecording, IsMerelyNotedWhereItWasNeverClosed) {
   test::cut_off_table(file);
   const RecordingHealth health = examine();
   EXPECT_TRUE(health.healthy()) << listed(health.reasons);
@@ -276,24 +276,24 @@ TEST_F(DamagedRecording, IsMerelyNotedWhereItWasNeverClosed) {
   EXPECT_EQ(health.streams.front().stamps.elements, 3'000U);
 }
 
-TEST_F(DamagedRecording, IsSickWhereItsTableIsOutOfPlace) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereItsTableIsOutOfPlace) {
   test::overwrite(file, test::table_position_offset, std::int64_t{1} << 40);
   EXPECT_TRUE(mentions(examine().reasons, "data table")) << listed(examine().reasons);
 }
 
-TEST_F(DamagedRecording, IsSickWhereAPacketDoesNotDecode) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereAPacketDoesNotDecode) {
   test::overwrite(file, packets[3].payload_offset + 28, std::uint32_t{1'000'000});  // it claims more events than it has room for
   const RecordingHealth health = examine();
   EXPECT_TRUE(mentions(health.reasons, "1 packet does not decode")) << listed(health.reasons);
   EXPECT_EQ(health.streams.front().stamps.elements, 2'900U);
 }
 
-TEST_F(DamagedRecording, IsSickWhereAPacketHoldsAnotherType) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereAPacketHoldsAnotherType) {
   test::overwrite(file, packets[3].payload_offset + 8, std::array{'I', 'M', 'U', 'S'});
   EXPECT_TRUE(mentions(examine().reasons, "another type")) << listed(examine().reasons);
 }
 
-TEST_F(DamagedRecording, IsSickWhereEventsLieOutsideTheSensor) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereEventsLieOutsideTheSensor) {
   test::overwrite(file, test::event_offset(packets[1], 4) + 8, std::int16_t{64});
   test::overwrite(file, test::event_offset(packets[1], 5) + 10, std::int16_t{-1});
   const RecordingHealth health = examine();
@@ -301,7 +301,7 @@ TEST_F(DamagedRecording, IsSickWhereEventsLieOutsideTheSensor) {
   EXPECT_EQ(health.streams.front().stamps.elements, 2'998U);
 }
 
-TEST_F(DamagedRecording, IsSickWhereTimeStepsBack) {
+TEST_F(HealthOfADamagedRecording, IsSickWhereTimeStepsBack) {
   test::overwrite(file, test::event_offset(packets[1], 4), std::int64_t{1'000'000});
   const RecordingHealth health = examine();
   EXPECT_TRUE(mentions(health.reasons, "time steps back 1 time inside packets and 0 times from one")) << listed(health.reasons);

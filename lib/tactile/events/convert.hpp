@@ -55,9 +55,8 @@ struct ConvertSummary {
 /// AEDAT4 to AEDAT4, AEDAT4 to CSV (events only), CSV to AEDAT4; cut by time. The output appears only once it is whole. Memory
 /// follows the packet, and the chunk of a CSV.
 /// @throws Error  if input and output are one file, the output exists already, a format is unknown, an option does not apply, the
-/// input cannot
-///                be used (of several event streams a CSV takes one; an AEDAT4 output takes no times that step back), or the cut
-///                leaves nothing
+///                cut leaves nothing, or the input cannot be used: of several event streams a CSV takes one, and an AEDAT4 output
+///                takes no times that step back
 ConvertSummary convert_recording(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const ConvertOptions& options = {}, const ProgressCallback& progress = {});
 
