@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
-#include "tactile/core/whole_file.hpp"
+#include "tactile/core/random.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "windows/made_runs.hpp"
 
@@ -54,6 +55,25 @@ TEST_F(WindowsCommand, EndsWithTwoWhereVerifyingFails) {
   const auto json = nlohmann::json::parse(run_tactile("windows --verify --json", folder.path()).out);
   EXPECT_EQ(json.at("verified"), false);
   EXPECT_FALSE(json.at("differences").empty());
+}
+
+TEST_F(WindowsCommand, KilledWhileItReplacesADatasetLeavesTheOldOneOrTheNewOne) {
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  Random random(static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) & 0xFFFF);
+  int killed = 0;
+  for (int i = 0; i < 15; ++i) {
+    const double seconds = random.uniform(0.01, 0.25);
+    const auto result = run_tactile(
+        "windows --seed " + std::to_string(i) + " & sleep " + std::to_string(seconds) + "; kill -9 $! ; wait $!", folder.path());
+    killed += result.exit_code == 137 ? 1 : 0;
+    const Dataset dataset(folder / "data/dataset.h5");
+    EXPECT_EQ(dataset.samples().size(), 270U);
+    for (std::uint32_t index = 0; index < dataset.runs().size(); ++index)
+      EXPECT_EQ(dataset.events(index).size(), dataset.runs()[index].events);
+  }
+  EXPECT_GT(killed, 2);
+  EXPECT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("windows --verify", folder.path()).exit_code, 0);
 }
 
 TEST_F(WindowsCommand, RefusesOptionsOutOfRange) {
