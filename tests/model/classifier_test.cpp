@@ -1,0 +1,144 @@
+#include "tactile/model/classifier.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "model/noise_heatmaps.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/model/lenet.hpp"
+
+namespace tactile {
+namespace {
+
+/// A bundle of an untrained network for heatmaps of 32 x 24.
+ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string& name = "small", std::uint64_t seed = 3,
+                         const std::string& trained_at = "2024-01-01T00:00:00.000000Z") {
+  const ModelBundle bundle{folder / name};
+  ModelDescription description;
+  description.input = {32, 24};
+  description.manifest_hash = "abc";
+  description.trained_at = trained_at;
+  description.settings.training.seed = seed;
+  write_bundle(bundle, description, LeNet({32, 24}, seed).weights(),
+               {{{1, 0.5, 0.9, 321.5, 1.0}, {2, 0.4, 0.95, 123.5, 1.0}}, 6, 2.0});
+  return bundle;
+}
+
+std::string error_of(const ModelBundle& bundle) {
+  try {
+    const Classifier classifier(bundle.folder, 1);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Classifier, SaysWhatTheNetworkThatWasWrittenSays) {
+  const test::TemporaryFolder folder;
+  const Classifier classifier(small_bundle(folder).folder, 2);
+  const auto noise = test::noise_heatmaps(40, {32, 24}, 1);
+  const auto logits = LeNet({32, 24}, 3).logits(noise.heatmaps, 1);
+  EXPECT_EQ(classifier.classify(noise.heatmaps), logits);
+  const auto verdicts = classifier.verdicts(noise.heatmaps);
+  for (std::size_t i = 0; i < logits.size(); ++i) EXPECT_EQ(verdicts[i], verdict_of(logits[i]));
+  EXPECT_EQ(classifier.input_size(), (SensorSize{32, 24}));
+  EXPECT_EQ(classifier.rendering(), HeatmapOptions{});
+  EXPECT_EQ(classifier.description().at("classes"), nlohmann::json::parse(R"(["none", "press", "slip"])"));
+}
+
+TEST(Classifier, RefusesAFolderWithoutAModel) {
+  const test::TemporaryFolder folder;
+  EXPECT_NE(error_of({folder / "nothing"}).find("tactile train"), std::string::npos);
+}
+
+TEST(Classifier, RefusesWeightsThatTheHashDoesNotName) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  std::string text = read_text(bundle.weights());
+  text.back() = static_cast<char>(text.back() ^ 1);
+  write_whole(bundle.weights(), text);
+  EXPECT_NE(error_of(bundle).find("hash"), std::string::npos);
+  std::filesystem::remove(bundle.weights());
+  EXPECT_NE(error_of(bundle).find("missing"), std::string::npos);
+}
+
+TEST(Classifier, RefusesWeightsThatAreNotFinite) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  Weights weights = LeNet({32, 24}, 3).weights();
+  weights[4].values[7] = std::numeric_limits<float>::quiet_NaN();
+  write_weights(bundle.weights(), weights);
+  nlohmann::json json = read_json(bundle.description());
+  json["weights_sha256"] = sha256_of_file(bundle.weights());
+  write_json(bundle.description(), json);
+  EXPECT_NE(error_of(bundle).find("fc1.weight"), std::string::npos);
+}
+
+TEST(Classifier, RefusesAnInputSizeThatTheWeightsAreNotOf) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  nlohmann::json json = read_json(bundle.description());
+  json["network"]["input"]["width"] = 48;
+  write_json(bundle.description(), json);
+  EXPECT_NE(error_of(bundle), "");
+  json["network"]["input"]["width"] = 2'000'000'000;
+  write_json(bundle.description(), json);
+  EXPECT_NE(error_of(bundle), "");
+}
+
+TEST(Classifier, RefusesAnotherFormatAndMissingKeys) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  const nlohmann::json whole = read_json(bundle.description());
+  nlohmann::json json = whole;
+  json["format"] = 99;
+  write_json(bundle.description(), json);
+  EXPECT_NE(error_of(bundle).find("format 99"), std::string::npos);
+  for (const char* key : {"rendering", "split", "training", "classes", "network", "dataset", "weights_sha256"}) {
+    json = whole;
+    json.erase(key);
+    write_json(bundle.description(), json);
+    EXPECT_NE(error_of(bundle).find(key), std::string::npos) << key;
+  }
+}
+
+TEST(ModelBundle, ReplacesTheOneThatWasThereWhole) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  write_whole(bundle.evaluation(), "{}");
+  small_bundle(folder, "small", 4);
+  EXPECT_EQ(read_bundle_weights(bundle, read_description(bundle)), LeNet({32, 24}, 4).weights());
+  EXPECT_FALSE(std::filesystem::exists(bundle.evaluation()));
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++entries;
+  EXPECT_EQ(entries, 1U);
+}
+
+TEST(ModelBundle, KeepsTheHistory) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  EXPECT_EQ(read_text(bundle.history()),
+            "epoch,loss,accuracy,images_per_s,seconds\n1,0.5,0.9,321.5,1.000\n2,0.4,0.95,123.5,1.000\n");
+  EXPECT_EQ(images_per_s(bundle), 123.5);
+}
+
+TEST(NewestBundle, IsTheOneTrainedLastOfThoseWanted) {
+  const test::TemporaryFolder folder;
+  small_bundle(folder, "a", 1, "2024-01-02T00:00:00.000000Z");
+  small_bundle(folder, "b", 2, "2024-01-03T00:00:00.000000Z");
+  small_bundle(folder, "c", 3, "2024-01-01T00:00:00.000000Z");
+  write_whole(folder / "damaged/model.json", "{");
+  const auto any = [](const ModelDescription&) { return true; };
+  EXPECT_EQ(newest_bundle(folder.path(), any)->name(), "b");
+  EXPECT_EQ(newest_bundle(folder.path(), [](const ModelDescription& m) { return m.settings.training.seed != 2; })->name(), "a");
+  EXPECT_FALSE(newest_bundle(folder.path(), [](const ModelDescription& m) { return m.manifest_hash != "abc"; }).has_value());
+  EXPECT_FALSE(newest_bundle(folder / "missing", any).has_value());
+}
+
+}  // namespace
+}  // namespace tactile

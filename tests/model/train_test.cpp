@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include "model/small_data.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/heatmaps/store_heatmaps.hpp"
+#include "tactile/model/classifier.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/windows/write_dataset.hpp"
+
+namespace tactile {
+namespace {
+
+using test::make_runs;
+using test::run_tactile;
+
+nlohmann::json trained(const std::string& arguments, const std::filesystem::path& in) {
+  const auto result = run_tactile("train --json --epochs 2 --threads 1 " + arguments, in);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out);
+}
+
+TEST(TrainCommand, MakesAMissingDatasetAndAWholeBundle) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto result = run_tactile("train --json --epochs 2 --threads 1", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("data/dataset.h5 is missing"), std::string::npos);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("outcome"), "trained");
+  EXPECT_EQ(json.at("dataset_made"), true);
+  EXPECT_EQ(json.at("train_runs"), nlohmann::json::parse(R"(["fan/01", "usb-hub/01"])"));
+  EXPECT_EQ(json.at("test_runs"), nlohmann::json::parse(R"(["fan/02", "usb-hub/02"])"));
+  ASSERT_EQ(json.at("history").size(), 2U);
+
+  const Dataset dataset(folder / "data/dataset.h5");
+  const auto model = read_json(folder.path() / json.at("model").get<std::string>() / "model.json");
+  EXPECT_EQ(model.at("dataset").at("manifest_hash"), dataset.manifest_hash());
+  EXPECT_EQ(model.at("rendering").at("history_us"), 40'000);
+  EXPECT_EQ(model.at("network").at("input"), nlohmann::json::parse(R"({"channels": 1, "height": 24, "width": 32})"));
+  EXPECT_EQ(model.at("samples"), samples_of_runs(dataset, split_of(dataset, {}).train_runs).size());
+  EXPECT_NO_THROW(Classifier(folder.path() / json.at("model").get<std::string>(), 1));
+}
+
+TEST(TrainCommand, LeavesAnUnchangedModelAndWantsForceOrANameForAChangedOne) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto first = trained("--name mine", folder.path());
+  const std::string description = read_text(folder / "models/mine/model.json");
+  EXPECT_EQ(trained("--name mine", folder.path()).at("outcome"), "unchanged");
+  EXPECT_EQ(read_text(folder / "models/mine/model.json"), description);
+
+  const auto changed = run_tactile("train --epochs 2 --name mine --seed 2", folder.path());
+  EXPECT_EQ(changed.exit_code, 1);
+  EXPECT_NE(changed.err.find("--force"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("--name"), std::string::npos) << changed.err;
+  EXPECT_EQ(read_text(folder / "models/mine/model.json"), description);
+
+  const auto forced = trained("--name mine --seed 2 --force", folder.path());
+  EXPECT_EQ(forced.at("outcome"), "replaced");
+  EXPECT_NE(forced.at("weights_sha256"), first.at("weights_sha256"));
+  EXPECT_EQ(trained("--name other --seed 1", folder.path()).at("weights_sha256"), first.at("weights_sha256"));
+}
+
+TEST(TrainCommand, RunsWithoutLabelsNameTheCommandThatMakesThem) {
+  const test::TemporaryFolder folder;
+  test::make_run(folder / "data/fan/01", 1, false);
+  const auto result = run_tactile("train --th 40", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("tactile label"), std::string::npos) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "models"));
+}
+
+TEST(TrainCommand, HoldsObjectsOut) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "small-box", "usb-hub"}, 2);
+  const auto json = trained("--split unseen --held-out fan,small-box --train-run 02", folder.path());
+  EXPECT_EQ(json.at("train_runs"), nlohmann::json::parse(R"(["usb-hub/02"])"));
+  EXPECT_EQ(json.at("test_runs").size(), 4U);
+  const auto bogus = run_tactile("train --split unseen --held-out bogus", folder.path());
+  EXPECT_EQ(bogus.exit_code, 1);
+  EXPECT_NE(bogus.err.find("bogus"), std::string::npos);
+}
+
+TEST(TrainCommand, RefusesValuesOutOfRangeWithTheRange) {
+  for (const char* arguments :
+       {"--epochs 0", "--batch 0", "--lr 0", "--split half", "--denoise some", "--factor 2", "--name a/b"}) {
+    EXPECT_GE(run_tactile(std::string("train ") + arguments).exit_code, 100) << arguments;
+  }
+  const auto ticks = run_tactile("train --th 3");
+  EXPECT_EQ(ticks.exit_code, 1);
+  EXPECT_NE(ticks.err.find("whole number of ticks"), std::string::npos) << ticks.err;
+}
+
+TEST(TrainModel, IsTheSameFromStoredHeatmapsAndFromRenderedOnes) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  ModelSettings settings;
+  settings.training.epochs = 1;
+  const ModelBundle rendered{folder / "rendered"}, stored{folder / "stored"};
+  train_model(Dataset(folder / "data/dataset.h5"), settings, rendered, 1);
+  store_heatmaps(Dataset(folder / "data/dataset.h5"), settings.rendering, 1);
+  const Dataset dataset(folder / "data/dataset.h5");
+  ASSERT_TRUE(dataset.find_heatmaps("th_040").has_value());
+  train_model(dataset, settings, stored, 1);
+  EXPECT_EQ(read_description(stored).weights_sha256, read_description(rendered).weights_sha256);
+  EXPECT_EQ(state_of(stored, dataset, settings), BundleState::unchanged);
+  settings.training.batch = 8;
+  EXPECT_EQ(state_of(stored, dataset, settings), BundleState::changed);
+  EXPECT_EQ(state_of({folder / "missing"}, dataset, settings), BundleState::missing);
+}
+
+TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const Dataset dataset(folder / "data/dataset.h5");
+  ModelSettings settings;
+  settings.training.epochs = 1;
+  const ModelBundle bundle{folder / "mine"};
+  train_model(dataset, settings, bundle, 1);
+  const std::string description = read_text(bundle.description());
+  settings.training.learning_rate = 1e30;
+  EXPECT_THROW(train_model(dataset, settings, bundle, 1), Error);
+  EXPECT_EQ(read_text(bundle.description()), description);
+  EXPECT_NO_THROW(Classifier(bundle.folder, 1));
+}
+
+TEST(SplitOfADataset, SharesNoRunBetweenTrainingAndTest) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", test::six_objects, 2);
+  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const Dataset dataset(folder / "data/dataset.h5");
+  const Split split = split_of(dataset, {});
+  const auto train = samples_of_runs(dataset, split.train_runs), test = samples_of_runs(dataset, split.test_runs);
+  EXPECT_EQ(train.size() + test.size(), dataset.samples().size());
+  for (const std::uint32_t sample : train) EXPECT_EQ(dataset.runs()[dataset.samples()[sample].run_index].run, "01");
+}
+
+}  // namespace
+}  // namespace tactile
