@@ -1,22 +1,212 @@
-#include "commands.hpp"
-
+#include <H5public.h>
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <lz4.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core/version.hpp>
+#include <set>
+#include <thread>
 
 #include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
 #include "tactile/core/version.hpp"
+#include "tactile/model/library.hpp"
+#include "text_table.hpp"
 
 namespace tactile {
 namespace {
 
-void examine_machine(const CommonArguments& common) {
-  const nlohmann::json result = {{"version", version()}, {"revision", revision()}};
-  print_result(common, result, fmt::format("tactile {} ({})\n", version(), revision()));
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// The files behind the shared libraries of this process whose names hold `part`.
+std::set<std::string> loaded_libraries(std::string_view part) {
+  std::set<std::string> found;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    const auto slash = line.find('/');
+    if (slash == std::string::npos) continue;
+    const fs::path file = line.substr(slash);
+    if (file.filename().string().find(part) != std::string::npos) found.insert(file.string());
+  }
+  return found;
+}
+
+struct Blas {
+  std::string name;
+  std::string file;
+  bool slow = false;
+};
+
+/// Debian lets one of several packages be "the" BLAS: the folder of the file behind libblas.so.3 tells which.
+Blas blas_in_use() {
+  const std::set<std::string> files = loaded_libraries("libblas.so");
+  for (const std::string& file : files) {
+    for (const auto& [part, name] :
+         {std::pair{"openblas", "OpenBLAS"}, std::pair{"blis", "BLIS"}, std::pair{"mkl", "MKL"}, std::pair{"atlas", "ATLAS"}}) {
+      if (file.find(part) != std::string::npos) return {name, file, false};
+    }
+    return {"the reference BLAS", file, true};
+  }
+  for (const std::string& file : loaded_libraries("libopenblas")) return {"OpenBLAS", file, false};
+  for (const std::string& file : loaded_libraries("libmkl")) return {"MKL", file, false};
+  return {"no BLAS that could be found", "", true};
+}
+
+std::string cpu_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+std::vector<std::string> cpu_features() {
+  std::vector<std::string> features;
+#if defined(__x86_64__)
+  const std::array<std::pair<const char*, bool>, 5> known{{{"sse4.2", __builtin_cpu_supports("sse4.2") != 0},
+                                                           {"avx", __builtin_cpu_supports("avx") != 0},
+                                                           {"avx2", __builtin_cpu_supports("avx2") != 0},
+                                                           {"fma", __builtin_cpu_supports("fma") != 0},
+                                                           {"avx512f", __builtin_cpu_supports("avx512f") != 0}}};
+  for (const auto& [name, there] : known) {
+    if (there) features.emplace_back(name);
+  }
+#endif
+  return features;
+}
+
+/// The smallest step seen between two readings of the steady clock [ns].
+double timer_step_ns() {
+  auto smallest = Clock::duration::max();
+  for (int i = 0; i < 2000; ++i) {
+    const auto begin = Clock::now();
+    auto next = begin;
+    while (next == begin) next = Clock::now();
+    smallest = std::min(smallest, next - begin);
+  }
+  return std::chrono::duration<double, std::nano>(smallest).count();
+}
+
+/// How late a 2 ms sleep ends, in the median of 50 [us]: what a live detector has to live with.
+double wake_up_delay_us() {
+  std::vector<double> delays;
+  for (int i = 0; i < 50; ++i) {
+    const auto due = Clock::now() + std::chrono::milliseconds(2);
+    std::this_thread::sleep_until(due);
+    delays.push_back(std::chrono::duration<double, std::micro>(Clock::now() - due).count());
+  }
+  std::nth_element(delays.begin(), delays.begin() + 25, delays.end());
+  return delays[25];
+}
+
+/// Writes 64 MiB into `folder` and syncs them [MB/s]; nothing if it cannot.
+std::optional<double> disk_write_speed(const fs::path& folder) {
+  const fs::path file = folder / fmt::format(".tactile-doctor-{}", ::getpid());
+  const int out = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+  if (out < 0) return std::nullopt;
+  std::vector<char> chunk(1 << 20);
+  for (std::size_t i = 0; i < chunk.size(); ++i) chunk[i] = static_cast<char>(i * 2654435761U >> 24);
+  constexpr int chunks = 64;
+  const auto begin = Clock::now();
+  bool written = true;
+  for (int i = 0; i < chunks && written; ++i)
+    written = ::write(out, chunk.data(), chunk.size()) == static_cast<ssize_t>(chunk.size());
+  written = written && ::fsync(out) == 0;
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  ::close(out);
+  ::unlink(file.c_str());
+  return written ? std::optional(chunks * 1.048576 / seconds) : std::nullopt;
+}
+
+const std::string cv_version = CV_VERSION;
+
+std::string hdf5_version() {
+  unsigned major = 0, minor = 0, release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void examine_machine(const CommonArguments& common, const fs::path& data) {
+  const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
+  const std::string torch = torch_version();  // loads libtorch, and so its BLAS
+  const Blas blas = blas_in_use();
+  const std::vector<std::string> features = cpu_features();
+  const double step_ns = timer_step_ns(), delay_us = wake_up_delay_us();
+  const std::optional<double> disk_mb_s = disk_write_speed(folder);
+#ifdef TACTILE_HAS_LIBCAER
+  constexpr bool has_libcaer = true;
+#else
+  constexpr bool has_libcaer = false;
+#endif
+
+  std::vector<std::string> warnings;
+  if (blas.slow) {
+    warnings.push_back(fmt::format(
+        "libtorch runs on {}, two to three times slower than OpenBLAS; install the package libopenblas0-pthread", blas.name));
+  }
+  if (!disk_mb_s)
+    warnings.push_back(fmt::format("{} cannot be written; recordings and results need a writable folder", folder.string()));
+  if (disk_mb_s && *disk_mb_s < 100)
+    warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs some 100 MB/s uncompressed",
+                                   folder.string(), *disk_mb_s));
+
+  const nlohmann::json result = {
+      {"version", version()},
+      {"revision", revision()},
+      {"libraries",
+       {{"libtorch", torch},
+        {"opencv", cv_version},
+        {"hdf5", hdf5_version()},
+        {"lz4", LZ4_versionString()},
+        {"zstd", ZSTD_versionString()}}},
+      {"blas", {{"name", blas.name}, {"file", blas.file}}},
+      {"cpu", {{"name", cpu_name()}, {"cores", std::thread::hardware_concurrency()}, {"features", features}}},
+      {"timer_step_ns", step_ns},
+      {"wake_up_delay_us", delay_us},
+      {"disk_write_mb_per_s", disk_mb_s ? nlohmann::json(*disk_mb_s) : nlohmann::json(nullptr)},
+      {"libcaer", has_libcaer},
+      {"warnings", warnings}};
+  std::string text = fmt::format("tactile {} ({})\n\n", version(), revision());
+  text += text_list({{"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
+                     {"CPU features", joined(features)},
+                     {"libtorch", torch},
+                     {"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
+                     {"OpenCV", cv_version},
+                     {"HDF5", hdf5_version()},
+                     {"LZ4, zstd", fmt::format("{}, {}", LZ4_versionString(), ZSTD_versionString())},
+                     {"timer step", fmt::format("{:.0f} ns", step_ns)},
+                     {"wake-up delay", fmt::format("{:.0f} µs behind a 2 ms sleep", delay_us)},
+                     {"disk write", disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *disk_mb_s, folder.string()) : "not writable"},
+                     {"camera driver", has_libcaer ? "libcaer" : "built without libcaer"}});
+  for (const std::string& warning : warnings) text += "\nwarning: " + warning + "\n";
+  if (warnings.empty()) text += "\nNothing stands in the way.\n";
+  print_result(common, result, text);
 }
 
 }  // namespace
 
 void add_doctor_command(CLI::App& app) {
-  add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera", examine_machine);
+  auto data = std::make_shared<std::string>("data");
+  auto* command = add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera",
+                              [data](const CommonArguments& common) { examine_machine(common, *data); });
+  command->add_option("data", *data, "Folder whose disk is measured; the current one where it does not exist")
+      ->capture_default_str();
 }
 
 }  // namespace tactile

@@ -1,9 +1,9 @@
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <numeric>
+#include <fstream>
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
@@ -12,7 +12,6 @@
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
-#include "tactile/report/contact_sheet.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -36,6 +35,20 @@ microseconds whole_us(double ms) {
   return microseconds{std::llround(us)};
 }
 
+/// Whole or not at all, but not synced one by one: thousands of pictures that are easily made again.
+void write_picture(const fs::path& file, const cv::Mat& picture) {
+  const fs::path part = file.parent_path() / ("." + file.filename().string() + ".part");
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes);
+  std::error_code failed;
+  fs::create_directories(file.parent_path(), failed);
+  std::ofstream out(part, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (out) fs::rename(part, file, failed);
+  if (!out || failed) throw Error(file.string() + ": cannot be written; expected a writable place with room");
+}
+
 /// One PNG a sample, its pixels the heatmap's own: DIR/th_040/<object>/<run>/<t_us>-<class>.png.
 std::uint64_t write_pictures(const Dataset& dataset, const StoredHeatmaps& stored, const fs::path& folder,
                              const ProgressCallback& progress) {
@@ -44,7 +57,8 @@ std::uint64_t write_pictures(const Dataset& dataset, const StoredHeatmaps& store
     std::vector<std::uint8_t> heatmap = dataset.read_heatmaps(stored.name, std::span(&i, 1));
     const DatasetRun& run = dataset.runs()[samples[i].run_index];
     const std::string name = fmt::format("{}-{}.png", us_of(samples[i].t), name_of(samples[i].touch));
-    write_png(folder / stored.name / run.object / run.run / name, cv::Mat(stored.height, stored.width, CV_8UC1, heatmap.data()));
+    write_picture(folder / stored.name / run.object / run.run / name,
+                  cv::Mat(stored.height, stored.width, CV_8UC1, heatmap.data()));
     tell(progress, i + 1, samples.size(), "pictures of " + stored.name);
   }
   return samples.size();

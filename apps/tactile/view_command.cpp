@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -83,6 +84,20 @@ std::optional<Touch> label_at(const std::optional<Labels>& labels, CameraTime t)
   return Touch::none;
 }
 
+/// What all but a hundredth of the pixels that are not black stay below, so that a few hot ones do not darken the rest.
+int bright_value(const std::vector<SheetGroup>& sheet) {
+  std::vector<std::uint8_t> values;
+  for (const SheetGroup& group : sheet) {
+    for (const SheetTile& tile : group.tiles)
+      std::copy_if(tile.heatmap.begin<std::uint8_t>(), tile.heatmap.end<std::uint8_t>(), std::back_inserter(values),
+                   [](std::uint8_t value) { return value > 0; });
+  }
+  if (values.empty()) return 255;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
 void view(const ViewArguments& args, const CommonArguments& common) {
   const bool is_run = fs::is_directory(args.what);
   const std::optional<RunFolder> run = is_run ? std::optional(run_folder_at(args.what)) : std::nullopt;
@@ -149,13 +164,14 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   }
 
   const bool simulated = run && fs::exists(run->info()) && read_run_info(*run).simulated;
-  SheetOptions layout{.header = {}, .columns = columns};
-  layout.header.push_back(fmt::format("{}{}   {}x{} px, t_h {} ms", name, simulated ? " (simulated)" : "", sensor.width,
-                                      sensor.height, args.history_ms));
-  layout.header.push_back(
-      fmt::format("{}: {} events in {:.1f} ms; heatmaps {}x{}, black 0 to white 255; times from the first event{}",
-                  stream.source.empty() ? "events" : stream.source, events, ms_between(*first, *last), renderer.size().width,
-                  renderer.size().height, shows_onsets ? " (from the onset)" : ""));
+  const int brightest = bright_value(sheet);
+  SheetOptions layout{.header = {}, .columns = columns, .brightest = brightest};
+  layout.header.push_back(fmt::format("{}{}: heatmaps of t_h {} ms, {}x{}", name, simulated ? " (simulated)" : "",
+                                      args.history_ms, renderer.size().width, renderer.size().height));
+  layout.header.push_back(fmt::format("{}, {}x{} px: {} events in {:.1f} ms", stream.source.empty() ? "events" : stream.source,
+                                      sensor.width, sensor.height, events, ms_between(*first, *last)));
+  layout.header.push_back(fmt::format("colours from 0 to {} of 255, brighter ones alike; times from the first event{}", brightest,
+                                      shows_onsets ? " (and from the onset)" : ""));
   if (shows_onsets && labels->intervals.size() > groups.size()) {
     layout.header.push_back(fmt::format("{} of {} intervals are shown", groups.size(), labels->intervals.size()));
   }
@@ -167,6 +183,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
                 {"sensor", {{"width", sensor.width}, {"height", sensor.height}}},
                 {"heatmap", {{"width", renderer.size().width}, {"height", renderer.size().height}}},
                 {"settings", settings},
+                {"brightest", brightest},
                 {"tiles", tiles}},
                fmt::format("{}: {} heatmaps of {}\n", args.out, tiles.size(), name));
 }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <set>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,10 +89,11 @@ inline RecordingContents contents_of(const std::filesystem::path& file) {
 }
 
 inline bool same(const ImuSample& a, const ImuSample& b) {
-  return a.t == b.t && a.temperature_c == b.temperature_c &&
-         std::memcmp(a.acceleration_g, b.acceleration_g, sizeof a.acceleration_g) == 0 &&
-         std::memcmp(a.angular_rate_dps, b.angular_rate_dps, sizeof a.angular_rate_dps) == 0 &&
-         std::memcmp(a.magnetic_field_ut, b.magnetic_field_ut, sizeof a.magnetic_field_ut) == 0;
+  const auto equal = [](const auto& one, const auto& other) {
+    return std::equal(std::begin(one), std::end(one), std::begin(other));
+  };
+  return a.t == b.t && a.temperature_c == b.temperature_c && equal(a.acceleration_g, b.acceleration_g) &&
+         equal(a.angular_rate_dps, b.angular_rate_dps) && equal(a.magnetic_field_ut, b.magnetic_field_ut);
 }
 inline bool same(const Trigger& a, const Trigger& b) { return a.t == b.t && a.type == b.type; }
 inline bool same(const Frame& a, const Frame& b) {

@@ -30,6 +30,10 @@ class Cut {
 
   bool holds(CameraTime t) const { return t >= from_ && (!to_ || t < *to_); }
   bool asked() const { return asked_; }
+  /// Whether the list of packets tells that nothing of this one is inside.
+  bool misses(const PacketRecord& packet) const {
+    return asked_ && packet.elements > 0 && (packet.last < from_ || (to_ && packet.first >= *to_));
+  }
   std::string text() const {
     return fmt::format("[{}, {})", from_ == CameraTime::min() ? "begin" : std::to_string(us_of(from_)),
                        to_ ? std::to_string(us_of(*to_)) : "end");
@@ -146,6 +150,11 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
     const auto kept = std::find_if(summary.streams.begin(), summary.streams.end(),
                                    [&](const ConvertedStream& s) { return s.stream.id == packet.stream_id; });
     if (kept == summary.streams.end()) continue;
+    if (cut.misses(packet)) {
+      all.add(packet.first);
+      all.add(packet.last);
+      continue;
+    }
     const auto pass_on = [&]<class Element>(std::span<const Element> elements, std::vector<Element>& room, const auto& write) {
       all.add(elements);
       const std::span<const Element> inside = cut.of(elements, room);

@@ -21,14 +21,16 @@ enum class RecordingFormat : std::uint8_t { aedat4, csv };
 RecordingFormat recording_format_of(const std::filesystem::path& file);
 
 struct ConvertOptions {
-  std::optional<Compression> compression;  ///< of an AEDAT4 output; else the input's, LZ4 if that is CSV
-  std::optional<CameraTime> from;          ///< earlier elements are left out
-  std::optional<CameraTime> to;            ///< elements at this time and later are left out
-  std::string stream;  ///< of an AEDAT4 input: the event stream to keep, by id or source, with the rest of its camera's streams
-  std::optional<SensorSize>
-      size;  ///< of a CSV input; else the smallest of 320x240, 346x260 and 640x480 that holds the events, or their extent
-  std::optional<std::string> source;  ///< of a CSV input: the camera to declare; else "csv"
-  bool replace = false;               ///< whether an output that exists already may be replaced
+  /// Of an AEDAT4 output; else the input's, LZ4 if that is CSV.
+  std::optional<Compression> compression{};
+  std::optional<CameraTime> from{};  ///< earlier elements are left out
+  std::optional<CameraTime> to{};    ///< elements at this time and later are left out
+  /// Of an AEDAT4 input: the event stream to keep, by id or source, with the rest of its camera's streams; all if empty.
+  std::string stream{};
+  /// Of a CSV input; else the smallest of 320x240, 346x260 and 640x480 that holds the events, or their extent if none does.
+  std::optional<SensorSize> size{};
+  std::optional<std::string> source{};  ///< of a CSV input: the camera to declare; else "csv"
+  bool replace = false;                 ///< whether an output that exists already may be replaced
 };
 
 struct ConvertedStream {
@@ -53,9 +55,8 @@ struct ConvertSummary {
 /// AEDAT4 to AEDAT4, AEDAT4 to CSV (events only), CSV to AEDAT4; cut by time. The output appears only once it is whole. Memory
 /// follows the packet, and the chunk of a CSV.
 /// @throws Error  if input and output are one file, the output exists already, a format is unknown, an option does not apply, the
-/// input cannot
-///                be used (of several event streams a CSV takes one; an AEDAT4 output takes no times that step back), or the cut
-///                leaves nothing
+///                cut leaves nothing, or the input cannot be used: of several event streams a CSV takes one, and an AEDAT4 output
+///                takes no times that step back
 ConvertSummary convert_recording(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const ConvertOptions& options = {}, const ProgressCallback& progress = {});
 

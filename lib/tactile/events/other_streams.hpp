@@ -19,8 +19,7 @@ struct ImuSample {
 /// A signal at the camera's trigger input or a mark of its own. Source: AEDAT4's Trigger table.
 struct Trigger {
   CameraTime t;
-  std::int8_t type =
-      0;  ///< 0 timestamp reset, 1/2/3 external edge rising/falling/pulse, 4/5 generator edges, 6..9 frame and exposure marks
+  std::int8_t type = 0;  ///< 0 reset of time, 1/2/3 external edge up/down/pulse, 4/5 generator's edges, 6..9 frame and exposure
 };
 
 /// One picture. `format` = 8 * (channels - 1) + depth, as OpenCV counts depths, so 0 grey, 16 BGR, 24 BGRA of 8 bits.

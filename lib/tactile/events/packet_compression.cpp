@@ -142,7 +142,11 @@ Decompressed PacketDecompressor::decompress(Compression compression, std::span<c
       check_lz4(LZ4F_createDecompressionContext(&context, LZ4F_VERSION));
       state_->lz4.reset(context);
     }
-    return decompress_lz4(state_->lz4.get(), stored, content, limit);
+    const Decompressed result = decompress_lz4(state_->lz4.get(), stored, content, limit);
+    // A frame broken off leaves the size it announced behind (liblz4 1.9), which its reset does not clear and the next one fails
+    // by.
+    if (!result.whole) state_->lz4.reset();
+    return result;
   }
   if (!state_->zstd) state_->zstd.reset(ZSTD_createDCtx());
   if (!state_->zstd) throw std::bad_alloc();

@@ -137,12 +137,14 @@ std::string xml_of(Compression compression, std::vector<Stream> streams) {
   for (const Stream& stream : streams) {
     const std::string id = std::to_string(stream.id);
     pugi::xml_node node = append_node(out_info, id, path + id + "/");
-    append_attributes(node,
-                      {{"compression", {"string", std::string(compression_attributes[static_cast<std::size_t>(compression)])}},
-                       {"originalModuleName", {"string", "tactile"}},
-                       {"originalOutputName", {"string", stream.name}},
-                       {"typeDescription", {"string", std::string(description_of(stream.type))}},
-                       {"typeIdentifier", {"string", std::string(identifier_of(stream.type))}}});
+    append_attributes(
+        node,
+        {{"compression", {"string", std::string(compression_attributes[static_cast<std::size_t>(compression)])}},
+         {"originalModuleName", {"string", "tactile"}},
+         {"originalOutputName", {"string", stream.name}},
+         {"typeDescription", {"string", std::string(description_of(stream.type))}},
+         {"typeIdentifier",
+          {"string", stream.type == StreamType::other ? stream.type_identifier : std::string(identifier_of(stream.type))}}});
     std::map<std::string, TypedText> info{{"source", {"string", stream.source}}};
     for (const auto& [key, text] : stream.info) info.emplace(key, TypedText{type_of(text), text});
     if (stream.size) {

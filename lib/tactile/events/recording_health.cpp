@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -213,11 +212,15 @@ void EventMeter::find_hot_pixels(EventHealth& health) const {
     for (int x = 0; x < size_.width; ++x) {
       const std::uint32_t count = count_at(x, y);
       if (count < least) continue;
-      std::array<std::uint32_t, 8> neighbours{count_at(x - 1, y - 1), count_at(x, y - 1),    count_at(x + 1, y - 1),
-                                              count_at(x - 1, y),     count_at(x + 1, y),    count_at(x - 1, y + 1),
-                                              count_at(x, y + 1),     count_at(x + 1, y + 1)};
-      std::nth_element(neighbours.begin(), neighbours.begin() + 1, neighbours.end(), std::greater<>());
-      if (count < rule.over_neighbours * neighbours[1]) continue;
+      std::uint32_t largest = 0, second = 0;  // of the 24 around it
+      for (int dy = -2; dy <= 2; ++dy) {
+        for (int dx = -2; dx <= 2; ++dx) {
+          const std::uint32_t other = dx == 0 && dy == 0 ? 0 : count_at(x + dx, y + dy);
+          second = std::max(second, std::min(largest, other));
+          largest = std::max(largest, other);
+        }
+      }
+      if (count < rule.over_neighbours * second) continue;
       hot.push_back({x, y, count, count / seconds});
       health.hot_events += count;
     }

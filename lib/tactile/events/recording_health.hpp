@@ -19,9 +19,11 @@ namespace tactile {
 /// events/s at most, and a trembling edge reaches hundreds), so a pixel with n events in a recording of length T is hot if all of
 /// these hold:
 ///
-///   n >= over_median     * m,    m = median count of the pixels that fired; 1 where fewer than 1 % of the sensor's did
-///   n >= over_neighbours * n2,   n2 = second largest count among its 8 neighbours: edges come in lines, hot pixels alone or in
-///   pairs n >= min_events  and  n / T >= min_rate_hz
+///   n >= over_median * m        m = median count of the pixels that fired; 1 where fewer than 1 % of the sensor's did
+///   n >= over_neighbours * n2   n2 = second largest count among the 24 pixels around it: edges are rows of pixels, hot ones
+///                               stand alone or in pairs
+///   n >= min_events
+///   n / T >= min_rate_hz
 struct HotPixelRule {
   double over_median = 10;
   double over_neighbours = 5;

@@ -42,6 +42,13 @@ bool is_wrap(CameraTime previous, CameraTime next) {
   return step >= -wrap && step < -wrap / 2;
 }
 
+template <class Element>
+bool is_ascending(std::span<const Element> elements) {
+  bool falls = false;  // without a branch: most packets are sound
+  for (std::size_t i = 1; i < elements.size(); ++i) falls |= elements[i].t < elements[i - 1].t;
+  return !falls;
+}
+
 void shift_time(CameraTime& t, std::int64_t shift) { t = after(t, microseconds{shift}); }
 void shift_times(Event& event, std::int64_t shift) { shift_time(event.t, shift); }
 void shift_times(ImuSample& sample, std::int64_t shift) { shift_time(sample.t, shift); }
@@ -158,7 +165,7 @@ const Stream* RecordingReader::State::declared(std::int32_t id) const {
 
 void RecordingReader::State::open() {
   name = path.string();
-  file = FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  file = FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};
   if (!file.is_open() || ::fstat(file.number(), &status) != 0) {
     throw Error(name + ": cannot be opened (" + std::strerror(errno) + "); expected an AEDAT4 recording");
@@ -255,12 +262,13 @@ std::string RecordingReader::State::read_table(std::uint64_t at, std::vector<Pac
 Walk RecordingReader::State::walk(std::uint64_t end) {
   Walk walked;
   std::uint64_t at = data_begin;
+  std::uint64_t empty_at_end = 0;
   while (end - at >= packet_header_size) {
     std::array<std::byte, packet_header_size + 4> bytes{};
     const std::span<std::byte> head =
         std::span(bytes).first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), end - at)));
     read(at, head);
-    if (end == size && (static_cast<std::int64_t>(at) == header.table_position || table_starts_at(at, head))) {
+    if (end == size && table_starts_at(at, head)) {
       walked.at_table = true;
       break;
     }
@@ -273,10 +281,16 @@ Walk RecordingReader::State::walk(std::uint64_t end) {
     if (declared(id) == nullptr && !may_be_payload(head.subspan(packet_header_size), length)) break;
     if (length == 0) {
       ++walked.empty;
+      ++empty_at_end;
     } else {
+      empty_at_end = 0;
       walked.packets.push_back({.stream_id = id, .payload_offset = at + packet_header_size, .payload_size = length});
     }
     at += packet_header_size + length;
+  }
+  if (end == size && !walked.at_table && empty_at_end > 1) {  // the zeros that a power cut leaves behind
+    walked.empty -= empty_at_end;
+    at -= empty_at_end * packet_header_size;
   }
   walked.end = at;
   return walked;
@@ -287,6 +301,7 @@ bool RecordingReader::State::table_starts_at(std::uint64_t at, std::span<const s
   const std::uint32_t magic = u32_at(head, 0);
   const bool compressed = (magic == lz4_magic || magic == zstd_magic) && declared(static_cast<std::int32_t>(magic)) == nullptr;
   if (!plain && !compressed) return false;
+  if (static_cast<std::int64_t>(at) == header.table_position) return true;  // sound or not, the header says so too
   std::vector<PacketRecord> ignored;
   return read_table(at, ignored).empty();
 }
@@ -460,10 +475,14 @@ void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> e
   if (scanning) notes[i].shift = time.shift_at(elements.front().t);
   std::int64_t shift = notes[i].shift;
   CameraTime previous = after(elements.front().t, microseconds{shift});
-  for (Element& element : elements) {
-    if (is_wrap(previous, after(element.t, microseconds{shift}))) shift += wrap;
-    if (shift != 0) shift_times(element, shift);
-    previous = element.t;
+  if (shift == 0 && is_ascending(std::span<const Element>(elements))) {
+    previous = elements.back().t;
+  } else {
+    for (Element& element : elements) {
+      if (is_wrap(previous, after(element.t, microseconds{shift}))) shift += wrap;
+      if (shift != 0) shift_times(element, shift);
+      previous = element.t;
+    }
   }
   if (scanning) time = {.begun = true, .last = previous, .shift = shift};
   const bool known = !scanning && notes[i].shift != 0;  // counted when the table was taken
@@ -592,7 +611,7 @@ void for_events_between(RecordingReader& recording, std::int32_t stream_id, Came
     if (packet.stream_id != stream_id || packet.elements == 0 || packet.first >= end || packet.last < begin) continue;
     std::span<Event> events = recording.read_events(packet);
     const auto by_time = [](const Event& e, CameraTime t) { return e.t < t; };
-    if (std::is_sorted(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.t < b.t; })) {
+    if (is_ascending(std::span<const Event>(events))) {
       const auto first = std::lower_bound(events.begin(), events.end(), begin, by_time);
       events = {first, std::lower_bound(first, events.end(), end, by_time)};
     } else {

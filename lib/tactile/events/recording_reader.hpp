@@ -16,7 +16,8 @@
 
 namespace tactile {
 
-/// One packet of a recording, as the data table or a scan knows it.
+/// One packet of a recording. `elements`, `first` and `last` are the data table's, before anything is dropped, or what a scan
+/// found: the number of sound elements, the earliest and the latest of their times; 0 elements where a packet cannot be read.
 struct PacketRecord {
   std::int32_t stream_id = 0;
   std::uint64_t payload_offset = 0;  ///< [B] from the start of the file, behind the packet's 8-byte header
@@ -25,7 +26,8 @@ struct PacketRecord {
   CameraTime first{}, last{};  ///< meaningless where `elements` is 0
 };
 
-/// Where the list of packets came from.
+/// Where the list of packets came from: a data table that agrees with every packet's header, or else every packet itself, read
+/// once.
 enum class PacketIndex : std::uint8_t { table, scan };
 
 /// What was wrong with a recording and how it was met; all 0 in a sound one. Those that need the packets' contents are complete
@@ -42,7 +44,12 @@ struct RecordingProblems {
 };
 
 /// An AEDAT4 recording. Opening reads the header and the list of packets; packets are read one at a time, so memory follows the
-/// packet, not the file. Every size is checked before anything is allocated for it.
+/// packet, not the file. Every size is checked before anything is allocated for it, and a packet may decompress to 256 MiB
+/// at most.
+///
+/// Without a sound data table the packets are found by a scan, up to the first that is cut off or can be none. A step back of a
+/// stream by more than 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on. Any other step back is
+/// left as it is.
 ///
 /// Source: the AEDAT 4.0 format of iniVation's DV.
 class RecordingReader {
@@ -63,7 +70,9 @@ class RecordingReader {
   const RecordingProblems& problems() const;
 
   /// The events of one packet, decompressed once and not copied: valid until the next read from this reader. Those outside the
-  /// sensor are dropped and counted; a packet that cannot be decoded is counted and gives none.
+  /// sensor (with a negative place, where the stream declares no size) or of a polarity above 1 are dropped and counted; a packet
+  /// that cannot be decoded is counted and gives none.
+  /// @throws Error  if the packet is none of this recording's, its stream is of another type, or the file cannot be read
   std::span<Event> read_events(const PacketRecord& packet);
   std::vector<ImuSample> read_imu(const PacketRecord& packet);
   std::vector<Trigger> read_triggers(const PacketRecord& packet);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -122,6 +123,7 @@ void RecordingWriter::State::open(const std::vector<Stream>& declared) {
     ::unlink(path.c_str());
     throw Error(name + ": its header cannot be written (" + why + "); expected a disk with room");
   }
+  sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // its name too shall outlive a power cut
   end = start.size();
   position_field = magic_line.size() + header.table_position;
   for (const Stream& stream : declared) streams.emplace_back().stream = stream;

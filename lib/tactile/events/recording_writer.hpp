@@ -14,23 +14,26 @@ namespace tactile {
 
 struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
-  std::chrono::microseconds packet_span{10'000};  ///< a packet holds at most this much time, > 0
+  std::chrono::microseconds packet_span{10'000};  ///< a packet's last element comes earlier than this after its first, > 0
   std::size_t packet_events = 8192;               ///< and at most so many events, > 0
 };
 
 /// Writes an AEDAT4 recording that the vendor's software reads. It bears its final name from the first byte: whatever happens,
 /// the file is readable up to its last whole packet. Elements gather until a packet is full; `flush` writes those that wait.
 ///
-/// Elements of one stream must not go back in time, and events must lie inside the sensor.
+/// Elements of one stream must not go back in time, and events must lie inside the sensor; a span with one that does not is
+/// refused whole. A stream's further `info` is written as whole numbers where it is one, else as text.
 class RecordingWriter {
  public:
-  /// @throws Error  if the file exists already or cannot be made, or a stream lacks what the vendor's reader demands
+  /// A stream must have a type of the four, an id of its own, a name, a source, and for events and frames a size: the vendor's
+  /// reader demands them. @throws Error if one lacks them, or the file does not end in .aedat4, exists already or cannot be made
   RecordingWriter(const std::filesystem::path& file, std::vector<Stream> streams, RecordingWriterOptions options = {});
   ~RecordingWriter();  ///< closes; a failure to do so is seen only by calling `close`
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
 
-  void write_events(std::int32_t stream_id, std::span<const Event> events);  ///< @throws Error, nothing written of the span
+  // Each throws Error and writes nothing of what it was given, if that is not sound; an Error of the disk may come half-way.
+  void write_events(std::int32_t stream_id, std::span<const Event> events);
   void write_imu(std::int32_t stream_id, std::span<const ImuSample> samples);
   void write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers);
   void write_frame(std::int32_t stream_id, const Frame& frame);

@@ -97,7 +97,8 @@ class PacketWriter {
  private:
   std::span<const std::byte> stored_form(std::span<const std::byte> content) {
     if (compression_ == Compression::none) return content;
-    return {stored_.data(), compressor_.compress(compression_, content, stored_, 0)};
+    const std::size_t size = compressor_.compress(compression_, content, stored_, 0);
+    return {stored_.data(), size};
   }
 
   void put(std::string_view bytes) {

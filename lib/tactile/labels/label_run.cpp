@@ -40,30 +40,45 @@ double likeness(const EventRate& rate, const QuietRate& quiet, const Burst& burs
     rv_sum += r * v;
   }
   const double spread = (n * rr_sum - r_sum * r_sum) * (n * vv_sum - v_sum * v_sum);
-  return spread > 0 ? (n * rv_sum - r_sum * v_sum) / std::sqrt(spread) : 0.0;
+  const double correlation = spread > 0 ? (n * rv_sum - r_sum * v_sum) / std::sqrt(spread) : 0.0;
+  const double burst_length = static_cast<double>(between(burst_start, rate.begin_of(burst.end)).count());
+  const double lift_length = static_cast<double>((lift.end - lift.start).count());
+  return correlation * std::min(burst_length, lift_length) / std::max(burst_length, lift_length);
+}
+
+/// The share of all bursts' events that are in none after this one, squared: after a slip the skin rests, and what follows it is
+/// small.
+double explained_by(std::size_t burst_index, const std::vector<Burst>& bursts) {
+  double until = 0, all = 0;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    all += bursts[i].events;
+    until += i <= burst_index ? bursts[i].events : 0.0;
+  }
+  const double share = all > 0 ? until / all : 1.0;
+  return share * share;
 }
 
 struct LiftMatch {
   std::size_t burst_index = 0;
-  double likeness = 0;
-  double ratio = 0;  ///< to the second best
+  double quality = 0;  ///< likeness times the share of events explained, squared
+  double ratio = 0;    ///< to the second best
 };
 
 LiftMatch match_lift(const EventRate& rate, const QuietRate& quiet, const std::vector<Burst>& bursts, const RobotLog& log,
                      const MotionPhase& lift) {
-  LiftMatch match{.burst_index = 0, .likeness = -1, .ratio = 0};
+  LiftMatch match{.burst_index = 0, .quality = -1, .ratio = 0};
   double second = 0;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
-    const double found = likeness(rate, quiet, bursts[i], log, lift);
-    if (found > match.likeness) {
-      second = std::max(second, match.likeness);
+    const double found = likeness(rate, quiet, bursts[i], log, lift) * explained_by(i, bursts);
+    if (found > match.quality) {
+      second = std::max(second, match.quality);
       match.burst_index = i;
-      match.likeness = found;
+      match.quality = found;
     } else {
       second = std::max(second, found);
     }
   }
-  match.ratio = second > 0 ? match.likeness / second : std::numeric_limits<double>::infinity();
+  match.ratio = second > 0 ? match.quality / second : std::numeric_limits<double>::infinity();
   return match;
 }
 
@@ -138,6 +153,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"shortest_us", options.activity.shortest.count()},
           {"onset_before_us", options.onset.before.count()},
           {"onset_after_us", options.onset.after.count()},
+          {"onset_latency_us", options.onset.latency.count()},
           {"press_ends_us", options.press_ends.count()},
           {"slip_ends_us", options.slip_ends.count()},
           {"ambiguous_below", options.ambiguous_below},

@@ -34,13 +34,26 @@ double rise_likelihood(std::span<const std::uint32_t> counts, std::size_t onset,
   return length == 0 ? 0.0 : likelihood;
 }
 
+/// How many bins hold enough to place the onset: up to where the events above the quiet rate stand out beyond doubt (Page's
+/// cumulative sum). What a burst does later says nothing about its begin, but would bend the fit, for its counts are the largest.
+std::size_t telling_bins(std::span<const std::uint32_t> counts, const QuietRate& quiet, std::size_t quiet_bins) {
+  const double enough = std::max(60.0, 5.0 * std::sqrt(quiet.dispersion * quiet.mean * static_cast<double>(quiet_bins)));
+  double excess = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    excess = std::max(0.0, excess + counts[i] - quiet.mean);
+    if (excess >= enough) return i + 1;
+  }
+  return counts.size();
+}
+
 }  // namespace
 
 UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::size_t candidate, const OnsetOptions& options) {
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t begin = candidate > bins(options.before) ? candidate - bins(options.before) : 0;
   const std::size_t end = std::min(rate.counts.size(), candidate + bins(options.after));
-  const std::span<const std::uint32_t> counts(rate.counts.data() + begin, end - begin);
+  std::span<const std::uint32_t> counts(rate.counts.data() + begin, end - begin);
+  counts = counts.first(telling_bins(counts, quiet, bins(options.before)));
   // A pixel-perfect silence still has a rate; half an event in the whole stretch keeps the logarithm finite.
   const double quiet_per_bin = std::max(quiet.mean, 0.5 / static_cast<double>(counts.size()));
 
@@ -55,7 +68,8 @@ UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::siz
   while (low > 0 && likelihood[low - 1] >= limit) --low;
   while (high + 1 < likelihood.size() && likelihood[high + 1] >= limit) ++high;
   // A bin stands for all of its span, and an onset inside it is seen from its end on.
-  return {rate.begin_of(begin + best), before(rate.begin_of(begin + low), rate.bin), rate.begin_of(begin + high + 1)};
+  return {rate.begin_of(begin + best), before(rate.begin_of(begin + low), rate.bin + options.latency),
+          rate.begin_of(begin + high + 1)};
 }
 
 }  // namespace tactile

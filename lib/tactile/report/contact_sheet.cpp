@@ -74,8 +74,11 @@ void check_tiles(const std::vector<SheetGroup>& groups) {
 
 cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions& options) {
   check_tiles(groups);
-  if (options.columns < 1 || options.scale < 0)
-    throw Error("contact sheet: a layout without columns; expected at least 1, and a scale of 0 or more");
+  if (options.columns < 1 || options.scale < 0 || options.brightest < 1 || options.brightest > 255) {
+    throw Error(
+        "contact sheet: layout out of range; expected at least 1 column, a scale of 0 or more, and 1 to 255 as the brightest "
+        "value");
+  }
   std::size_t most_tiles = 0;
   cv::Size heatmap;
   for (const SheetGroup& group : groups) {
@@ -112,9 +115,10 @@ cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions&
       const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
       const cv::Point corner(margin + column * (tile_width + gap), top + row * (tile_height + gap));
       const cv::Rect framed(corner, picture + cv::Size(2 * border, 2 * border));
-      cv::Mat enlarged, coloured;
-      cv::resize(tile.heatmap, enlarged, picture, 0, 0, cv::INTER_NEAREST);
-      cv::applyColorMap(enlarged, coloured, cv::COLORMAP_HOT);
+      cv::Mat stretched, enlarged, coloured;
+      tile.heatmap.convertTo(stretched, CV_8U, 255.0 / options.brightest);
+      cv::resize(stretched, enlarged, picture, 0, 0, cv::INTER_NEAREST);
+      cv::applyColorMap(enlarged, coloured, cv::COLORMAP_INFERNO);
       sheet(framed).setTo(frame_colour(tile.touch));
       coloured.copyTo(sheet({corner + cv::Point(border, border), picture}));
       const int base = framed.br().y + 16;

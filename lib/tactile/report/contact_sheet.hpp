@@ -27,6 +27,7 @@ struct SheetGroup {
 struct SheetOptions {
   std::vector<std::string> header;  ///< lines at the top; the first is the title
   int columns = 6;                  ///< >= 1
+  int brightest = 255;              ///< heatmap value shown in the brightest colour, as are those above it; 1 to 255
   int scale = 0;                    ///< screen pixels to a heatmap pixel; 0: so that a tile is about 200 wide
 };
 
@@ -34,7 +35,7 @@ struct SheetOptions {
 /// is too long for its place is shortened in its middle, so nothing is clipped; characters other than ASCII are shown as '?'.
 ///
 /// @return  [height, width] BGR of 8 bits
-/// @throws Error  if there is no tile, or the tiles differ in size or type
+/// @throws Error  if there is no tile, the tiles differ in size or type, or an option is out of its range
 cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions& options = {});
 
 /// Writes a picture as PNG, whole or not at all. @throws Error if it cannot be written

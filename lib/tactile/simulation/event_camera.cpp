@@ -71,7 +71,7 @@ EventCamera::EventCamera(const CameraPixels& pixels, const EventCameraOptions& o
   skin_level_ = static_cast<float>(std::log(options_.skin + options_.veil));
   levels_.assign(count, skin_level_);
   remembered_.resize(count);
-  noisy_readout_.assign(count, -1);
+  last_fired_.assign(count, -1);
   column_.resize(static_cast<std::size_t>(options.size.width));
   row_levels_.resize(static_cast<std::size_t>(options.size.width));
   for (const MarkerPose& pose : poses_) {
@@ -143,7 +143,7 @@ void EventCamera::look_at(const MarkerPose& pose, const Box& box, bool starting)
       const float change = row_levels_[i] - remembered[i];
       if (!(std::fabs(change) > thresholds[i])) continue;
       remembered[i] = row_levels_[i];
-      noisy_readout_[first + i] = readout_;
+      last_fired_[first + i] = readout_;
       events_.push_back({.t = t,
                          .x = static_cast<std::int16_t>(box.left + static_cast<int>(i)),
                          .y = static_cast<std::int16_t>(row),
@@ -153,8 +153,8 @@ void EventCamera::look_at(const MarkerPose& pose, const Box& box, bool starting)
 }
 
 void EventCamera::fire_without_cause(std::uint32_t index, bool on) {
-  if (noisy_readout_[index] == readout_) return;
-  noisy_readout_[index] = readout_;
+  if (last_fired_[index] == readout_) return;
+  last_fired_[index] = readout_;
   remembered_[index] = levels_[index];
   const auto width = static_cast<std::uint32_t>(options_.size.width);
   events_.push_back({.t = start_ + readout_ * options_.readout,

@@ -99,7 +99,7 @@ class EventCamera {
   std::vector<Box> boxes_;
   std::vector<Fire> hot_;
   std::vector<Event> events_;
-  std::vector<std::int64_t> noisy_readout_;  ///< of the pixel's last event, so that noise does not fire twice in a read-out
+  std::vector<std::int64_t> last_fired_;  ///< the pixel's last read-out with an event: it has one at most
   std::vector<float> column_, row_levels_;
 };
 

@@ -22,8 +22,8 @@ double cut_normal(double sigma, Random& random) { return sigma * std::clamp(rand
 std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object, double depth_mm, Random& random) {
   const double centre_x = cut_normal(2.5, random), centre_y = cut_normal(2.0, random);
   const double tilt_x = cut_normal(object.tilt, random), tilt_y = cut_normal(object.tilt, random);
-  const double pull = random.uniform(0.45, 0.85);
-  const double skid_x = cut_normal(0.18, random), skid_y = cut_normal(0.18, random);  // the stage does not push straight
+  const double pull = random.uniform(0.8, 1.5);
+  const double skid_x = cut_normal(0.25, random), skid_y = cut_normal(0.25, random);  // the stage does not push straight
   std::array<MarkerContact, marker_count> markers;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < marker_count; ++i) {
@@ -35,9 +35,10 @@ std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object,
     // Beyond the object's edge the surface falls away steeply.
     const double beyond = std::max({0.0, std::abs(dx) - object.half_width_mm, std::abs(dy) - object.half_height_mm});
     marker.gap_mm += 2.0 * beyond;
-    marker.pull_x = -pull * firm * dx / reach + skid_x + cut_normal(0.12, random);
-    marker.pull_y = -pull * firm * dy / reach + skid_y + cut_normal(0.12, random);
-    marker.lag_s = random.uniform(0.0, 0.006);
+    // A ridge that is pushed end on bends over its thin side, up or down as it happens to stand.
+    marker.pull_x = -pull * firm * dx / reach + skid_x + cut_normal(0.15, random);
+    marker.pull_y = -pull * firm * dy / reach + skid_y + cut_normal(0.45, random);
+    marker.lag_share = random.uniform(0.0, 0.6);
     nearest = std::min(nearest, marker.gap_mm);
   }
   for (MarkerContact& marker : markers) {
@@ -89,8 +90,11 @@ double RunPlan::stage_travel_at(double t_s) const {
 void to_json(nlohmann::json& json, const RunPlan& p) {
   nlohmann::json markers = nlohmann::json::array();
   for (const MarkerContact& m : p.markers) {
-    markers.push_back(
-        {{"gap_mm", m.gap_mm}, {"pull_x", m.pull_x}, {"pull_y", m.pull_y}, {"shear_share", m.shear_share}, {"lag_s", m.lag_s}});
+    markers.push_back({{"gap_mm", m.gap_mm},
+                       {"pull_x", m.pull_x},
+                       {"pull_y", m.pull_y},
+                       {"shear_share", m.shear_share},
+                       {"lag_share", m.lag_share}});
   }
   json = {{"stage_start_s", p.stage_start_s},
           {"contact_s", p.contact_s},
@@ -109,6 +113,7 @@ void to_json(nlohmann::json& json, const RunPlan& p) {
           {"shear_limit_mm", p.shear_limit_mm},
           {"stick_slip_hz", p.stick_slip_hz},
           {"stick_slip_mm", p.stick_slip_mm},
+          {"unison", p.unison},
           {"ring_hz", p.ring_hz},
           {"ring_decay_s", p.ring_decay_s},
           {"texture_mm", p.texture_mm},
@@ -121,8 +126,8 @@ void to_json(nlohmann::json& json, const RunPlan& p) {
 
 RunPlan draw_run_plan(const ObjectModel& object, const RunTimings& timings, Random& random) {
   RunPlan plan;
-  plan.depth_mm = std::clamp(varied(object.depth_mm, 0.15, random), 0.4, 1.9);
-  plan.press_power = random.uniform(1.0, 2.0);
+  plan.depth_mm = std::clamp(varied(object.depth_mm, 0.25, random), 0.4, 1.9);
+  plan.press_power = random.uniform(0.6, 1.4);
   const double travel_in_units = plan.depth_mm * (plan.press_power + 1.0);
   plan.press_s = std::clamp(varied(1e-3 * object.press_ms, 0.15, random), 0.12, 0.4);
   plan.press_s = std::clamp(plan.press_s, travel_in_units / most_closing_mm_s, travel_in_units / least_closing_mm_s);
@@ -140,7 +145,8 @@ RunPlan draw_run_plan(const ObjectModel& object, const RunTimings& timings, Rand
   plan.slack_mm = std::clamp(varied(object.slack_mm, 0.3, random), 0.005, 0.2);
   plan.shear_limit_mm = std::clamp(varied(object.shear_limit_mm, 0.15, random), 0.2, 1.5);
   plan.stick_slip_hz = std::clamp(varied(object.stick_slip_hz, 0.15, random), 10.0, 60.0);
-  plan.stick_slip_mm = std::min(varied(object.stick_slip_mm, 0.2, random), 0.8 * plan.shear_limit_mm);
+  plan.stick_slip_mm = std::min(varied(object.stick_slip_mm, 0.35, random), 0.8 * plan.shear_limit_mm);
+  plan.unison = random.uniform(0.4, 0.9);
   plan.ring_hz = std::clamp(varied(object.ring_hz, 0.1, random), 60.0, 300.0);
   plan.ring_decay_s = 1e-3 * varied(object.ring_decay_ms, 0.15, random);
   plan.texture_mm = varied(object.texture_mm, 0.2, random);

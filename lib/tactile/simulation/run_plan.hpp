@@ -35,7 +35,7 @@ struct MarkerContact {
   double pull_x = 0;  ///< how far the tip goes aside as it is pushed in [mm per mm]
   double pull_y = 0;
   double shear_share = 1;  ///< of the run's shear limit and stick-slip, from how well it is pressed
-  double lag_s = 0;        ///< by which it slips later than the first
+  double lag_share = 0;    ///< by which it sticks later than the object jerks, as a share of the stick-slip period
 };
 
 /// Everything that one run draws before anything moves. Times are in seconds of camera time since the camera's first read-out.
@@ -57,6 +57,7 @@ struct RunPlan {
   double shear_limit_mm = 0;
   double stick_slip_hz = 0;
   double stick_slip_mm = 0;
+  double unison = 1;  ///< share of the tips that take part in a jerk
   double ring_hz = 0;
   double ring_decay_s = 0;
   double texture_mm = 0;

@@ -117,7 +117,7 @@ cv::Mat draw_frame(const ObjectModel& object, const RunPlan& plan, double t_s, R
   const double lift_px = video_px_per_mm * plan.lift_travel_at(t_s);
   const double full_px = video_px_per_mm * plan.stage_travel_at(plan.contact_s + plan.press_s);
   const double gap_px = full_px - video_px_per_mm * plan.stage_travel_at(t_s);
-  const double middle = table - 0.55 * height - lift_px;
+  const double middle = std::min(table - 0.55 * height, table - 22) - lift_px;  // never in the table
   const double right_of_sensor = centre - half_width - gap_px, left_of_finger = centre + half_width;
   fill_box(frame, centre - 75, middle - 52, centre + 75, middle - 40, 40);               // the gripper's bar
   fill_box(frame, centre - 10, -200, centre + 10, middle - 52, 55);                      // the arm

@@ -19,50 +19,56 @@ constexpr double least_pressed_mm = 0.02;  // a marker less pressed than this is
 /// The tip of one marker while the arm moves.
 class ShearedTip {
  public:
-  ShearedTip(const RunPlan& plan, const MarkerContact& marker)
-      : plan_(plan), limit_mm_(plan.shear_limit_mm * marker.shear_share), lag_s_(marker.lag_s) {
-    amplitude_mm_ = plan.stick_slip_mm * marker.shear_share;
-    set_peak(limit_mm_);
-  }
+  /// @param jerks  when the object jerks, in seconds, ascending; must outlive the tip
+  ShearedTip(const RunPlan& plan, const MarkerContact& marker, const std::vector<double>& jerks)
+      : plan_(plan),
+        jerks_(jerks),
+        limit_mm_(plan.shear_limit_mm * marker.shear_share),
+        amplitude_mm_(plan.stick_slip_mm * marker.shear_share),
+        lag_s_(marker.lag_share / plan.stick_slip_hz),
+        peak_mm_(limit_mm_) {}
 
-  /// Moves on by dt; `jerk` is the time of the run's next jerk. Returns whether the object slides past the tip.
-  bool move_on(double t_s, double dt_s, double dragged_mm, double jerk_s, Random& random) {
-    const double speed = plan_.lift_speed_at(t_s);
-    if (sticks_) {
-      shear_mm_ += dragged_mm;
-      if (shear_mm_ >= peak_mm_) {
-        sticks_ = false;
-        slipped_ = true;
-        released_s_ = t_s;
-        from_mm_ = shear_mm_;
-        const double amplitude = amplitude_mm_ * std::exp(amplitude_jitter * std::clamp(random.normal(), -2.0, 2.0));
-        to_mm_ = std::max(0.0, from_mm_ - amplitude);
-      }
-    } else {
-      const double since = t_s - released_s_;
-      const double fading = std::exp(-since / plan_.ring_decay_s);
+  /// Moves on by `dt_s` to `t_s`, in which the arm moves by `dragged_mm`.
+  void move_on(double t_s, double dt_s, double dragged_mm, Random& random) {
+    const auto bell = [&] { return std::clamp(random.normal(), -2.0, 2.0); };
+    if (slides_) {
+      const double since = t_s - released_s_, fading = std::exp(-since / plan_.ring_decay_s);
       shear_mm_ = to_mm_ +
                   (fading < 1e-4 ? 0.0 : (from_mm_ - to_mm_) * fading * std::cos(2.0 * std::numbers::pi * plan_.ring_hz * since));
-      if (speed > 0 && t_s >= jerk_s + lag_s_ && released_s_ < jerk_s) {
-        sticks_ = true;
-        set_peak(limit_mm_ * (1.0 + 0.05 * std::clamp(random.normal(), -2.0, 2.0)));
+      if (jerk_index_ < jerks_.size() && t_s >= jerks_[jerk_index_] + lag_s_) {
+        ++jerk_index_;
+        if (random.uniform() < plan_.unison) {
+          slides_ = false;
+          peak_mm_ = std::max(limit_mm_ * (1.0 + 0.05 * bell()), shear_mm_ + 0.02 * limit_mm_);
+        }
+      }
+    } else {
+      shear_mm_ += dragged_mm;
+      if (shear_mm_ >= peak_mm_) {
+        slides_ = true;
+        slid_ = true;
+        released_s_ = t_s;
+        from_mm_ = shear_mm_;
+        to_mm_ = std::max(0.0, from_mm_ - amplitude_mm_ * std::exp(amplitude_jitter * bell()));
+        while (jerk_index_ < jerks_.size() && jerks_[jerk_index_] + lag_s_ <= t_s) ++jerk_index_;
       }
     }
     const double keep = std::exp(-dt_s / texture_memory_s);
     tremble_ = keep * tremble_ + std::sqrt(1.0 - keep * keep) * random.normal();
-    return !sticks_;
   }
 
-  /// Tremble and sliding both need the arm to move.
-  double shear_mm(double speed_share) const { return shear_mm_ + (slipped_ ? plan_.texture_mm * tremble_ * speed_share : 0.0); }
+  bool slides() const { return slides_; }  ///< the object moves past the tip
+
+  /// Only a surface that runs past makes a tip tremble.
+  double shear_mm(double speed_share) const { return shear_mm_ + (slid_ ? plan_.texture_mm * tremble_ * speed_share : 0.0); }
 
  private:
-  void set_peak(double peak_mm) { peak_mm_ = std::max(peak_mm, shear_mm_ + 0.02 * limit_mm_); }
-
   const RunPlan& plan_;
-  double limit_mm_, lag_s_;
-  double amplitude_mm_ = 0, peak_mm_ = 0, shear_mm_ = 0;
-  bool sticks_ = true, slipped_ = false;
+  const std::vector<double>& jerks_;
+  double limit_mm_, amplitude_mm_, lag_s_, peak_mm_;
+  double shear_mm_ = 0;
+  bool slides_ = false, slid_ = false;
+  std::size_t jerk_index_ = 0;
   double released_s_ = 0, from_mm_ = 0, to_mm_ = 0;
   double tremble_ = 0;
 };
@@ -98,15 +104,17 @@ SkinMotion move_skin(const RunPlan& plan, microseconds readout, Random& random) 
 
   SkinMotion motion;
   motion.poses.reserve(steps);
+  std::vector<double> jerks;
+  for (double t_s = slip_start_s; t_s < lift_end_s;) {
+    t_s += (1.0 + period_jitter * std::clamp(random.normal(), -2.0, 2.0)) / plan.stick_slip_hz;
+    jerks.push_back(t_s);
+  }
   std::vector<ShearedTip> tips;
   std::array<bool, marker_count> touched{};
   for (std::size_t m = 0; m < marker_count; ++m) {
-    tips.emplace_back(plan, plan.markers[m]);
+    tips.emplace_back(plan, plan.markers[m], jerks);
     touched[m] = plan.depth_mm - plan.markers[m].gap_mm > least_pressed_mm;
   }
-  const auto draw_period_s = [&] { return (1.0 + period_jitter * std::clamp(random.normal(), -2.0, 2.0)) / plan.stick_slip_hz; };
-  double jerk_s = slip_start_s + draw_period_s();
-
   std::vector<double> press_speeds, slip_speeds;
   std::array<double, marker_count> pushed_before{}, shear_before{};
   double gross_s = std::numeric_limits<double>::infinity();
@@ -133,10 +141,10 @@ SkinMotion move_skin(const RunPlan& plan, microseconds readout, Random& random) 
       const double all_dragged_mm = std::max(0.0, plan.lift_travel_at(t_s) - plan.slack_mm);
       const double dragged_mm = all_dragged_mm - dragged_before_mm;
       dragged_before_mm = all_dragged_mm;
-      while (t_s > jerk_s + 0.006) jerk_s += draw_period_s();  // once even the most lagging marker has felt it
       for (std::size_t m = 0; m < marker_count; ++m) {
         if (!touched[m]) continue;
-        const bool slides = tips[m].move_on(t_s, dt_s, dragged_mm, jerk_s, random);
+        tips[m].move_on(t_s, dt_s, dragged_mm, random);
+        const bool slides = tips[m].slides();
         if (slides) gross_s = std::min(gross_s, t_s);
         shear[m] = tips[m].shear_mm(share);
         const double tip_speed = (shear[m] - shear_before[m]) / dt_s;

@@ -23,11 +23,12 @@ struct SkinMotion {
 
 /// Moves the markers through a run, read-out by read-out.
 ///
-/// Press: marker m is pushed in by q(t) = max(0, depth(t) - gap), so it starts at the speed the object has by then, and goes
+/// Press: marker m is pushed in by q(t) = max(0, depth(t) - gap), so it starts at the speed that the object has by then, and goes
 /// aside in proportion. Lift: once the arm has travelled the slack, each touched tip is dragged along with the object at the
-/// arm's speed until the shear reaches its limit; it then springs back by the stick-slip amplitude, ringing, and slides until the
-/// next stick. Jerks come at the stick-slip rate with 15 % jitter. All of it scales with the arm's motion and ends with it.
-/// Markers that are not touched follow the others' mean by 6 %: the skin is one piece.
+/// arm's speed until the shear reaches its limit; it then springs back by the stick-slip amplitude, ringing, and slides. Jerks of
+/// the object come at the stick-slip rate with 15 % jitter; each makes a share of the tips, `unison`, stick and be dragged to the
+/// limit again, every tip with a lag of its own. All of it ends with the arm's motion. Markers that are touched less than the
+/// mean follow it by 6 %: the skin is one piece.
 SkinMotion move_skin(const RunPlan& plan, microseconds readout, Random& random);
 
 }  // namespace tactile

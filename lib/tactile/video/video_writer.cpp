@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <string>
 
 extern "C" {

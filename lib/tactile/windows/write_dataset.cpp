@@ -548,11 +548,12 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   old.reset();
 
   const h5::Session session;
-  WholeFile events(events_file), tables(file);
+  WholeFile events(events_file);
   summary.events = write_events(plan, events.path(), summary.manifest_hash, options.sampling.history, progress);
-  write_tables(plan, tables.path(), events_file.filename().string(), summary.manifest_hash);
   const dataset_layout::FolderLock lock(file);
   if (existing == Existing::dataset) set_old_events_aside(file, events_file, dataset_layout::file_beside(file, "events.old"));
+  WholeFile tables(file);
+  write_tables(plan, tables.path(), events_file.filename().string(), summary.manifest_hash);
   events.commit();
   tables.commit();
   if (existing != Existing::nothing) {

@@ -12,7 +12,7 @@
 namespace tactile {
 
 struct WindowsOptions {
-  SamplingOptions sampling;
+  SamplingOptions sampling{};
   bool mix = false;              ///< simulated and real runs in one dataset; else the real ones where there are both
   bool include_flagged = false;  ///< flags stand in nobody's way
 };

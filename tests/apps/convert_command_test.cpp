@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+const std::string vendor_file = TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4";
+
+TEST(ConvertCommand, GoesToCsvAndBack) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("convert " + vendor_file + " a.csv", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("convert a.csv b.aedat4 --size 160x120 --source DVXplorer_DXM00042 --compression zstd", folder.path())
+                .exit_code,
+            0);
+  EXPECT_EQ(run_tactile("convert b.aedat4 c.csv", folder.path()).exit_code, 0);
+  EXPECT_EQ(read_text(folder / "a.csv"), read_text(folder / "c.csv"));
+  const nlohmann::json info =
+      nlohmann::json::parse(run_tactile("info --json b.aedat4", folder.path()).out).at("recordings").at(0);
+  EXPECT_EQ(info.at("camera"), "DVXplorer_DXM00042");
+  EXPECT_EQ(info.at("compression"), "zstd");
+  EXPECT_EQ(info.at("width"), 160);
+}
+
+TEST(ConvertCommand, CutsHalfOpenAndSaysWhatItWrote) {
+  const test::TemporaryFolder folder;
+  const test::CommandResult result = run_tactile(
+      "convert --json --from-us 1700000011005000 --to-us 1700000011010033 " + vendor_file + " cut.aedat4", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_GE(json.at("first_us"), 1700000011005000);
+  EXPECT_LT(json.at("last_us"), 1700000011010033);
+  EXPECT_EQ(json.at("bytes_out"), fs::file_size(folder / "cut.aedat4"));
+  EXPECT_EQ(run_tactile("info --check cut.aedat4", folder.path()).exit_code, 0);
+}
+
+TEST(ConvertCommand, SaysThatItGuessedTheSensor) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "a.csv", "t_us,x,y,on\n0,339,0,1\n");
+  const test::CommandResult result = run_tactile("convert a.csv a.aedat4", folder.path());
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("346x260"), std::string::npos) << result.err;
+}
+
+TEST(ConvertCommand, SaysInOneLineWhatIsWrong) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "bad.csv", "t_us,x,y,on\n5,1,1,1\n4,1,1,1\n");
+  const auto error_of = [&](const std::string& arguments) {
+    const test::CommandResult result = run_tactile("convert " + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    return result.err;
+  };
+  EXPECT_NE(error_of("bad.csv out.aedat4").find("bad.csv:3: time goes back from 5 to 4"), std::string::npos);
+  EXPECT_NE(error_of(vendor_file + " out.npy").find(".aedat4 or .csv"), std::string::npos);
+  EXPECT_NE(error_of(vendor_file + " out.csv --to-us 5").find("leaves nothing"), std::string::npos);
+  EXPECT_NE(error_of("missing.aedat4 out.csv").find("missing.aedat4"), std::string::npos);
+  EXPECT_NE(error_of(vendor_file + " " + vendor_file + " --force").find("never written over"), std::string::npos);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(ConvertCommand, RefusesValuesOutOfRangeAsAUsageError) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "a.csv", "t_us,x,y,on\n0,1,1,1\n");
+  for (const char* option : {"--size 640", "--size 0x480", "--size 640x40000", "--compression gzip", "--from-us soon"}) {
+    const test::CommandResult result = run_tactile(std::string("convert a.csv b.aedat4 ") + option, folder.path());
+    EXPECT_GT(result.exit_code, 2) << option;
+    EXPECT_FALSE(fs::exists(folder / "b.aedat4"));
+  }
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,236 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "events/made_recording.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+const std::string vendor_files = TACTILE_TEST_DATA "/aedat4/";
+
+std::size_t lines_in(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
+
+nlohmann::json info_of(const std::string& arguments) {
+  const test::CommandResult result = run_tactile("info --json " + arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out).at("recordings");
+}
+
+const nlohmann::json& stream_of_type(const nlohmann::json& recording, const std::string& type) {
+  for (const nlohmann::json& stream : recording.at("streams")) {
+    if (stream.at("type") == type) return stream;
+  }
+  throw std::runtime_error("no stream of " + type);
+}
+
+TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
+  const nlohmann::json truth = read_json(vendor_files + "truth.json");
+  for (const auto& [name, expected] : truth.items()) {
+    const nlohmann::json recording = info_of(vendor_files + name + ".aedat4").at(0);
+    EXPECT_EQ(recording.at("camera"), expected.at("source"));
+    EXPECT_EQ(recording.at("width"), expected.at("width"));
+    EXPECT_EQ(recording.at("height"), expected.at("height"));
+    EXPECT_EQ(recording.at("file_bytes"), expected.at("bytes"));
+    EXPECT_EQ(recording.at("data_table").at("state"), "used");
+    EXPECT_EQ(recording.at("healthy"), true);
+    const nlohmann::json& events = stream_of_type(recording, "events");
+    EXPECT_EQ(events.at("elements"), expected.at("events"));
+    EXPECT_EQ(events.at("on"), expected.at("on"));
+    EXPECT_EQ(events.at("packets"), expected.at("event_packets"));
+    EXPECT_EQ(events.at("first_us"), expected.at("first_us"));
+    EXPECT_EQ(events.at("last_us"), expected.at("last_us"));
+    const double seconds = (expected.at("last_us").get<double>() - expected.at("first_us").get<double>()) / 1e6;
+    EXPECT_NEAR(events.at("rate_hz"), expected.at("events").get<double>() / seconds, 1e-3);
+    if (expected.contains("imu")) {
+      EXPECT_EQ(stream_of_type(recording, "imu").at("elements"), expected.at("imu"));
+      EXPECT_EQ(stream_of_type(recording, "frames").at("elements"), expected.at("frames"));
+      EXPECT_EQ(stream_of_type(recording, "triggers").at("elements"), expected.at("triggers"));
+    }
+  }
+}
+
+/// The real recordings, where the environment says they lie.
+std::string real_recording(const std::string& name) {
+  const char* folder = std::getenv("TACTILE_RECORDINGS");
+  const std::string file = folder == nullptr ? std::string() : (fs::path(folder) / name).string();
+  return folder != nullptr && fs::exists(file) ? file : std::string();
+}
+
+// What is in them was found by decoders of other projects.
+TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
+  const std::string file = real_recording("tonic-sample.aedat4");
+  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds tonic-sample.aedat4";
+  const nlohmann::json recording = info_of("'" + file + "'").at(0);
+  EXPECT_EQ(recording.at("camera"), "DVXplorer_DXB00010");
+  EXPECT_EQ(recording.at("width"), 320);
+  EXPECT_EQ(recording.at("height"), 240);
+  EXPECT_EQ(recording.at("compression"), "lz4");
+  EXPECT_EQ(recording.at("packets"), 118);
+  const nlohmann::json& events = stream_of_type(recording, "events");
+  EXPECT_EQ(events.at("elements"), 111954);
+  EXPECT_EQ(events.at("on"), 55023);
+  EXPECT_EQ(events.at("packets"), 59);
+  EXPECT_EQ(events.at("duration_us"), 589917);
+  EXPECT_EQ(events.at("first_us"), 1605537493718345);
+  EXPECT_EQ(events.at("last_us"), 1605537494308262);
+  EXPECT_EQ(events.at("steps_back_in_packets"), 0);
+  EXPECT_EQ(events.at("steps_back_between_packets"), 0);
+  EXPECT_EQ(events.at("attributes").at("tsOffset"), "1605507430438338");
+  const nlohmann::json& imu = stream_of_type(recording, "imu");
+  EXPECT_EQ(imu.at("elements"), 475);
+  EXPECT_EQ(imu.at("first_us"), 1605537493718788);
+  EXPECT_EQ(imu.at("last_us"), 1605537494307448);
+  EXPECT_EQ(stream_of_type(recording, "triggers").at("elements"), 0);
+  EXPECT_EQ(recording.at("healthy"), true) << recording.at("reasons");
+}
+
+TEST(InfoCommand, TellsWhatARealDavisRecordingHolds) {
+  const std::string file = real_recording("aestream-sample.aedat4");
+  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds aestream-sample.aedat4";
+  const nlohmann::json recording = info_of("'" + file + "'").at(0);
+  EXPECT_EQ(recording.at("camera"), "DAVIS346_00000104");
+  EXPECT_EQ(recording.at("width"), 346);
+  EXPECT_EQ(recording.at("height"), 260);
+  EXPECT_EQ(recording.at("packets"), 40);
+  const nlohmann::json& events = stream_of_type(recording, "events");
+  EXPECT_EQ(events.at("elements"), 117667);
+  EXPECT_EQ(events.at("on"), 72363);
+  EXPECT_EQ(events.at("duration_us"), 129999);
+  EXPECT_EQ(stream_of_type(recording, "imu").at("elements"), 130);
+  EXPECT_EQ(stream_of_type(recording, "frames").at("elements"), 3);
+  const nlohmann::json& triggers = stream_of_type(recording, "triggers");
+  EXPECT_EQ(triggers.at("elements"), 15);
+  EXPECT_EQ(triggers.at("first_us"), 1633953690976518);
+  EXPECT_EQ(triggers.at("last_us"), 1633953691110744);
+  EXPECT_EQ(recording.at("healthy"), true) << recording.at("reasons");
+}
+
+TEST(InfoCommand, PrintsAReportForPeople) {
+  const test::CommandResult result = run_tactile("info " + vendor_files + "dv-lz4.aedat4");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.err.empty()) << result.err;
+  for (const char* words : {"DVXplorer_DXM00042, 160 x 120 pixels", "2023-11-14 22:13:31.000033 UTC",
+                            "lz4, 16 packets, data table used", "44.2 % ON (2652)", "every 200 us", "\n  healthy\n"}) {
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << " in\n" << result.out;
+  }
+}
+
+TEST(InfoCommand, EndsWithTwoWhereACheckFailsAndNamesTheReasons) {
+  const test::TemporaryFolder folder;
+  fs::copy_file(vendor_files + "dv-lz4.aedat4", folder / "cut.aedat4");
+  fs::resize_file(folder / "cut.aedat4", 40'000);
+  EXPECT_EQ(run_tactile("info cut.aedat4", folder.path()).exit_code, 0);
+  const test::CommandResult result = run_tactile("info --check cut.aedat4 " + vendor_files + "dv-none.aedat4", folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("cut.aedat4: truncated"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("dv-none"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("SICK"), std::string::npos) << result.out;
+  EXPECT_EQ(run_tactile("info --check " + vendor_files + "dv-none.aedat4").exit_code, 0);
+}
+
+TEST(InfoCommand, TakesARecordingThatWasNeverClosedForHealthy) {
+  const test::TemporaryFolder folder;
+  fs::copy_file(vendor_files + "dv-lz4.aedat4", folder / "open.aedat4");
+  test::cut_off_table(folder / "open.aedat4");
+  const test::CommandResult result = run_tactile("info --check open.aedat4", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("data table missing"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("never closed"), std::string::npos) << result.out;
+}
+
+TEST(InfoCommand, ReportsTheRestBesideAFileThatCannotBeRead) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "text.aedat4", "no recording at all");
+  const test::CommandResult result =
+      run_tactile("info none.aedat4 " + vendor_files + "dv-lz4.aedat4 text.aedat4 --check", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(lines_in(result.err), 2U) << result.err;
+  EXPECT_NE(result.err.find("none.aedat4"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("text.aedat4"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("dv-lz4.aedat4"), std::string::npos) << result.out;
+  const test::CommandResult json = run_tactile("info --json none.aedat4 " + vendor_files + "dv-lz4.aedat4", folder.path());
+  EXPECT_EQ(json.exit_code, 1);
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("recordings").size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("failed").at(0).at("file"), "none.aedat4");
+}
+
+TEST(InfoCommand, DoesNotAllocateForASensorOfAbsurdSize) {
+  const test::TemporaryFolder folder;
+  RecordingWriter writer(folder / "huge.aedat4", {event_stream_declaration({32'767, 32'767}, "camera")});
+  writer.write_events(0, test::steady_events(100, 0, 100, {32'767, 32'767}));
+  writer.close();
+  const test::CommandResult result =
+      test::run_shell("ulimit -v 1000000; '" TACTILE_BINARY "' info --check huge.aedat4", folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_NE(result.err.find("32767x32767 is no sane sensor size"), std::string::npos) << result.err;
+}
+
+class InfoOfARun : public testing::Test {
+ protected:
+  InfoOfARun() {
+    fs::create_directories(run.folder);
+    fs::copy_file(vendor_files + "dv-lz4.aedat4", run.events());
+  }
+  void describe(bool complete, int width, int height) {
+    RunInfo info{.object = "fan",
+                 .run = "03",
+                 .session = "monday",
+                 .simulated = false,
+                 .complete = complete,
+                 .width = width,
+                 .height = height};
+    write_run_info(run, info);
+  }
+
+  test::TemporaryFolder folder;
+  RunFolder run{folder / "data" / "fan" / "03", "fan", "03"};
+};
+
+TEST_F(InfoOfARun, TellsWhatRunJsonSays) {
+  describe(true, 160, 120);
+  const test::CommandResult result = run_tactile("info --check data/fan/03", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("fan/03, real, complete, session monday"), std::string::npos) << result.out;
+  const nlohmann::json json = nlohmann::json::parse(run_tactile("info --json data", folder.path()).out);
+  EXPECT_EQ(json.at("recordings").at(0).at("run").at("session"), "monday");
+}
+
+TEST_F(InfoOfARun, IsSickWhereTheRunWasNotCompleted) {
+  describe(false, 160, 120);
+  const test::CommandResult result = run_tactile("info --check data/fan/03", folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("not completed"), std::string::npos) << result.err;
+}
+
+TEST_F(InfoOfARun, IsSickWhereTheSensorsSizeIsAnother) {
+  describe(true, 640, 480);
+  EXPECT_EQ(run_tactile("info --check data/fan/03", folder.path()).exit_code, 2);
+}
+
+TEST_F(InfoOfARun, IsSickWithoutRunJson) { EXPECT_EQ(run_tactile("info --check data/fan/03", folder.path()).exit_code, 2); }
+
+TEST_F(InfoOfARun, NeedsARecording) {
+  fs::remove(run.events());
+  const test::CommandResult result = run_tactile("info data/fan/03", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(lines_in(result.err), 1U);
+}
+
+TEST(InfoCommand, RefusesAGapOutOfRange) {
+  const test::CommandResult result = run_tactile("info --gap-ms 0 " + vendor_files + "dv-lz4.aedat4");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_NE(result.err.find("3600000"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+
+class RepairCommand : public testing::Test {
+ protected:
+  RepairCommand() {
+    fs::copy_file(TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4", folder / "cut.aedat4");
+    fs::resize_file(folder / "cut.aedat4", 40'000);
+  }
+  test::CommandResult run(const std::string& arguments) const { return run_tactile(arguments, folder.path()); }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(RepairCommand, MakesASickRecordingPassTheCheck) {
+  EXPECT_EQ(run("info --check cut.aedat4").exit_code, 2);
+  const test::CommandResult result = run("repair cut.aedat4 whole.aedat4");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("behind the last whole packet"), std::string::npos) << result.out;
+  const test::CommandResult check = run("info --check whole.aedat4");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+}
+
+TEST_F(RepairCommand, AccountsForEveryByteAsJson) {
+  const test::CommandResult result = run("repair --json cut.aedat4 whole.aedat4");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("bytes_in"), 40'000);
+  EXPECT_EQ(json.at("bytes_out"), fs::file_size(folder / "whole.aedat4"));
+  EXPECT_EQ(json.at("bytes_lost"), json.at("problems").at("truncated_bytes"));
+  EXPECT_GT(json.at("bytes_lost"), 0);
+  EXPECT_EQ(json.at("packets_lost"), 0);
+  EXPECT_EQ(json.at("losses").size(), 1U);
+  EXPECT_EQ(json.at("table_rebuilt"), true);
+}
+
+TEST_F(RepairCommand, SaysInOneLineWhyItDoesNotWrite) {
+  write_whole(folder / "there.aedat4", "precious");
+  fs::create_hard_link(folder / "cut.aedat4", folder / "same.aedat4");
+  for (const char* out : {"cut.aedat4", "./cut.aedat4", "same.aedat4", "there.aedat4", "whole.csv"}) {
+    const test::CommandResult result = run(std::string("repair cut.aedat4 ") + out);
+    EXPECT_EQ(result.exit_code, 1) << out;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  EXPECT_EQ(run("repair --force cut.aedat4 same.aedat4").exit_code, 1);
+  EXPECT_EQ(read_text(folder / "there.aedat4"), "precious");
+  EXPECT_EQ(run("repair --force cut.aedat4 there.aedat4").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,123 @@
+#include "tactile/events/event_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "events/made_recording.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+using test::event_at;
+
+std::vector<Event> events_in_csv(const std::string& text, std::optional<SensorSize> size = std::nullopt) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "events.csv", text);
+  EventCsvReader reader(folder / "events.csv", size);
+  std::vector<Event> events;
+  for (auto chunk = reader.next(); !chunk.empty(); chunk = reader.next()) events.insert(events.end(), chunk.begin(), chunk.end());
+  return events;
+}
+
+/// What reading the text throws, from the line number on.
+std::string error_of(const std::string& text, std::optional<SensorSize> size = std::nullopt) {
+  try {
+    events_in_csv(text, size);
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    return what.substr(what.find("events.csv:") + 11);
+  }
+  return "no error";
+}
+
+TEST(EventCsvWriter, WritesOneEventALine) {
+  const test::TemporaryFolder folder;
+  EventCsvWriter writer(folder / "events.csv");
+  writer.write(std::vector{event_at(-5, 0, 0, 0), event_at(1'605'537'493'718'345, 639, 479, 1)});
+  writer.close();
+  EXPECT_EQ(read_text(folder / "events.csv"), "t_us,x,y,on\n-5,0,0,0\n1605537493718345,639,479,1\n");
+}
+
+TEST(EventCsvWriter, HasRoomForTheLongestNumbers) {
+  const test::TemporaryFolder folder;
+  const std::vector<Event> events(100'000, event_at(std::numeric_limits<std::int64_t>::min(), 32'767, 32'767));
+  EventCsvWriter writer(folder / "events.csv");
+  writer.write(events);
+  writer.close();
+  EXPECT_EQ(std::filesystem::file_size(folder / "events.csv"),
+            12 + 100'000 * std::string("-9223372036854775808,32767,32767,1\n").size());
+}
+
+TEST(EventCsvWriter, CountsStepsBackInTime) {
+  const test::TemporaryFolder folder;
+  EventCsvWriter writer(folder / "events.csv");
+  writer.write(std::vector{event_at(10), event_at(9), event_at(9), event_at(8)});
+  EXPECT_EQ(writer.steps_back(), 2U);
+}
+
+TEST(EventCsvWriter, NamesAPlaceItCannotWriteTo) { EXPECT_THROW(EventCsvWriter("/no/such/folder/events.csv"), Error); }
+
+TEST(EventCsvReader, ReadsWhatTheWriterWroteAcrossChunks) {
+  const test::TemporaryFolder folder;
+  const std::vector<Event> events = test::steady_events(200'000, 1'605'537'493'718'345, 3, {640, 480});
+  EventCsvWriter writer(folder / "events.csv");
+  writer.write(events);
+  writer.close();
+  EventCsvReader reader(folder / "events.csv", SensorSize{640, 480});
+  std::vector<Event> read;
+  int chunks = 0;
+  for (auto chunk = reader.next(); !chunk.empty(); chunk = reader.next(), ++chunks)
+    read.insert(read.end(), chunk.begin(), chunk.end());
+  EXPECT_EQ(read, events);
+  EXPECT_GT(chunks, 3);
+  EXPECT_EQ(reader.bytes_read(), std::filesystem::file_size(folder / "events.csv"));
+}
+
+TEST(EventCsvReader, TakesCrLfAMarkOfByteOrderAndALastLineWithoutEnd) {
+  const std::vector<Event> expected{event_at(1, 2, 3, 0), event_at(1, 4, 5, 1)};
+  EXPECT_EQ(events_in_csv("t_us,x,y,on\r\n1,2,3,0\r\n1,4,5,1\r\n"), expected);
+  EXPECT_EQ(events_in_csv("\xEF\xBB\xBFt_us,x,y,on\n1,2,3,0\n1,4,5,1"), expected);
+  EXPECT_TRUE(events_in_csv("t_us,x,y,on\n").empty());
+}
+
+TEST(EventCsvReader, ReadsTimesAtTheEndsOfTheClock) {
+  const auto events = events_in_csv("t_us,x,y,on\n-9223372036854775808,0,0,1\n9223372036854775807,0,0,1\n");
+  EXPECT_EQ(us_of(events.at(0).t), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(us_of(events.at(1).t), std::numeric_limits<std::int64_t>::max());
+}
+
+TEST(EventCsvReader, NamesTheLineTheFaultAndTheRemedy) {
+  const std::string head = "t_us,x,y,on\n1,2,3,1\n";
+  EXPECT_EQ(error_of("1,2,3,1\n"), "1: '1,2,3,1' is no header; expected 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "2,3,1\n"), "3: '2,3,1' has 3 fields; expected the four of 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "2,3,4,1,9\n"), "3: '2,3,4,1,9' has 5 fields; expected the four of 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "\n"), "3: the line is empty; expected an event, 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "2.5,3,4,1\n"),
+            "3: t_us is '2.5'; expected a whole number from -9223372036854775808 to 9223372036854775807");
+  EXPECT_EQ(error_of(head + "9223372036854775808,3,4,1\n"),
+            "3: t_us is '9223372036854775808'; expected a whole number from -9223372036854775808 to 9223372036854775807");
+  EXPECT_EQ(error_of(head + "2, 3,4,1\n"), "3: x is ' 3'; expected a whole number from 0 to 32767");
+  EXPECT_EQ(error_of(head + "2,-3,4,1\n"), "3: x is '-3'; expected a whole number from 0 to 32767");
+  EXPECT_EQ(error_of(head + "2,3,32768,1\n"), "3: y is '32768'; expected a whole number from 0 to 32767");
+  EXPECT_EQ(error_of(head + "2,3,4,2\n"), "3: on is '2'; expected 0 or 1");
+  EXPECT_EQ(error_of(head + "2,3,4,\n"), "3: on is ''; expected 0 or 1");
+  EXPECT_EQ(error_of(head + "0,3,4,1\n"), "3: time goes back from 1 to 0; expected times that never go back");
+  EXPECT_EQ(error_of(head + "2,3,4,1\n2,640,4,1\n", SensorSize{640, 480}),
+            "4: x is '640'; expected a whole number from 0 to 639");
+  EXPECT_EQ(error_of(head + "2,3,480,1\n", SensorSize{640, 480}), "3: y is '480'; expected a whole number from 0 to 479");
+}
+
+TEST(EventCsvReader, RefusesWhatIsNoCsv) {
+  EXPECT_THROW(events_in_csv(""), Error);
+  EXPECT_NE(error_of("t_us,x,y,on\n" + std::string(std::size_t{3} << 20, '1')).find("longer than"), std::string::npos);
+  EXPECT_THROW(events_in_csv(std::string(std::size_t{3} << 20, '\0')), Error);
+  EXPECT_THROW(EventCsvReader("/no/such/file.csv"), Error);
+  EXPECT_THROW(EventCsvReader(TACTILE_TEST_DATA), Error);
+}
+
+}  // namespace
+}  // namespace tactile

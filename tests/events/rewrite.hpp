@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_writer.hpp"
+
+namespace tactile::test {
+
+/// Writes everything that `recording` holds to a new file.
+inline void rewrite(RecordingReader& recording, const std::filesystem::path& file, RecordingWriterOptions options) {
+  RecordingWriter writer(file, {recording.streams().begin(), recording.streams().end()}, options);
+  for (const PacketRecord& packet : recording.packets()) {
+    switch (recording.stream(packet.stream_id).type) {
+      case StreamType::events:
+        writer.write_events(packet.stream_id, recording.read_events(packet));
+        break;
+      case StreamType::imu:
+        writer.write_imu(packet.stream_id, recording.read_imu(packet));
+        break;
+      case StreamType::triggers:
+        writer.write_triggers(packet.stream_id, recording.read_triggers(packet));
+        break;
+      case StreamType::frames:
+        if (const auto frame = recording.read_frame(packet)) writer.write_frame(packet.stream_id, *frame);
+        break;
+      case StreamType::other:
+        break;
+    }
+  }
+  writer.close();
+}
+
+}  // namespace tactile::test

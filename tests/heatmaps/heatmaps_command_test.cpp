@@ -1,0 +1,178 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/write_dataset.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+
+class HeatmapsCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    test::make_three_runs(folder.path() / "data");
+    write_dataset(folder / "data", folder / "data/dataset.h5");
+  }
+  test::TemporaryFolder folder;
+};
+
+TEST_F(HeatmapsCommand, RendersTheHistoriesItIsGivenAndKeepsThemTheNextTime) {
+  const auto result = run_tactile("heatmaps --th 2,40 --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("histories").size(), 2U);
+  EXPECT_EQ(json.at("histories").at(1).at("name"), "th_040");
+  EXPECT_EQ(json.at("histories").at(1).at("outcome"), "written");
+  EXPECT_EQ(json.at("histories").at(1).at("settings").at("history_us"), 40'000);
+  const auto written = fs::last_write_time(folder / "data/dataset.th_040.h5");
+  const auto again = run_tactile("heatmaps data --th 40", folder.path());
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_NE(again.out.find("unchanged"), std::string::npos) << again.out;
+  EXPECT_EQ(fs::last_write_time(folder / "data/dataset.th_040.h5"), written);
+  EXPECT_EQ(Dataset(folder / "data/dataset.h5").heatmaps().size(), 2U);
+}
+
+TEST_F(HeatmapsCommand, RendersEveryHistoryOfThePaperWithoutArguments) {
+  ASSERT_EQ(run_tactile("heatmaps", folder.path()).exit_code, 0);
+  std::vector<std::string> names;
+  for (const StoredHeatmaps& stored : Dataset(folder / "data/dataset.h5").heatmaps()) names.push_back(stored.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"th_002", "th_010", "th_020", "th_030", "th_040", "th_050"}));
+}
+
+TEST_F(HeatmapsCommand, NamesOtherRenderingsByTheirSettings) {
+  ASSERT_EQ(run_tactile("heatmaps --th 40 --denoise literal --resize linear --factor 0.1", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("heatmaps --th 2.5 --tick-us 500", folder.path()).exit_code, 0);
+  const Dataset dataset(folder / "data/dataset.h5");
+  ASSERT_EQ(dataset.heatmaps().size(), 2U);
+  EXPECT_EQ(dataset.heatmaps()[0].name.substr(0, 7), "th_002-");
+  EXPECT_EQ(dataset.heatmaps()[0].settings.at("history_us"), 2'500);
+  EXPECT_EQ(dataset.heatmaps()[1].settings.at("denoise"), "literal");
+  EXPECT_EQ(dataset.heatmaps()[1].width, 4);
+}
+
+TEST_F(HeatmapsCommand, GivesTheSameBytesForAnyThreads) {
+  fs::copy(folder / "data", folder / "other", fs::copy_options::recursive);
+  ASSERT_EQ(run_tactile("heatmaps data --th 10,40 --threads 1", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("heatmaps other --th 10,40 --threads 2", folder.path()).exit_code, 0);
+  for (const char* name : {"dataset.h5", "dataset.th_010.h5", "dataset.th_040.h5"}) {
+    EXPECT_EQ(sha256_of_file(folder.path() / "data" / name), sha256_of_file(folder.path() / "other" / name)) << name;
+  }
+}
+
+TEST_F(HeatmapsCommand, RefusesInWordsWhatItCannotRender) {
+  const auto too_long = run_tactile("heatmaps --th 40,60", folder.path());
+  EXPECT_EQ(too_long.exit_code, 1);
+  EXPECT_NE(too_long.err.find("history of 60000 us; expected at most the 50000 us"), std::string::npos) << too_long.err;
+  EXPECT_TRUE(Dataset(folder / "data/dataset.h5").heatmaps().empty());
+  const auto no_ticks = run_tactile("heatmaps --th 41", folder.path());
+  EXPECT_EQ(no_ticks.exit_code, 1);
+  EXPECT_NE(no_ticks.err.find("whole number of ticks"), std::string::npos) << no_ticks.err;
+  EXPECT_GE(run_tactile("heatmaps --th 0", folder.path()).exit_code, 100);
+  EXPECT_GE(run_tactile("heatmaps --denoise mild", folder.path()).exit_code, 100);
+  EXPECT_EQ(run_tactile("heatmaps --factor 0.3", folder.path()).exit_code, 1);
+}
+
+TEST_F(HeatmapsCommand, SaysHowToMakeAMissingDataset) {
+  fs::create_directories(folder / "empty");
+  const auto result = run_tactile("heatmaps empty --th 40", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("tactile windows empty"), std::string::npos) << result.err;
+}
+
+TEST_F(HeatmapsCommand, WritesPicturesWhosePixelsAreTheHeatmaps) {
+  const auto result = run_tactile("heatmaps --th 40 --png pictures", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Dataset dataset(folder / "data/dataset.h5");
+  for (const std::uint32_t index : {0U, 100U, 269U}) {
+    const Sample& sample = dataset.samples()[index];
+    const DatasetRun& run = dataset.runs()[sample.run_index];
+    const fs::path file = folder.path() / "pictures/th_040" / run.object / run.run /
+                          (std::to_string(us_of(sample.t)) + "-" + std::string(name_of(sample.touch)) + ".png");
+    const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(picture.total(), 8U * 6U) << file;
+    const auto heatmap = dataset.read_heatmaps("th_040", std::span(&index, 1));
+    EXPECT_TRUE(std::equal(heatmap.begin(), heatmap.end(), picture.begin<std::uint8_t>()));
+  }
+}
+
+TEST_F(HeatmapsCommand, LeaveADatasetThatH5pyReads) {
+  if (test::run_shell("/usr/bin/python3 -c 'import h5py'").exit_code != 0)
+    GTEST_SKIP() << "h5py is missing: the format was not read by it";
+  ASSERT_EQ(run_tactile("heatmaps --th 40", folder.path()).exit_code, 0);
+  write_whole(folder / "read.py", R"(import h5py
+f = h5py.File("data/dataset.h5", "r")
+h = f["/heatmaps/th_040"]
+assert h.shape == (270, 6, 8) and h.dtype.str == "|u1" and h[:].max() > 0
+assert dict((k, h.attrs[k]) for k in ("history_us", "tick_us", "denoise", "resize", "factor")) == {
+    "history_us": 40000, "tick_us": 2000, "denoise": b"mean", "resize": b"area", "factor": 0.2}
+assert f.get("/heatmaps/th_040", getlink=True).filename == "dataset.th_040.h5"
+# The first sample again, from the events beside it.
+import numpy as np
+t, run = f["/samples/t_us"][0], f["/samples/run"][0]
+n, k = f["/runs/first_event"][run], f["/runs/events"][run]
+e = {c: f["/events/" + c][n:n + k].astype(np.int64) for c in ("t_us", "x", "y")}
+inside = (e["t_us"] >= t - 40000) & (e["t_us"] < t)
+E = np.zeros((30, 40)); np.add.at(E, (e["y"][inside], e["x"][inside]), 1)
+b = E[E > 0].mean(); D = E / (1 + np.exp(E - b)); H = (255 * D / D.max()).reshape(6, 5, 8, 5).mean(axis=(1, 3))
+assert (np.abs(h[0] - H) < 0.501).all(), np.abs(h[0] - H).max()
+)");
+  const auto read = test::run_shell("/usr/bin/python3 read.py", folder.path());
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+}
+
+TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
+  Random random(std::chrono::steady_clock::now().time_since_epoch().count() & 0xFFFF);
+  const fs::path file = folder / "data/dataset.h5";
+  int killed = 0;
+  for (int i = 0; i < 20; ++i) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const int nowhere = ::open("/dev/null", O_WRONLY);
+      ::dup2(nowhere, STDOUT_FILENO);
+      ::dup2(nowhere, STDERR_FILENO);
+      const std::string data = folder.path() / "data";
+      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", data.c_str(), "--threads", "2", "--th",
+              "2,4,6,8,10,12,14,16,18,20,30,40,50", static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random.below(300'000)));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    killed += WIFSIGNALED(status) ? 1 : 0;
+
+    const Dataset dataset(file);
+    std::vector<std::uint32_t> every(dataset.samples().size());
+    std::iota(every.begin(), every.end(), 0U);
+    for (const StoredHeatmaps& stored : dataset.heatmaps())
+      EXPECT_EQ(dataset.read_heatmaps(stored.name, every).size(), every.size() * 48) << stored.name;
+    if (dataset.heatmaps().size() == 13) {  // all done: begin again
+      fs::remove(file);
+      write_dataset(folder / "data", file);
+    }
+  }
+  EXPECT_GT(killed, 5);
+  EXPECT_EQ(run_tactile("heatmaps", folder.path()).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace tactile

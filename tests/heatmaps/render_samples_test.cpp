@@ -1,0 +1,190 @@
+#include "tactile/heatmaps/render_samples.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "heatmaps/dense_reference.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
+#include "tactile/heatmaps/store_heatmaps.hpp"
+#include "tactile/windows/write_dataset.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+class RenderSamples : public testing::Test {
+ protected:
+  void SetUp() override {
+    test::make_three_runs(folder.path());
+    write_dataset(folder.path(), file());
+  }
+  std::filesystem::path file() const { return folder / "dataset.h5"; }
+  static std::vector<std::uint32_t> all_of(const Dataset& dataset) {
+    std::vector<std::uint32_t> indexes(dataset.samples().size());
+    std::iota(indexes.begin(), indexes.end(), 0U);
+    return indexes;
+  }
+  test::TemporaryFolder folder;
+};
+
+std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+/// Rounded as stored; where the true value lies at a rounding boundary, as `rendered` has it.
+void expect_rounded(std::span<const std::uint8_t> rendered, const std::vector<long double>& expected, const std::string& where) {
+  ASSERT_EQ(rendered.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const long double to_boundary = std::abs(expected[i] + 0.5L - std::round(expected[i] + 0.5L));
+    if (to_boundary > 1e-3L) {
+      ASSERT_EQ(static_cast<int>(rendered[i]), static_cast<int>(std::floor(expected[i] + 0.5L))) << where << ", pixel " << i;
+    }
+  }
+}
+
+TEST_F(RenderSamples, GivesThePlainFormulaOfTheWholeRecordingForEachSample) {
+  const Dataset dataset(file());
+  for (const HeatmapOptions& options : {HeatmapOptions{.history = 50ms}, HeatmapOptions{.history = 2ms, .denoise = Denoise::none},
+                                        HeatmapOptions{.history = 20ms, .resize = Resize::linear, .factor = 0.1}}) {
+    const auto heatmaps = render_samples(dataset, options, all_of(dataset), 2);
+    const std::size_t size = heatmaps.size() / dataset.samples().size();
+    for (std::uint32_t index = 0; index < 3; ++index) {
+      // From the run's own events, not from those that the dataset stores.
+      const auto events = test::random_events({.seed = index + 1, .begin_us = index == 1 ? -700'123 : 1'700'000'000'000'301});
+      for (std::size_t i = 0; i < dataset.samples().size(); ++i) {
+        if (dataset.samples()[i].run_index != index) continue;
+        const auto counts = test::dense_counts(events, dataset.sensor(), dataset.samples()[i].t, options.history);
+        expect_rounded(std::span(heatmaps).subspan(i * size, size), test::dense_heatmap(counts, dataset.sensor(), options),
+                       "sample " + std::to_string(i));
+      }
+    }
+  }
+}
+
+TEST_F(RenderSamples, DoesNotDependOnThreadsOrderOrTheOtherSamples) {
+  const Dataset dataset(file());
+  const HeatmapOptions options{.history = 40ms};
+  const auto all = render_samples(dataset, options, all_of(dataset), 1);
+  EXPECT_EQ(all, render_samples(dataset, options, all_of(dataset), 2));
+  const std::size_t size = all.size() / dataset.samples().size();
+  const std::vector<std::uint32_t> some{269, 3, 100, 3, 250, 99};
+  const auto rendered = render_samples(dataset, options, some, 2);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    EXPECT_TRUE(std::equal(rendered.begin() + static_cast<std::ptrdiff_t>(i * size),
+                           rendered.begin() + static_cast<std::ptrdiff_t>((i + 1) * size),
+                           all.begin() + static_cast<std::ptrdiff_t>(some[i] * size)));
+  }
+  EXPECT_TRUE(render_samples(dataset, options, {}, 2).empty());
+}
+
+TEST_F(RenderSamples, RefusesAHistoryThatIsNotStoredAndSamplesThatLieAtNoTick) {
+  const Dataset dataset(file());
+  const std::string message = message_of([&] { render_samples(dataset, {.history = 52ms}, std::vector<std::uint32_t>{0}); });
+  EXPECT_NE(message.find("history of 52000 us; expected at most the 50000 us"), std::string::npos) << message;
+  EXPECT_NE(message_of([&] { check_renders(dataset, {.history = 30ms, .tick = 3ms}); }).find("lies at none"), std::string::npos);
+  EXPECT_NO_THROW(check_renders(dataset, {.history = 3ms, .tick = 1ms}));
+  EXPECT_THROW(render_samples(dataset, {.history = 41ms}, std::vector<std::uint32_t>{0}), Error);
+  EXPECT_THROW(render_samples(dataset, {}, std::vector<std::uint32_t>{270}), Error);
+}
+
+TEST_F(RenderSamples, StoresWhatItRenders) {
+  const HeatmapOptions plain{.history = 40ms},
+      linear{.history = 2500us, .tick = 500us, .denoise = Denoise::none, .resize = Resize::linear};
+  for (const HeatmapOptions& options : {plain, linear}) {
+    const Dataset dataset(file());
+    const StoredHistory stored = store_heatmaps(dataset, options, 2);
+    EXPECT_FALSE(stored.kept);
+    EXPECT_EQ(stored.heatmaps.name, stored_name(options));
+  }
+  const Dataset dataset(file());
+  ASSERT_EQ(dataset.heatmaps().size(), 2U);
+  for (const HeatmapOptions& options : {plain, linear}) {
+    const auto found = dataset.find_heatmaps(stored_name(options));
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->settings.get<HeatmapOptions>(), options);
+    EXPECT_EQ(dataset.read_heatmaps(found->name, all_of(dataset)), render_samples(dataset, options, all_of(dataset)));
+    EXPECT_TRUE(store_heatmaps(dataset, options).kept);
+  }
+}
+
+TEST_F(RenderSamples, RendersAHistoryAnewWhoseFileIsGone) {
+  store_heatmaps(Dataset(file()), {});
+  std::filesystem::remove(folder / "dataset.th_040.h5");
+  EXPECT_THROW(Dataset(file()).heatmaps(), Error);
+  EXPECT_FALSE(store_heatmaps(Dataset(file()), {}).kept);
+  EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
+}
+
+TEST(ForEveryTick, HandsOverEachFullTickWithItsHeatmapAndCount) {
+  const test::LabelledRun run{.begin_us = -100'301, .length_us = 200'000};
+  const std::vector<Event> events = test::random_events(run);
+  const HeatmapOptions options{.history = 20ms};
+  std::vector<CameraTime> ticks;
+  const TickRange range =
+      for_every_tick(events, run.sensor, options, [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t count) {
+        ticks.push_back(t);
+        const auto counts = test::dense_counts(events, run.sensor, t, options.history);
+        EXPECT_EQ(count, std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
+        expect_rounded(heatmap, test::dense_heatmap(counts, run.sensor, options), std::to_string(us_of(t)));
+      });
+  const TickRange expected = full_ticks(events.front().t, events.back().t, options.history, options.tick);
+  EXPECT_EQ(range.first, expected.first);
+  ASSERT_EQ(range.count, expected.count);
+  ASSERT_EQ(static_cast<std::int64_t>(ticks.size()), expected.count);
+  for (std::int64_t i = 0; i < expected.count; ++i) EXPECT_EQ(ticks[static_cast<std::size_t>(i)], expected.at(i));
+}
+
+TEST(ForEveryTick, GivesTheSameFromARecording) {
+  const test::TemporaryFolder folder;
+  const test::LabelledRun run{.length_us = 300'000, .mean_gap_us = 10};
+  const RunFolder made = test::make_run(folder.path(), run);
+  using Seen = std::vector<std::pair<CameraTime, std::vector<std::uint8_t>>>;
+  Seen from_memory, from_file;
+  const auto see = [](Seen& seen) {
+    return [&seen](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t) {
+      seen.emplace_back(t, std::vector(heatmap.begin(), heatmap.end()));
+    };
+  };
+  for_every_tick(test::random_events(run), run.sensor, {}, see(from_memory));
+  RecordingReader recording(made.events());
+  const TickRange range = for_every_tick(recording, event_stream(recording).id, {}, see(from_file));
+  EXPECT_GT(range.count, 100);
+  EXPECT_EQ(from_memory, from_file);
+}
+
+TEST(ForEveryTick, HasNoneWhereTheRunIsShorterThanTheHistory) {
+  const auto never = [](CameraTime, std::span<const std::uint8_t>, std::uint64_t) { FAIL(); };
+  EXPECT_EQ(for_every_tick({}, {4, 3}, {.factor = 1}, never).count, 0);
+  EXPECT_EQ(for_every_tick(test::random_events({.length_us = 39'000}), {40, 30}, {}, never).count, 0);
+}
+
+TEST(ForEveryTick, EndsAtTheEndOfTheClock) {
+  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max();
+  const std::vector<Event> events{
+      {.t = camera_time(latest - 9'000)}, {.t = camera_time(latest - 1'000), .x = 1}, {.t = camera_time(latest)}};
+  std::vector<std::uint64_t> counts;
+  const TickRange range =
+      for_every_tick(events, {2, 1}, {.history = 4ms, .factor = 1},
+                     [&](CameraTime, std::span<const std::uint8_t>, std::uint64_t count) { counts.push_back(count); });
+  EXPECT_EQ(static_cast<std::int64_t>(counts.size()), range.count);
+  EXPECT_GE(range.count, 2);
+  EXPECT_LE(range.count, 3);
+}
+
+TEST(ForEveryTick, RefusesEventsThatGoBackInTime) {
+  const std::vector<Event> events{{.t = camera_time(10)}, {.t = camera_time(9)}};
+  EXPECT_THROW(for_every_tick(events, {5, 5}, {}, [](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}), Error);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/run_command.hpp"
+#include "tactile/core/run_folder.hpp"
+
+namespace tactile {
+namespace {
+
+TEST(SimulateCommand, MakesARunAndSaysSo) {
+  const test::TemporaryFolder folder;
+  const auto made = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --json", folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto json = nlohmann::json::parse(made.out);
+  EXPECT_EQ(json.at("made"), 1);
+  EXPECT_EQ(json.at("runs").at(0).at("run"), "usb-hub/01");
+  EXPECT_GT(json.at("runs").at(0).at("events").get<int>(), 10'000);
+  EXPECT_EQ(find_runs(folder / "runs").size(), 1U);
+
+  const auto kept = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1", folder.path());
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_NE(kept.out.find("0 made, 1 kept, 0 replaced, 0 removed"), std::string::npos) << kept.out;
+
+  const auto refused = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+  const auto forced = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2 --force", folder.path());
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_NE(forced.out.find("0 made, 0 kept, 1 replaced, 0 removed"), std::string::npos) << forced.out;
+}
+
+TEST(SimulateCommand, RefusesOptionsOutOfRange) {
+  const test::TemporaryFolder folder;
+  for (const std::string wrong : {"--preset huge", "--runs 0", "--runs 100", "--seed -1", "--objects cup"}) {
+    const auto result = test::run_tactile("simulate runs " + wrong, folder.path());
+    EXPECT_NE(result.exit_code, 0) << wrong;
+    EXPECT_FALSE(result.err.empty()) << wrong;
+    EXPECT_FALSE(std::filesystem::exists(folder / "runs")) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace tactile

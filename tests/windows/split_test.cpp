@@ -1,0 +1,72 @@
+#include "tactile/windows/split.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+using Indexes = std::vector<std::uint32_t>;
+
+std::vector<RunName> three_objects() {
+  return {{"box", "01"}, {"box", "02"}, {"box", "03"}, {"fan", "01"}, {"fan", "02"}, {"sprayer", "01"}, {"sprayer", "02"}};
+}
+
+std::string message_of(std::span<const RunName> runs, const SplitOptions& options) {
+  try {
+    split_runs(runs, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+TEST(SingleRunSplit, TrainsOnOneRunOfEveryObjectAndTestsOnTheOthers) {
+  const Split split = split_runs(three_objects(), {});
+  EXPECT_EQ(split.train_runs, (Indexes{0, 3, 5}));
+  EXPECT_EQ(split.test_runs, (Indexes{1, 2, 4, 6}));
+  EXPECT_EQ(split_runs(three_objects(), {.train_run = "02"}).train_runs, (Indexes{1, 4, 6}));
+}
+
+TEST(UnseenSplit, TrainsOnOneRunOfTheOthersAndTestsOnEveryRunOfTheHeldOut) {
+  const Split split = split_runs(three_objects(), {.kind = SplitKind::unseen, .train_run = "02", .held_out = {"fan", "sprayer"}});
+  EXPECT_EQ(split.train_runs, (Indexes{1}));
+  EXPECT_EQ(split.test_runs, (Indexes{3, 4, 5, 6}));
+}
+
+TEST(Split, NamesTheNextWholeRunWhereTheTrainingRunHasNoSamples) {
+  auto runs = three_objects();
+  runs[0].has_samples = false;
+  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected one that has, the next is --train-run 02");
+  runs[1].has_samples = false;
+  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected one that has, the next is --train-run 03");
+  EXPECT_NE(message_of(runs, {.train_run = "09"}).find("--train-run 03"), std::string::npos);
+  runs[2].has_samples = false;
+  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected some, but no run of 'box' has any");
+}
+
+TEST(Split, MindsOnlyTheRunsItTrainsOn) {
+  auto runs = three_objects();
+  runs[3].has_samples = false;  // fan/01, held out
+  EXPECT_EQ(split_runs(runs, {.kind = SplitKind::unseen, .held_out = {"fan"}}).train_runs, (Indexes{0, 5}));
+}
+
+TEST(Split, RefusesAHeldOutObjectThatIsNotThereAndEmptySides) {
+  EXPECT_NE(message_of(three_objects(), {.kind = SplitKind::unseen, .held_out = {"melon"}}).find("'melon'"), std::string::npos);
+  EXPECT_THROW(split_runs(three_objects(), {.kind = SplitKind::unseen, .held_out = {"box", "fan", "sprayer"}}), Error);
+  EXPECT_THROW(split_runs(three_objects(), {.kind = SplitKind::unseen, .held_out = {}}), Error);
+  const std::vector<RunName> alone{{"box", "01"}};
+  EXPECT_THROW(split_runs(alone, {}), Error);
+  EXPECT_THROW(split_runs({}, {}), Error);
+}
+
+TEST(Split, HasNames) {
+  for (const SplitKind kind : {SplitKind::single_run, SplitKind::unseen}) EXPECT_EQ(split_named(name_of(kind)), kind);
+  EXPECT_EQ(name_of(SplitKind::single_run), "single-run");
+  EXPECT_THROW(split_named("by-sample"), Error);
+  EXPECT_EQ(default_held_out().size(), 5U);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+using test::run_tactile;
+
+class WindowsCommand : public testing::Test {
+ protected:
+  void SetUp() override { test::make_three_runs(folder.path() / "data"); }
+  test::TemporaryFolder folder;
+};
+
+TEST_F(WindowsCommand, ReadsDataAndWritesTheDatasetBesideItsRuns) {
+  const auto result = run_tactile("windows", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("usb-hub/01    30     30    30"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("data/dataset.h5: written, 270 samples"), std::string::npos) << result.out;
+  EXPECT_EQ(Dataset(folder / "data/dataset.h5").samples().size(), 270U);
+  EXPECT_NE(run_tactile("windows", folder.path()).out.find("unchanged"), std::string::npos);
+  EXPECT_NE(run_tactile("windows --seed 2", folder.path()).out.find("replaced"), std::string::npos);
+}
+
+TEST_F(WindowsCommand, SaysTheSameAsJson) {
+  const auto result = run_tactile("windows data --out elsewhere/set.h5 --window-ms 40 --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("outcome"), "written");
+  EXPECT_EQ(json.at("samples"), 180);
+  EXPECT_EQ(json.at("runs").at(2).at("object"), "usb-hub");
+  EXPECT_EQ(json.at("runs").at(2).at("slip"), 20);
+  const Dataset dataset(folder / "elsewhere/set.h5");
+  EXPECT_EQ(dataset.manifest_hash(), json.at("manifest_sha256"));
+  EXPECT_EQ(dataset.run_folder(0), std::filesystem::canonical(folder / "data/fan/01"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "elsewhere/set.events.h5"));
+}
+
+TEST_F(WindowsCommand, EndsWithTwoWhereVerifyingFails) {
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  const auto good = run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  write_labels(folder / "data/fan/02/labels.json", test::labels_of({.begin_us = -700'100}));
+  const auto bad = run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_NE(bad.out.find("fan/02: labels.json has changed"), std::string::npos) << bad.out;
+  const auto json = nlohmann::json::parse(run_tactile("windows --verify --json", folder.path()).out);
+  EXPECT_EQ(json.at("verified"), false);
+  EXPECT_FALSE(json.at("differences").empty());
+}
+
+TEST_F(WindowsCommand, KilledWhileItReplacesADatasetLeavesTheOldOneOrTheNewOne) {
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  Random random(static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) & 0xFFFF);
+  int killed = 0;
+  for (int i = 0; i < 15; ++i) {
+    const double seconds = random.uniform(0.01, 0.25);
+    const auto result = run_tactile(
+        "windows --seed " + std::to_string(i) + " & sleep " + std::to_string(seconds) + "; kill -9 $! ; wait $!", folder.path());
+    killed += result.exit_code == 137 ? 1 : 0;
+    const Dataset dataset(folder / "data/dataset.h5");
+    EXPECT_EQ(dataset.samples().size(), 270U);
+    for (std::uint32_t index = 0; index < dataset.runs().size(); ++index)
+      EXPECT_EQ(dataset.events(index).size(), dataset.runs()[index].events);
+  }
+  EXPECT_GT(killed, 2);
+  EXPECT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("windows --verify", folder.path()).exit_code, 0);
+}
+
+TEST_F(WindowsCommand, RefusesOptionsOutOfRange) {
+  EXPECT_GE(run_tactile("windows --window-ms 0", folder.path()).exit_code, 100);
+  EXPECT_GE(run_tactile("windows --tick-us 0", folder.path()).exit_code, 100);
+  EXPECT_EQ(run_tactile("windows --history-ms 51", folder.path()).exit_code, 1);
+  EXPECT_EQ(run_tactile("windows nowhere", folder.path()).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "data/dataset.h5"));
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,430 @@
+#include "tactile/windows/write_dataset.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WriteDataset : public testing::Test {
+ protected:
+  fs::path data() const { return folder.path() / "data"; }
+  fs::path file() const { return data() / "dataset.h5"; }
+  test::TemporaryFolder folder;
+};
+
+std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+bool mentions(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+TEST_F(WriteDataset, IsReadBackAsItWasDrawn) {
+  test::make_three_runs(data());
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(summary.outcome, DatasetSummary::Outcome::written);
+  const Dataset dataset(file());
+  EXPECT_EQ(dataset.sensor(), (SensorSize{40, 30}));
+  EXPECT_FALSE(dataset.simulated());
+  EXPECT_EQ(dataset.manifest_hash(), summary.manifest_hash);
+  EXPECT_EQ(hash_of(dataset.settings()), summary.manifest_hash);
+  ASSERT_EQ(dataset.runs().size(), 3U);
+  EXPECT_EQ(dataset.runs()[1].object, "fan");
+  EXPECT_EQ(dataset.runs()[1].run, "02");
+  EXPECT_EQ(dataset.runs()[1].folder, "fan/02");
+  EXPECT_EQ(dataset.runs()[1].events_sha256, sha256_of_file(data() / "fan/02/events.aedat4"));
+  EXPECT_EQ(dataset.runs()[1].labels_sha256, sha256_of_file(data() / "fan/02/labels.json"));
+  EXPECT_EQ(dataset.intervals().size(), 6U);
+  EXPECT_EQ(dataset.intervals()[3].run_index, 1U);
+  EXPECT_EQ(dataset.intervals()[3].interval.touch, Touch::slip);
+  EXPECT_EQ(dataset.intervals()[3].interval.start, camera_time(-123));
+  EXPECT_EQ(dataset.intervals()[3].interval.end, camera_time(199'878));
+  EXPECT_EQ(dataset.samples().size(), summary.samples);
+  EXPECT_TRUE(dataset.heatmaps().empty());
+  for (const RunOutcome& run : summary.runs) {
+    EXPECT_EQ(run.samples, (std::array<std::uint64_t, 3>{30, 30, 30})) << run.object;  // a press of 60 ms is the scarcest
+  }
+}
+
+TEST_F(WriteDataset, HoldsTheUnionOfTheHistoriesAndNoOtherEvent) {
+  test::make_three_runs(data());
+  const WindowsOptions options{.sampling = {.history = 20ms}};
+  const DatasetSummary summary = write_dataset(data(), file(), options);
+  const Dataset dataset(file());
+  std::uint64_t next = 0;
+  for (std::uint32_t index = 0; index < 3; ++index) {
+    const test::LabelledRun run{.seed = index + 1, .begin_us = index == 1 ? -700'123 : 1'700'000'000'000'301};
+    std::vector<Event> expected;
+    for (const Event& event : test::random_events(run)) {
+      const bool kept = std::any_of(dataset.samples().begin(), dataset.samples().end(), [&](const Sample& sample) {
+        return sample.run_index == index && event.t >= before(sample.t, 20ms) && event.t < sample.t;
+      });
+      if (kept) expected.push_back(event);
+    }
+    EXPECT_EQ(dataset.events(index), expected);
+    EXPECT_LT(expected.size(), test::random_events(run).size());
+    EXPECT_EQ(dataset.runs()[index].first_event, next);
+    EXPECT_EQ(dataset.runs()[index].events, expected.size());
+    next += expected.size();
+  }
+  EXPECT_EQ(summary.events, next);
+}
+
+TEST_F(WriteDataset, GivesTheSameBytesForAnyThreadsAndInAnyFolder) {
+  test::make_three_runs(data());
+  write_dataset(data(), file(), {}, 1);
+  write_dataset(data(), folder / "other/dataset.h5", {}, 2);
+  fs::create_directories(folder / "again");
+  fs::copy(data() / "fan", folder / "again/fan", fs::copy_options::recursive);
+  fs::copy(data() / "usb-hub", folder / "again/usb-hub", fs::copy_options::recursive);
+  write_dataset(folder / "again", folder / "again/dataset.h5", {}, 2);
+  EXPECT_EQ(sha256_of_file(file()), sha256_of_file(folder / "again/dataset.h5"));
+  for (const char* other : {"other", "again"}) {
+    EXPECT_EQ(sha256_of_file(data() / "dataset.events.h5"), sha256_of_file(folder.path() / other / "dataset.events.h5"));
+  }
+}
+
+TEST_F(WriteDataset, KeepsADatasetOfTheSameManifestAndReplacesAnother) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const auto written = fs::last_write_time(file());
+  const std::string before = sha256_of_file(file());
+  EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::unchanged);
+  EXPECT_EQ(fs::last_write_time(file()), written);
+  {
+    const Dataset dataset(file());
+    HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
+    heatmaps.append(std::vector<std::uint8_t>(dataset.samples().size(), 7));
+    heatmaps.commit();
+  }
+  EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
+  EXPECT_EQ(write_dataset(data(), file(), {.sampling = {.seed = 2}}).outcome, DatasetSummary::Outcome::replaced);
+  EXPECT_NE(sha256_of_file(file()), before);
+  EXPECT_TRUE(Dataset(file()).heatmaps().empty());
+  EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::replaced);
+  EXPECT_EQ(sha256_of_file(file()), before);
+  std::set<std::string> left;
+  for (const auto& entry : fs::directory_iterator(data())) left.insert(entry.path().filename().string());
+  EXPECT_EQ(left, (std::set<std::string>{"dataset.events.h5", "dataset.h5", "fan", "usb-hub"}));
+}
+
+TEST_F(WriteDataset, ReplacesADatasetWhoseEventsAreNotItsOwn) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  write_dataset(data(), folder / "other/dataset.h5", {.sampling = {.seed = 2}});
+  fs::copy_file(folder / "other/dataset.events.h5", data() / "dataset.events.h5", fs::copy_options::overwrite_existing);
+  EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("of another dataset"), std::string::npos);
+  EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::replaced);
+  EXPECT_EQ(Dataset(file()).samples().size(), 270U);
+}
+
+TEST_F(WriteDataset, LeavesAFileThatIsNoDatasetAlone) {
+  test::make_three_runs(data());
+  write_whole(file(), "my thesis");
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("no dataset of tactile's"), std::string::npos);
+  EXPECT_EQ(read_text(file()), "my thesis");
+}
+
+TEST_F(WriteDataset, LeavesFlaggedRunsOutUnlessTold) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "box", .seed = 9, .flags = {{std::nullopt, "weak peak", false}}});
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(Dataset(file()).runs().size(), 3U);
+  EXPECT_FALSE(summary.runs.front().in_dataset);
+  EXPECT_EQ(summary.runs.front().remark, "flagged: weak peak");
+  EXPECT_TRUE(mentions(summary.warnings, "box/01"));
+  write_dataset(data(), file(), {.include_flagged = true});
+  EXPECT_EQ(Dataset(file()).runs().size(), 4U);
+}
+
+TEST_F(WriteDataset, TakesNoSamplesFromAFlaggedIntervalAndNamesIt) {
+  test::LabelledRun run;
+  run.intervals.insert(run.intervals.begin() + 1, {Touch::press, camera_time(400'000), camera_time(500'000)});
+  run.flags = {{1, "sources disagree", false}};
+  test::make_run(data(), run);
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(summary.runs.front().samples, (std::array<std::uint64_t, 3>{30, 30, 30}));
+  EXPECT_EQ(summary.runs.front().remark, "flagged and left out: press 1");
+  const Dataset dataset(file());
+  EXPECT_EQ(dataset.intervals().size(), 2U);
+  for (const Sample& sample : dataset.samples()) {
+    const auto since_begin = between(camera_time(run.begin_us), sample.t);
+    EXPECT_FALSE(since_begin > 300ms && since_begin <= 600ms) << since_begin.count();
+  }
+  run.flags[0].confirmed = true;
+  write_labels(data() / "fan/01/labels.json", test::labels_of(run));
+  write_dataset(data(), file());
+  EXPECT_EQ(Dataset(file()).intervals().size(), 3U);
+}
+
+TEST_F(WriteDataset, NamesARunThatLacksAClassAndGivesItNoSamples) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "box", .seed = 9, .intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(summary.runs.front().remark, "no samples, it lacks slip");
+  EXPECT_TRUE(mentions(summary.warnings, "box/01: no samples, it lacks slip"));
+  const Dataset dataset(file());
+  ASSERT_EQ(dataset.runs().size(), 4U);
+  EXPECT_EQ(dataset.runs()[0].events, 0U);
+  EXPECT_TRUE(dataset.events(0).empty());
+  EXPECT_TRUE(std::none_of(dataset.samples().begin(), dataset.samples().end(),
+                           [](const Sample& sample) { return sample.run_index == 0; }));
+}
+
+TEST_F(WriteDataset, WithoutAnySamplesIsAnErrorThatSaysWhatIsLacking) {
+  test::make_run(data(), {.intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("fan/01: no samples, it lacks slip"), std::string::npos);
+  EXPECT_FALSE(fs::exists(file()));
+}
+
+TEST_F(WriteDataset, WithoutLabelsIsAnErrorThatNamesTheCommand) {
+  test::make_run(data(), {.labelled = false});
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("tactile label"), std::string::npos);
+  test::make_run(data(), {.run = "02", .seed = 2});
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_TRUE(mentions(summary.warnings, "fan/01"));
+  EXPECT_EQ(summary.runs[0].remark, "no labels.json");
+  EXPECT_EQ(Dataset(file()).runs().size(), 1U);
+}
+
+TEST_F(WriteDataset, WithoutRunsIsAnError) {
+  fs::create_directories(data());
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("no runs"), std::string::npos);
+  EXPECT_THROW(write_dataset(folder / "nowhere", file()), Error);
+}
+
+TEST_F(WriteDataset, TakesRealRunsWhereSimulatedOnesLieBesideThem) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "box", .simulated = true, .seed = 9});
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_FALSE(summary.simulated);
+  EXPECT_TRUE(mentions(summary.warnings, "box/01"));
+  EXPECT_EQ(Dataset(file()).runs().size(), 3U);
+  EXPECT_TRUE(write_dataset(data(), file(), {.mix = true}).simulated);
+  EXPECT_EQ(Dataset(file()).runs().size(), 4U);
+  EXPECT_TRUE(Dataset(file()).simulated());
+}
+
+TEST_F(WriteDataset, NamesTheRunWhoseSensorIsTheOddOne) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "box", .sensor = {60, 30}, .seed = 9});
+  const std::string message = message_of([&] { write_dataset(data(), file()); });
+  EXPECT_EQ(message, "box/01: of a sensor of 60x30 px; expected the 40x30 px of the other runs");
+}
+
+TEST_F(WriteDataset, WarnsOfOneRecordingInTwoRuns) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "usb-hub", .run = "02", .seed = 3});
+  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: holds the same recording as usb-hub/01"));
+}
+
+TEST_F(WriteDataset, LeavesNothingBehindWhenItIsEndedHalfWay) {
+  test::make_three_runs(data());
+  struct Enough {};
+  int told = 0;
+  EXPECT_THROW(write_dataset(data(), file(), {}, 1,
+                             [&](const Progress&) {
+                               if (++told == 5) throw Enough{};
+                             }),
+               Enough);
+  std::set<std::string> left;
+  for (const auto& entry : fs::directory_iterator(data())) left.insert(entry.path().filename().string());
+  EXPECT_EQ(left, (std::set<std::string>{"fan", "usb-hub"}));
+}
+
+TEST_F(WriteDataset, StaysWholeIfItsReplacementStopsAtAnyStep) {
+  // The steps of a replacement, undone one by one: whatever is there, it opens, and the next command puts it right.
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const std::string first = sha256_of_file(file());
+  write_dataset(data(), folder / "new/dataset.h5", {.sampling = {.seed = 2}});
+  // As set aside: the old dataset leads to dataset.events.old.h5, and the new events are in place already.
+  const auto relinked = test::run_shell(
+      "/usr/bin/python3 -c \"import h5py; f = h5py.File('dataset.h5', 'r+'); del f['events']; "
+      "f['events'] = h5py.ExternalLink('dataset.events.old.h5', '/events')\"",
+      data());
+  if (relinked.exit_code != 0) GTEST_SKIP() << "h5py is missing: this test did not run";
+  fs::rename(data() / "dataset.events.h5", data() / "dataset.events.old.h5");
+  fs::copy_file(folder / "new/dataset.events.h5", data() / "dataset.events.h5");
+  EXPECT_EQ(Dataset(file()).samples().size(), 270U);
+  EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::replaced);
+  EXPECT_EQ(sha256_of_file(file()), first);
+  EXPECT_FALSE(fs::exists(data() / "dataset.events.old.h5"));
+}
+
+TEST_F(WriteDataset, OpensInH5pyAsTheFormatSays) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  write_whole(folder / "read.py", R"(import h5py, sys, hashlib
+f = h5py.File(sys.argv[1], "r")
+kinds = {p: (f[p].dtype.str, f[p].ndim) for p in
+         ["/events/t_us", "/events/x", "/events/y", "/events/on", "/runs/first_event", "/runs/events", "/intervals/run", "/intervals/class",
+          "/intervals/start_us", "/intervals/end_us", "/samples/run", "/samples/t_us", "/samples/label"]}
+assert kinds == {"/events/t_us": ("<i8", 1), "/events/x": ("<u2", 1), "/events/y": ("<u2", 1), "/events/on": ("|u1", 1),
+                 "/runs/first_event": ("<u8", 1), "/runs/events": ("<u8", 1), "/intervals/run": ("<u4", 1), "/intervals/class": ("|u1", 1),
+                 "/intervals/start_us": ("<i8", 1), "/intervals/end_us": ("<i8", 1), "/samples/run": ("<u4", 1), "/samples/t_us": ("<i8", 1),
+                 "/samples/label": ("|u1", 1)}, kinds
+for p in ["object", "run", "folder", "events_sha256", "labels_sha256"]:
+    info = h5py.check_string_dtype(f["/runs/" + p].dtype)
+    assert info.encoding == "utf-8" and info.length is not None, p
+assert list(f["/runs/object"].asstr()) == ["fan", "fan", "usb-hub"]
+assert list(f["/runs/run"].asstr()) == ["01", "02", "01"]
+events = f["/runs/events"][:]
+assert f["/events/t_us"].shape == (events.sum(),) and (f["/runs/first_event"][:] == events.cumsum() - events).all()
+for run, sha in zip(f["/runs/folder"].asstr(), f["/runs/events_sha256"].asstr()):
+    assert hashlib.sha256(open(sys.argv[2] + "/" + run + "/events.aedat4", "rb").read()).hexdigest() == sha
+assert isinstance(f.get("/events", getlink=True), h5py.ExternalLink) and f.get("/events", getlink=True).filename == "dataset.events.h5"
+assert len(f["/heatmaps"]) == 0 and f["/samples/label"].shape == (270,)
+assert f.attrs["simulated"] == 0 and f.attrs["sensor_width"] == 40 and f.attrs["sensor_height"] == 30
+print(f.attrs["manifest_sha256"].decode())
+)");
+  if (test::run_shell("/usr/bin/python3 -c 'import h5py'").exit_code != 0)
+    GTEST_SKIP() << "h5py is missing: the format was not read by it";
+  const auto read = test::run_shell(
+      "/usr/bin/python3 '" + (folder / "read.py").string() + "' '" + file().string() + "' '" + data().string() + "'", "/");
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_EQ(read.out, Dataset(file()).manifest_hash() + "\n");
+}
+
+TEST_F(WriteDataset, IsRefusedWhenItWasTamperedWithOrCut) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const std::string whole = read_text(file());
+  for (const std::size_t kept : {std::size_t{0}, std::size_t{100}, whole.size() / 2, whole.size() - 1}) {
+    write_whole(file(), whole.substr(0, kept));
+    EXPECT_THROW(const Dataset dataset(file()), Error) << kept;
+  }
+  EXPECT_THROW(const Dataset dataset(folder / "nowhere.h5"), Error);
+  std::string renamed = whole;  // another object's name does not fit the manifest hash
+  const std::size_t place = renamed.find("\"history_us\":50000");
+  ASSERT_NE(place, std::string::npos);
+  renamed.replace(place, 18, "\"history_us\":60000");
+  write_whole(file(), renamed);
+  EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("manifest hash"), std::string::npos);
+}
+
+TEST_F(WriteDataset, IsVerifiedAgainstItsRuns) {
+  test::make_three_runs(data());
+  write_dataset(data(), file(), {.sampling = {.window = 300ms, .seed = 5}});
+  EXPECT_EQ(verify_dataset(data(), file()), std::vector<std::string>{});
+
+  test::make_run(data(), {.object = "box", .seed = 9});
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "box/01: is among the runs but not in the dataset"));
+  fs::remove_all(data() / "box");
+
+  test::LabelledRun moved{.run = "01", .seed = 1};
+  moved.intervals[0].start = camera_time(204'000);
+  write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
+  const auto differences = verify_dataset(data(), file());
+  EXPECT_TRUE(mentions(differences, "fan/01: labels.json has changed"));
+  EXPECT_TRUE(mentions(differences, "fan/01: its intervals are not those of its labels"));
+  EXPECT_TRUE(mentions(differences, "fan/01: sample 0 is none at"));
+  EXPECT_FALSE(mentions(differences, "usb-hub"));
+}
+
+TEST_F(WriteDataset, IsVerifiedToHoldNoRecordingTwice) {
+  test::make_three_runs(data());
+  fs::copy(data() / "fan/01", data() / "fan/03", fs::copy_options::recursive);
+  write_dataset(data(), file());
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "fan/03: holds the same recording as fan/01"));
+}
+
+TEST_F(WriteDataset, FindsARunThatHasChanged) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const Dataset dataset(file());
+  EXPECT_NO_THROW(check_unchanged(dataset, 2));
+  write_labels(data() / "usb-hub/01/labels.json", {});
+  EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("usb-hub/01"), std::string::npos);
+  fs::remove(data() / "usb-hub/01/labels.json");
+  EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("is gone"), std::string::npos);
+}
+
+TEST_F(WriteDataset, RefusesARecordingThatGoesBackInTime) {
+  const RunFolder run = test::make_run(data(), {});
+  fs::remove(run.events());
+  const std::vector<Event> events = test::random_events({});
+  {
+    RecordingWriter writer(run.events(), {event_stream_declaration({40, 30}, "DVXplorer_TEST")},
+                           {.compression = Compression::none});
+    writer.write_events(0, events);
+    writer.close();
+  }
+  std::string bytes = read_text(run.events());
+  const auto bytes_of = [](std::int64_t t) { return std::string(reinterpret_cast<const char*>(&t), sizeof t); };
+  const std::size_t place = bytes.find(bytes_of(us_of(events[20].t)));
+  ASSERT_NE(place, std::string::npos);
+  bytes.replace(place, 8, bytes_of(us_of(events[19].t) - 1));
+  write_whole(run.events(), bytes);
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("go back in time"), std::string::npos);
+}
+
+TEST(HeatmapsWriter, RefusesTooFewHeatmapsAndAnotherDataset) {
+  const test::TemporaryFolder folder;
+  test::make_three_runs(folder.path());
+  write_dataset(folder.path(), folder / "dataset.h5");
+  const Dataset dataset(folder / "dataset.h5");
+  const StoredHeatmaps description{.name = "th_002", .settings = nlohmann::json::object(), .width = 2, .height = 1};
+  {
+    HeatmapsWriter writer(dataset, description);
+    writer.append(std::vector<std::uint8_t>(2 * 269));
+    EXPECT_THROW(writer.commit(), Error);
+  }
+  {
+    HeatmapsWriter writer(dataset, description);
+    writer.append(std::vector<std::uint8_t>(2 * 270));
+    write_dataset(folder.path(), folder / "dataset.h5", {.sampling = {.seed = 2}});
+    EXPECT_NE(message_of([&] { writer.commit(); }).find("replaced by another dataset"), std::string::npos);
+  }
+  EXPECT_TRUE(Dataset(folder / "dataset.h5").heatmaps().empty());
+}
+
+TEST(Heatmaps, AreReadInAnyOrder) {
+  const test::TemporaryFolder folder;
+  test::make_three_runs(folder.path());
+  write_dataset(folder.path(), folder / "dataset.h5");
+  {
+    const Dataset dataset(folder / "dataset.h5");
+    HeatmapsWriter writer(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 2, .height = 1});
+    std::vector<std::uint8_t> heatmaps;
+    for (int i = 0; i < 270; ++i)
+      heatmaps.insert(heatmaps.end(), {static_cast<std::uint8_t>(i % 251), static_cast<std::uint8_t>(i / 251)});
+    writer.append(std::span(heatmaps).first(200));
+    writer.append(std::span(heatmaps).subspan(200));
+    writer.commit();
+  }
+  const Dataset dataset(folder / "dataset.h5");
+  ASSERT_EQ(dataset.heatmaps().size(), 1U);
+  EXPECT_EQ(dataset.heatmaps()[0].name, "th_002");
+  EXPECT_EQ(dataset.heatmaps()[0].settings.at("history_us"), 2000);
+  EXPECT_EQ(dataset.heatmaps()[0].width, 2);
+  EXPECT_EQ(dataset.read_heatmaps("th_002", std::vector<std::uint32_t>{269, 0, 1, 2, 2}),
+            (std::vector<std::uint8_t>{18, 1, 0, 0, 1, 0, 2, 0, 2, 0}));
+  EXPECT_THROW(dataset.read_heatmaps("th_002", std::vector<std::uint32_t>{270}), Error);
+  EXPECT_THROW(dataset.read_heatmaps("th_004", std::vector<std::uint32_t>{0}), Error);
+  std::filesystem::remove(folder / "dataset.th_002.h5");
+  EXPECT_FALSE(dataset.find_heatmaps("th_002"));
+}
+
+}  // namespace
+}  // namespace tactile
