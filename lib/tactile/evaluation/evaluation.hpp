@@ -70,7 +70,7 @@ struct Evaluation {
 Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
                     const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
-/// As eval.json has it; docs/cli/eval.md lists its keys.
+/// As eval.json has it; docs/cli.md lists its keys.
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 /// "Evaluation of th040-single-run-01-s1 on simulated runs"
