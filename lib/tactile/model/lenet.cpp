@@ -33,8 +33,7 @@ struct Network : torch::nn::Module {
   torch::nn::Linear fc1, fc2, fc3;
 };
 
-/// OpenBLAS has threads of its own. They and libtorch's wait for each other by spinning: on two cores a batch took ten times as
-/// long.
+/// OpenBLAS has threads of its own, which would work beside those asked for.
 void keep_blas_to_one_thread() {
   using SetThreads = void (*)(int);
   static const bool kept = [] {
