@@ -4,7 +4,6 @@
 #include <torch/torch.h>
 
 #include <algorithm>
-#include <atomic>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -34,15 +33,21 @@ struct Network : torch::nn::Module {
   torch::nn::Linear fc1, fc2, fc3;
 };
 
-/// libtorch leaves OpenBLAS to its own number of threads.
+/// OpenBLAS has threads of its own, which would work beside those asked for.
+void keep_blas_to_one_thread() {
+  using SetThreads = void (*)(int);
+  static const bool kept = [] {
+    const auto set_blas_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+    if (set_blas_threads != nullptr) set_blas_threads(1);
+    return true;
+  }();
+  static_cast<void>(kept);
+}
+
 void set_threads(unsigned threads) {
+  keep_blas_to_one_thread();
   const int count = static_cast<int>(threads);
   if (at::get_num_threads() != count) at::set_num_threads(count);
-  static std::atomic<int> blas_threads{0};
-  if (blas_threads.exchange(count) == count) return;
-  using SetThreads = void (*)(int);
-  static const auto set_blas_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  if (set_blas_threads != nullptr) set_blas_threads(count);
 }
 
 torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, SensorSize size) {
