@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "model_arguments.hpp"
+#include "openmp_threads.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/evaluation/evaluation.hpp"
@@ -186,6 +187,7 @@ std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& d
 }
 
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
     throw Error(fmt::format("{}: no such dataset; expected one with a model of it, run '{}' first", file.string(),
@@ -237,6 +239,7 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
 }
 
 void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (args.no_train && !fs::exists(file)) {
     throw Error(fmt::format("{}: no such dataset; expected one with models of it, run '{}' first", file.string(),

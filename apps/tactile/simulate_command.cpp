@@ -25,7 +25,7 @@ struct SimulateArguments {
   bool force = false;
 };
 
-std::string_view name_of(RunOutcome::Kind kind) {
+std::string_view name_of(SimulatedRun::Kind kind) {
   constexpr std::array<std::string_view, 4> names{"made", "kept", "replaced", "removed"};
   return names[static_cast<std::size_t>(kind)];
 }
@@ -40,16 +40,16 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
                           .threads = common.threads};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
-  const std::vector<RunOutcome> outcomes = simulate(options, progress_line(common));
+  const std::vector<SimulatedRun> outcomes = simulate(options, progress_line(common));
 
   std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
   nlohmann::json runs = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   std::uint64_t bytes = 0;
-  for (const RunOutcome& outcome : outcomes) {
+  for (const SimulatedRun& outcome : outcomes) {
     ++counts[name_of(outcome.kind)];
     bytes += outcome.bytes;
-    const bool is_new = outcome.kind == RunOutcome::Kind::made || outcome.kind == RunOutcome::Kind::replaced;
+    const bool is_new = outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced;
     nlohmann::json run = {{"run", outcome.run.name()}, {"outcome", name_of(outcome.kind)}, {"bytes", outcome.bytes}};
     if (is_new) {
       run["events"] = outcome.events;

@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "model_arguments.hpp"
+#include "openmp_threads.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/train_model.hpp"
@@ -90,6 +91,7 @@ nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model,
 }
 
 void train(const TrainArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
   const ModelSettings settings = settings_of(args);
   const bool dataset_made = make_missing_dataset(args.data, common);
   const Dataset dataset(dataset_file(args.data));

@@ -44,7 +44,7 @@ const char* name_of(DatasetSummary::Outcome outcome) {
 
 nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
   nlohmann::json runs = nlohmann::json::array();
-  for (const RunOutcome& run : summary.runs) {
+  for (const WindowedRun& run : summary.runs) {
     runs.push_back({{"object", run.object},
                     {"run", run.run},
                     {"in_dataset", run.in_dataset},
@@ -65,7 +65,7 @@ nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
 
 std::string text_of(const DatasetSummary& summary, const std::string& file) {
   std::vector<std::vector<std::string>> rows;
-  for (const RunOutcome& run : summary.runs) {
+  for (const WindowedRun& run : summary.runs) {
     const auto count = [&](Touch touch) {
       return run.in_dataset ? std::to_string(run.samples[static_cast<std::size_t>(touch)]) : std::string("-");
     };

@@ -18,11 +18,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     RecordingReader recording("/proc/self/fd/" + std::to_string(file));
     for (const PacketRecord& packet : recording.packets()) {
       switch (recording.stream(packet.stream_id).type) {
-        case StreamType::events: recording.read_events(packet); break;
-        case StreamType::imu: recording.read_imu(packet); break;
-        case StreamType::triggers: recording.read_triggers(packet); break;
-        case StreamType::frames: recording.read_frame(packet); break;
-        case StreamType::other: break;
+        case StreamType::events:
+          recording.read_events(packet);
+          break;
+        case StreamType::imu:
+          recording.read_imu(packet);
+          break;
+        case StreamType::triggers:
+          recording.read_triggers(packet);
+          break;
+        case StreamType::frames:
+          recording.read_frame(packet);
+          break;
+        case StreamType::other:
+          break;
       }
     }
   } catch (const Error&) {

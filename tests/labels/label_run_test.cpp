@@ -13,7 +13,8 @@ using test::made_camera_begin_us;
 using test::made_lift;
 using test::write_made_run;
 
-// A press of 200 ms at 0.8 s; a lift at 1.5 s that moves for 0.6 s, with the skin firing from 3 ms after its start to 3 ms before its end.
+// A press of 200 ms at 0.8 s; a lift at 1.5 s that moves for 0.6 s, with the skin firing from 3 ms after its start to 3 ms before
+// its end.
 const test::MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
 const RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
 

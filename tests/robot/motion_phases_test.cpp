@@ -1,8 +1,8 @@
 #include "tactile/robot/motion_phases.hpp"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "tactile/core/random.hpp"
 

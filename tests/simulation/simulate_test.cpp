@@ -20,7 +20,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = RunOutcome::Kind;
+using Kind = SimulatedRun::Kind;
 
 /// Every file below a folder and its contents.
 std::map<std::string, std::string> contents(const fs::path& folder) {
@@ -31,9 +31,9 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
   return files;
 }
 
-std::vector<Kind> kinds(const std::vector<RunOutcome>& outcomes) {
+std::vector<Kind> kinds(const std::vector<SimulatedRun>& outcomes) {
   std::vector<Kind> kinds;
-  for (const RunOutcome& outcome : outcomes) kinds.push_back(outcome.kind);
+  for (const SimulatedRun& outcome : outcomes) kinds.push_back(outcome.kind);
   return kinds;
 }
 
@@ -61,7 +61,7 @@ TEST(Simulate, WritesTheSameBytesOnAnyNumberOfThreadsAndOthersForAnotherSeed) {
 
 TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   const test::TemporaryFolder folder;
-  const RunOutcome outcome = simulate(small(folder.path())).at(0);
+  const SimulatedRun outcome = simulate(small(folder.path())).at(0);
   const std::vector<RunFolder> runs = find_runs(folder.path());
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs[0].name(), "uhu-glue-stick/01");

@@ -61,7 +61,7 @@ TEST_F(WriteDataset, IsReadBackAsItWasDrawn) {
   EXPECT_EQ(dataset.intervals()[3].interval.end, camera_time(199'878));
   EXPECT_EQ(dataset.samples().size(), summary.samples);
   EXPECT_TRUE(dataset.heatmaps().empty());
-  for (const RunOutcome& run : summary.runs) {
+  for (const WindowedRun& run : summary.runs) {
     EXPECT_EQ(run.samples, (std::array<std::uint64_t, 3>{30, 30, 30})) << run.object;  // a press of 60 ms is the scarcest
   }
 }

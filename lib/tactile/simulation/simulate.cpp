@@ -91,7 +91,7 @@ void remove_run(const RunFolder& run) {
 
 struct PlannedRun {
   const ObjectModel* object = nullptr;
-  RunOutcome outcome;
+  SimulatedRun outcome;
 };
 
 /// What is to be done for each run asked for; refuses before anything is touched.
@@ -110,10 +110,11 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
       const std::string id = fmt::format("{:02}", i);
       const RunFolder run{options.data / object->name / id, object->name, id};
       if (i > runs) {
-        if (options.force && settings_hash_in(run)) planned.push_back({object, {.run = run, .kind = RunOutcome::Kind::removed}});
+        if (options.force && settings_hash_in(run))
+          planned.push_back({object, {.run = run, .kind = SimulatedRun::Kind::removed}});
         continue;
       }
-      RunOutcome outcome{.run = run};
+      SimulatedRun outcome{.run = run};
       if (fs::exists(fs::symlink_status(run.folder))) {
         const std::optional<std::string> hash = settings_hash_in(run);
         if (!hash) {
@@ -124,7 +125,7 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
         if (!same && !options.force) {
           throw Error(run.folder.string() + ": was simulated with other settings; expected the same, or --force to replace it");
         }
-        outcome.kind = same && is_whole(run) ? RunOutcome::Kind::kept : RunOutcome::Kind::replaced;
+        outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
       }
       planned.push_back({object, outcome});
     }
@@ -157,8 +158,8 @@ CameraPixels simulated_camera_pixels(std::uint64_t seed) {
   return draw_camera_pixels(simulated_camera_options(), seed_for(seed, {"camera"}));
 }
 
-RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
-                        const CameraPixels& pixels, const std::function<void(double)>& tell_share) {
+SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
+                          const CameraPixels& pixels, const std::function<void(double)>& tell_share) {
   const auto random_for = [&](std::string_view use) { return Random(seed_for(seed, {"run", run.object, run.run, use})); };
   Random for_plan = random_for("plan"), for_clocks = random_for("clocks"), for_motion = random_for("motion");
   const RunPlan plan = draw_run_plan(object, preset.timings, for_plan);
@@ -229,13 +230,13 @@ RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const S
            {"dropped", {{"events", 0}, {"robot_packages", robot.dropped_packages}, {"frames", 0}}},
            {"files", files}}});
   return {.run = run,
-          .kind = RunOutcome::Kind::made,
+          .kind = SimulatedRun::Kind::made,
           .events = filmed.events,
           .duration_s = plan.end_s,
           .bytes = bytes_in(run.folder)};
 }
 
-std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
+std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
   const SimulationPreset& preset = simulation_preset(options.preset);
   const int runs = options.runs.value_or(preset.runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
@@ -243,10 +244,10 @@ std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressC
 
   std::vector<std::size_t> to_make;
   for (std::size_t i = 0; i < planned.size(); ++i) {
-    RunOutcome& outcome = planned[i].outcome;
-    if (outcome.kind == RunOutcome::Kind::removed) remove_run(outcome.run);
-    if (outcome.kind == RunOutcome::Kind::kept) outcome.bytes = bytes_in(outcome.run.folder);
-    if (outcome.kind == RunOutcome::Kind::made || outcome.kind == RunOutcome::Kind::replaced) to_make.push_back(i);
+    SimulatedRun& outcome = planned[i].outcome;
+    if (outcome.kind == SimulatedRun::Kind::removed) remove_run(outcome.run);
+    if (outcome.kind == SimulatedRun::Kind::kept) outcome.bytes = bytes_in(outcome.run.folder);
+    if (outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced) to_make.push_back(i);
   }
 
   if (!to_make.empty()) {
@@ -255,7 +256,7 @@ std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressC
     std::vector<std::uint64_t> done(to_make.size(), 0);
     std::mutex guard;
     parallel_for(to_make.size(), options.threads, [&](std::size_t i) {
-      RunOutcome& outcome = planned[to_make[i]].outcome;
+      SimulatedRun& outcome = planned[to_make[i]].outcome;
       const auto tell_part = [&](double share) {
         const std::scoped_lock lock(guard);
         done[i] = static_cast<std::uint64_t>(share * parts);
@@ -265,16 +266,16 @@ std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressC
       };
       WholeFile whole(outcome.run.folder);
       fs::create_directory(whole.path());
-      const RunOutcome made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object,
-                                           preset, options.seed, pixels, [&](double share) { tell_part(0.9 * share); });
-      if (outcome.kind == RunOutcome::Kind::replaced) remove_run(outcome.run);
+      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object,
+                                             preset, options.seed, pixels, [&](double share) { tell_part(0.9 * share); });
+      if (outcome.kind == SimulatedRun::Kind::replaced) remove_run(outcome.run);
       whole.commit();
       std::tie(outcome.events, outcome.duration_s, outcome.bytes) = std::tie(made.events, made.duration_s, made.bytes);
       tell_part(1.0);
     });
   }
 
-  std::vector<RunOutcome> outcomes;
+  std::vector<SimulatedRun> outcomes;
   for (PlannedRun& run : planned) outcomes.push_back(std::move(run.outcome));
   return outcomes;
 }

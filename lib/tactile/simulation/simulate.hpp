@@ -37,7 +37,7 @@ struct SimulateOptions {
 };
 
 /// What became of one run.
-struct RunOutcome {
+struct SimulatedRun {
   enum class Kind { made, kept, replaced, removed };
   RunFolder run;
   Kind kind = Kind::made;
@@ -52,11 +52,11 @@ struct RunOutcome {
 /// is to stand.
 /// @return what was done, in order of object, then run
 /// @throws Error  before anything is written if an option or a folder is refused
-std::vector<RunOutcome> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
+std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes one run's files in the folder, which is there and empty.
-RunOutcome simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
-                        const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
+SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
+                          const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
 
 /// The camera that serves all runs of a data set with this seed.
 EventCameraOptions simulated_camera_options();

@@ -30,7 +30,7 @@ namespace {
 struct PlannedRun {
   RunFolder folder;
   RunInfo info;
-  RunOutcome outcome;
+  WindowedRun outcome;
   std::string events_sha256, labels_sha256;
   SensorSize sensor;
   CameraTime first_event{}, last_event{};
@@ -40,7 +40,7 @@ struct PlannedRun {
 
 struct Plan {
   std::vector<PlannedRun> runs;  ///< those in the dataset
-  std::vector<RunOutcome> left_out;
+  std::vector<WindowedRun> left_out;
   std::vector<std::string> warnings;
   SensorSize sensor;
   bool simulated = false;
@@ -476,7 +476,7 @@ DatasetSummary summary_of(const Plan& plan) {
     summary.samples += run.samples.size();
   }
   std::sort(summary.runs.begin(), summary.runs.end(),
-            [](const RunOutcome& a, const RunOutcome& b) { return std::tie(a.object, a.run) < std::tie(b.object, b.run); });
+            [](const WindowedRun& a, const WindowedRun& b) { return std::tie(a.object, a.run) < std::tie(b.object, b.run); });
   return summary;
 }
 

@@ -18,7 +18,7 @@ struct WindowsOptions {
 };
 
 /// What became of one run.
-struct RunOutcome {
+struct WindowedRun {
   std::string object;
   std::string run;
   bool in_dataset = false;
@@ -29,7 +29,7 @@ struct RunOutcome {
 struct DatasetSummary {
   enum class Outcome { written, replaced, unchanged };
   Outcome outcome = Outcome::written;
-  std::vector<RunOutcome> runs;       ///< every run found, by object, then run
+  std::vector<WindowedRun> runs;      ///< every run found, by object, then run
   std::vector<std::string> warnings;  ///< what a person should know, a sentence each
   std::string manifest_hash;
   bool simulated = false;
