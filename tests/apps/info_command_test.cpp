@@ -37,7 +37,7 @@ TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
   const nlohmann::json truth = read_json(vendor_files + "truth.json");
   for (const auto& [name, expected] : truth.items()) {
     const nlohmann::json recording = info_of(vendor_files + name + ".aedat4").at(0);
-    EXPECT_EQ(recording.at("camera"), expected.at("source"));
+    EXPECT_EQ(recording.at("camera"), expected.at("source").get<std::string>());
     EXPECT_EQ(recording.at("width"), expected.at("width"));
     EXPECT_EQ(recording.at("height"), expected.at("height"));
     EXPECT_EQ(recording.at("file_bytes"), expected.at("bytes"));

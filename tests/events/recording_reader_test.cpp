@@ -28,9 +28,9 @@ TEST_P(VendorFile, IsReadAsItWasWritten) {
   std::string compression(name_of(recording.compression()));
   std::transform(compression.begin(), compression.end(), compression.begin(),
                  [](char c) { return c == '-' ? '_' : std::toupper(c); });
-  EXPECT_EQ(compression, expected.at("compression"));
+  EXPECT_EQ(compression, expected.at("compression").get<std::string>());
   const Stream& stream = event_stream(recording);
-  EXPECT_EQ(stream.source, expected.at("source"));
+  EXPECT_EQ(stream.source, expected.at("source").get<std::string>());
   EXPECT_EQ(stream.name, "events");
   ASSERT_TRUE(stream.size.has_value());
   EXPECT_EQ(stream.size->width, expected.at("width"));
@@ -52,7 +52,7 @@ TEST_P(VendorFile, IsReadAsItWasWritten) {
   EXPECT_EQ(on, expected.at("on"));
   EXPECT_EQ(sum_x, expected.at("sum_x"));
   EXPECT_EQ(sum_y, expected.at("sum_y"));
-  EXPECT_EQ(all.event_digest(), expected.at("digest"));
+  EXPECT_EQ(all.event_digest(), expected.at("digest").get<std::string>());
   EXPECT_EQ(all.imu.size(), expected.value("imu", 0U));
   EXPECT_EQ(all.triggers.size(), expected.value("triggers", 0U));
   EXPECT_EQ(all.frames.size(), expected.value("frames", 0U));
@@ -60,7 +60,7 @@ TEST_P(VendorFile, IsReadAsItWasWritten) {
     EXPECT_EQ(us_of(all.imu.back().t), expected.at("imu_last_us"));
   }
   if (expected.contains("frames_sha256")) {
-    EXPECT_EQ(all.frame_digest(), expected.at("frames_sha256"));
+    EXPECT_EQ(all.frame_digest(), expected.at("frames_sha256").get<std::string>());
   }
 }
 
