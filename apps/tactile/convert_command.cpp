@@ -10,6 +10,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "quantity_text.hpp"
+#include "recording_json.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/events/convert.hpp"
@@ -83,7 +84,6 @@ nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summa
   }
   nlohmann::json left_out = nlohmann::json::array();
   for (const Stream& stream : summary.left_out) left_out.push_back(stream.id);
-  const RecordingProblems& problems = summary.problems;
   return {{"in", args.in},
           {"out", args.out},
           {"bytes_in", summary.bytes_in},
@@ -97,14 +97,7 @@ nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summa
           {"first_us", summary.first ? nlohmann::json(us_of(*summary.first)) : nlohmann::json()},
           {"last_us", summary.last ? nlohmann::json(us_of(*summary.last)) : nlohmann::json()},
           {"steps_back", summary.steps_back},
-          {"problems",
-           {{"truncated_bytes", problems.truncated_bytes},
-            {"broken_packets", problems.broken_packets},
-            {"mismatched_packets", problems.mismatched_packets},
-            {"undeclared_packets", problems.undeclared_packets},
-            {"empty_packets", problems.empty_packets},
-            {"unwrapped_packets", problems.unwrapped_packets},
-            {"out_of_range_events", problems.out_of_range_events}}}};
+          {"problems", json_of(summary.problems)}};
 }
 
 std::string text_of(const ConvertArguments& args, const ConvertSummary& summary) {

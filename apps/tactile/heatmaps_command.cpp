@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -9,6 +8,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
@@ -22,18 +22,9 @@ namespace fs = std::filesystem;
 struct HeatmapsArguments {
   std::string data = "data";
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
-  std::string denoise = "mean", resize = "area";
-  double factor = 0.2;
-  std::int64_t tick_us = 2000;
+  RenderingArguments rendering;
   std::string pictures;
 };
-
-microseconds whole_us(double ms) {
-  const double us = ms * 1000;
-  if (std::abs(us - std::round(us)) > 1e-6)
-    throw Error(fmt::format("--th {}: no whole number of us; expected at most three decimals", ms));
-  return microseconds{std::llround(us)};
-}
 
 /// Whole or not at all, but not synced one by one: thousands of pictures that are easily made again.
 void write_picture(const fs::path& file, const cv::Mat& picture) {
@@ -72,13 +63,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   }
   std::vector<HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {
-    // The options' own reader of JSON checks names and says what would be right.
-    const nlohmann::json json = {{"history_us", whole_us(history_ms).count()},
-                                 {"tick_us", args.tick_us},
-                                 {"denoise", args.denoise},
-                                 {"resize", args.resize},
-                                 {"factor", args.factor}};
-    histories.push_back(json.get<HeatmapOptions>());
+    histories.push_back(heatmap_options(history_ms, args.rendering));
   }
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
@@ -129,18 +114,7 @@ void add_heatmaps_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();
-  command->add_option("--denoise", args->denoise, "mean: as the paper's text; literal: as its equation is printed; none")
-      ->check(CLI::IsMember({"mean", "literal", "none"}))
-      ->capture_default_str();
-  command->add_option("--resize", args->resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
-      ->check(CLI::IsMember({"area", "linear"}))
-      ->capture_default_str();
-  command->add_option("--factor", args->factor, "Heatmap size per sensor size, 1 divided by a whole number")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]; the samples must lie at ticks")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
-      ->capture_default_str();
+  add_rendering_options(*command, args->rendering);
   command->add_option("--png", args->pictures, "Also write each heatmap as a PNG below this folder")->type_name("DIR");
 }
 

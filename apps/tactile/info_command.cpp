@@ -11,6 +11,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "quantity_text.hpp"
+#include "recording_json.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_health.hpp"
@@ -144,17 +145,6 @@ nlohmann::json json_of(const StreamHealth& stream, const InfoArguments& args) {
   return json;
 }
 
-nlohmann::json json_of(const RunInfo& run) {
-  nlohmann::json json = run.extra;
-  json["object"] = run.object;
-  json["run"] = run.run;
-  json["session"] = run.session;
-  json["simulated"] = run.simulated;
-  json["complete"] = run.complete;
-  json["sensor"] = {{"width", run.width}, {"height", run.height}};
-  return json;
-}
-
 nlohmann::json json_of(const Report& report, const InfoArguments& args) {
   const RecordingHealth& health = report.health;
   nlohmann::json streams = nlohmann::json::array();
@@ -175,14 +165,7 @@ nlohmann::json json_of(const Report& report, const InfoArguments& args) {
       {"last_us", health.last() ? nlohmann::json(us_of(*health.last())) : nlohmann::json()},
       {"duration_us", health.duration().count()},
       {"streams", streams},
-      {"problems",
-       {{"truncated_bytes", problems.truncated_bytes},
-        {"broken_packets", problems.broken_packets},
-        {"mismatched_packets", problems.mismatched_packets},
-        {"undeclared_packets", problems.undeclared_packets},
-        {"empty_packets", problems.empty_packets},
-        {"unwrapped_packets", problems.unwrapped_packets},
-        {"out_of_range_events", problems.out_of_range_events}}},
+      {"problems", json_of(problems)},
       {"healthy", health.healthy()},
       {"reasons", health.reasons},
       {"notes", health.notes},

@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "quantity_text.hpp"
+#include "recording_json.hpp"
 #include "tactile/events/repair.hpp"
 #include "text_table.hpp"
 
@@ -74,14 +75,7 @@ nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary
           {"table_rebuilt", summary.index == PacketIndex::scan},
           {"table_why", problems.table},
           {"steps_back", steps_back_in(summary)},
-          {"problems",
-           {{"truncated_bytes", problems.truncated_bytes},
-            {"broken_packets", problems.broken_packets},
-            {"mismatched_packets", problems.mismatched_packets},
-            {"undeclared_packets", problems.undeclared_packets},
-            {"empty_packets", problems.empty_packets},
-            {"unwrapped_packets", problems.unwrapped_packets},
-            {"out_of_range_events", problems.out_of_range_events}}},
+          {"problems", json_of(problems)},
           {"losses", losses(summary)},
           {"streams", streams}};
 }

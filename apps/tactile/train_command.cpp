@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
+#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/train_model.hpp"
@@ -22,9 +23,7 @@ namespace fs = std::filesystem;
 struct TrainArguments {
   std::string data = "data";
   double history_ms = 40;
-  std::int64_t tick_us = 2000;
-  std::string denoise = "mean", resize = "area";
-  double factor = 0.2;
+  RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
   std::vector<std::string> held_out = default_held_out();
   TrainingOptions training;
@@ -33,18 +32,8 @@ struct TrainArguments {
 };
 
 ModelSettings settings_of(const TrainArguments& args) {
-  const double history_us = args.history_ms * 1000;
-  if (std::abs(history_us - std::round(history_us)) > 1e-6)
-    throw Error(fmt::format("--th {}: no whole number of us; expected at most three decimals", args.history_ms));
   ModelSettings settings;
-  settings.rendering = nlohmann::json{
-      {"history_us", std::llround(history_us)},
-      {"tick_us", args.tick_us},
-      {"denoise", args.denoise},
-      {"resize", args.resize},
-      {"factor",
-       args.factor}}.get<HeatmapOptions>();
-  check(settings.rendering);
+  settings.rendering = heatmap_options(args.history_ms, args.rendering);
   settings.split = {.kind = split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
   settings.training = args.training;
   return settings;
@@ -148,18 +137,7 @@ void add_train_command(CLI::App& app) {
   command->add_option("--lr", args->training.learning_rate, "Learning rate of Adam")
       ->check(CLI::Range(1e-12, 10.0))
       ->capture_default_str();
-  command->add_option("--denoise", args->denoise, "mean: as the paper's text; literal: as its equation is printed; none")
-      ->check(CLI::IsMember({"mean", "literal", "none"}))
-      ->capture_default_str();
-  command->add_option("--resize", args->resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
-      ->check(CLI::IsMember({"area", "linear"}))
-      ->capture_default_str();
-  command->add_option("--factor", args->factor, "Heatmap size per sensor size, 1 divided by a whole number")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]; the samples must lie at ticks")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
-      ->capture_default_str();
+  add_rendering_options(*command, args->rendering);
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
       ->check(CLI::Validator(check_bundle_name, "NAME"));

@@ -10,6 +10,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -32,9 +33,7 @@ struct ViewArguments {
   std::string out;
   std::string stream;
   double history_ms = 40;
-  std::int64_t tick_us = 2000;
-  std::string denoise = "mean", resize = "area";
-  double factor = 0.2;
+  RenderingArguments rendering;
   int tiles = 24;
 };
 
@@ -107,12 +106,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   if (!stream.size)
     throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", recording.file().string(), stream.id));
   const SensorSize sensor = *stream.size;
-  const nlohmann::json settings = {{"history_us", std::llround(args.history_ms * 1000)},
-                                   {"tick_us", args.tick_us},
-                                   {"denoise", args.denoise},
-                                   {"resize", args.resize},
-                                   {"factor", args.factor}};
-  const auto options = settings.get<HeatmapOptions>();
+  const HeatmapOptions options = heatmap_options(args.history_ms, args.rendering);
   HeatmapRenderer renderer(sensor, options);
 
   std::optional<CameraTime> first, last;
@@ -182,7 +176,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
                 {"simulated", simulated},
                 {"sensor", {{"width", sensor.width}, {"height", sensor.height}}},
                 {"heatmap", {{"width", renderer.size().width}, {"height", renderer.size().height}}},
-                {"settings", settings},
+                {"settings", options},
                 {"brightest", brightest},
                 {"tiles", tiles}},
                fmt::format("{}: {} heatmaps of {}\n", args.out, tiles.size(), name));
@@ -207,18 +201,7 @@ void add_view_command(CLI::App& app) {
   command->add_option("--tiles", args->tiles, "Heatmaps on the sheet; a labelled run shows those around its onsets instead")
       ->check(CLI::Range(1, 600))
       ->capture_default_str();
-  command->add_option("--denoise", args->denoise, "mean: as the paper's text; literal: as its equation is printed; none")
-      ->check(CLI::IsMember({"mean", "literal", "none"}))
-      ->capture_default_str();
-  command->add_option("--resize", args->resize, "area: mean of each block; linear: OpenCV's default")
-      ->check(CLI::IsMember({"area", "linear"}))
-      ->capture_default_str();
-  command->add_option("--factor", args->factor, "Heatmap size per sensor size, 1 divided by a whole number")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  command->add_option("--tick-us", args->tick_us, "Between two ticks [us]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
-      ->capture_default_str();
+  add_rendering_options(*command, args->rendering);
 }
 
 }  // namespace tactile

@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "text_table.hpp"
@@ -22,13 +22,6 @@ struct WindowsArguments {
   std::uint64_t seed = 1;
   bool mix = false, include_flagged = false, verify = false;
 };
-
-microseconds whole_us(double ms, const char* option) {
-  const double us = ms * 1000;
-  if (std::abs(us - std::round(us)) > 1e-6)
-    throw Error(fmt::format("{} {}: no whole number of us; expected at most three decimals", option, ms));
-  return microseconds{std::llround(us)};
-}
 
 const char* name_of(DatasetSummary::Outcome outcome) {
   switch (outcome) {

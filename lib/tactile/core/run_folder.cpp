@@ -63,7 +63,7 @@ RunInfo read_run_info(const RunFolder& run) {
   return info;
 }
 
-void write_run_info(const RunFolder& run, const RunInfo& info) {
+nlohmann::json json_of(const RunInfo& info) {
   nlohmann::json json = info.extra;
   json["object"] = info.object;
   json["run"] = info.run;
@@ -71,7 +71,9 @@ void write_run_info(const RunFolder& run, const RunInfo& info) {
   json["simulated"] = info.simulated;
   json["complete"] = info.complete;
   json["sensor"] = {{"width", info.width}, {"height", info.height}};
-  write_json(run.info(), json);
+  return json;
 }
+
+void write_run_info(const RunFolder& run, const RunInfo& info) { write_json(run.info(), json_of(info)); }
 
 }  // namespace tactile

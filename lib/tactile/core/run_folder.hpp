@@ -49,6 +49,7 @@ std::vector<RunFolder> find_runs(const std::filesystem::path& data);
 
 /// @throws Error if `run.json` is missing, no JSON, or lacks a member
 RunInfo read_run_info(const RunFolder& run);
+nlohmann::json json_of(const RunInfo& info);  ///< as `run.json` holds it
 void write_run_info(const RunFolder& run, const RunInfo& info);
 
 }  // namespace tactile

@@ -18,7 +18,8 @@ WholeFile::WholeFile(fs::path target) : target_(std::move(target)) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
-  temporary_ = folder / ("." + target_.filename().string() + "." + std::to_string(::getpid()) + ".part");
+  temporary_ =
+      folder / ("." + target_.stem().string() + "." + std::to_string(::getpid()) + ".part" + target_.extension().string());
   fs::remove_all(temporary_, failed);
 }
 

@@ -6,8 +6,8 @@
 
 namespace tactile {
 
-/// A file or folder that appears under its name only once it is whole: written under a temporary name beside it, then synced
-/// and renamed. One that is never committed is removed.
+/// A file or folder that appears under its name only once it is whole: written under a hidden temporary name beside it with the
+/// same extension, then synced and renamed. One that is never committed is removed.
 class WholeFile {
  public:
   /// Makes the folder above `target` if it is missing. @throws Error if that fails

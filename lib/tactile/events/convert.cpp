@@ -10,8 +10,8 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_csv.hpp"
+#include "tactile/events/output_file.hpp"
 #include "tactile/events/recording_writer.hpp"
-#include "tactile/events/whole_recording.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -126,19 +126,16 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
   choose_streams(recording, options, summary);
   const bool to_csv = summary.to == RecordingFormat::csv;
 
-  std::optional<WholeFile> whole_csv;
+  WholeFile whole(out);
   std::optional<EventCsvWriter> csv;
-  std::optional<WholeRecording> whole_recording;
   std::optional<RecordingWriter> writer;
   if (to_csv) {
-    whole_csv.emplace(out);
-    csv.emplace(whole_csv->path());
+    csv.emplace(whole.path());
   } else {
     summary.compression = options.compression.value_or(recording.compression());
     std::vector<Stream> streams;
     for (const ConvertedStream& kept : summary.streams) streams.push_back(completed(kept.stream));
-    whole_recording.emplace(out, in, options.replace);
-    writer.emplace(whole_recording->path(), std::move(streams), RecordingWriterOptions{.compression = *summary.compression});
+    writer.emplace(whole.path(), std::move(streams), RecordingWriterOptions{.compression = *summary.compression});
   }
 
   TimeRange all, written;
@@ -198,11 +195,10 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
   if (to_csv) {
     summary.steps_back = csv->steps_back();
     csv->close();
-    whole_csv->commit();
   } else {
     writer->close();
-    whole_recording->commit();
   }
+  whole.commit();
 }
 
 /// The sensor that a CSV's events need, 0x0 without events; checks every line on the way.
@@ -235,7 +231,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
   ConvertedStream& stream = summary.streams.front();
 
   EventCsvReader csv(in, summary.size);
-  WholeRecording whole(out, in, options.replace);
+  WholeFile whole(out);
   RecordingWriter writer(whole.path(), {stream.stream}, {.compression = *summary.compression});
   TimeRange all, written;
   std::vector<Event> room;

@@ -11,12 +11,13 @@
 #include <span>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/events/convert.hpp"
+#include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_health.hpp"
-#include "tactile/events/whole_recording.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -257,7 +258,8 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
   if (recording_format_of(out) != RecordingFormat::aedat4)
     throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
   RecordingReader recording(in);
-  WholeRecording whole(out, in, replace);
+  check_target(out, in, replace);
+  WholeFile whole(out);
   PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());
   Repair repair(recording, writer);
   for (const PacketRecord& packet : recording.packets()) {

@@ -1,0 +1,15 @@
+#include "recording_json.hpp"
+
+namespace tactile {
+
+nlohmann::json json_of(const RecordingProblems& problems) {
+  return {{"truncated_bytes", problems.truncated_bytes},
+          {"broken_packets", problems.broken_packets},
+          {"mismatched_packets", problems.mismatched_packets},
+          {"undeclared_packets", problems.undeclared_packets},
+          {"empty_packets", problems.empty_packets},
+          {"unwrapped_packets", problems.unwrapped_packets},
+          {"out_of_range_events", problems.out_of_range_events}};
+}
+
+}  // namespace tactile

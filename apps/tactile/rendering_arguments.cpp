@@ -1,0 +1,44 @@
+#include "rendering_arguments.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+
+void add_rendering_options(CLI::App& command, RenderingArguments& args) {
+  command.add_option("--denoise", args.denoise, "mean: as the paper's text; literal: as its equation is printed; none")
+      ->check(CLI::IsMember({"mean", "literal", "none"}))
+      ->capture_default_str();
+  command.add_option("--resize", args.resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
+      ->check(CLI::IsMember({"area", "linear"}))
+      ->capture_default_str();
+  command.add_option("--factor", args.factor, "Heatmap size per sensor size, 1 divided by a whole number")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command.add_option("--tick-us", args.tick_us, "Between two ticks [us]; a dataset's samples must lie at ticks")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->capture_default_str();
+}
+
+HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args) {
+  const nlohmann::json settings = {{"history_us", whole_us(history_ms, "--th").count()},
+                                   {"tick_us", args.tick_us},
+                                   {"denoise", args.denoise},
+                                   {"resize", args.resize},
+                                   {"factor", args.factor}};
+  const auto options = settings.get<HeatmapOptions>();
+  check(options);
+  return options;
+}
+
+microseconds whole_us(double ms, const std::string& option) {
+  const double us = ms * 1000;
+  if (std::abs(us - std::round(us)) > 1e-6)
+    throw Error(fmt::format("{} {}: no whole number of us; expected at most three decimals", option, ms));
+  return microseconds{std::llround(us)};
+}
+
+}  // namespace tactile
