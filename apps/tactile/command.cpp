@@ -6,13 +6,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <thread>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/numbers.hpp"
 
 namespace tactile {
 namespace {
@@ -54,6 +57,16 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   }
 }
 
+/// Every range lets "nan" through, for it is neither below nor above anything.
+void refuse_nan(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& text : option->results()) {
+      const std::optional<double> number = number_in(text);
+      if (number && std::isnan(*number)) throw CLI::ValidationError(option->get_name(), text + " is no number");
+    }
+  }
+}
+
 }  // namespace
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
@@ -69,10 +82,23 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   command->add_option("--threads", common->threads, "Threads to work on")->check(CLI::Range(1U, 1024U))->capture_default_str();
   command->callback([command, common, run = std::move(run)] {
     if (!common->config.empty()) fill_in_from(common->config, *command);
+    refuse_nan(*command);
     if (common->quiet) spdlog::set_level(spdlog::level::warn);
     run(*common);
   });
   return command;
+}
+
+CLI::Validator is_seed() {
+  return CLI::Validator(
+      [](std::string& text) {
+        std::uint64_t seed = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+        return error == std::errc{} && end == text.data() + text.size()
+                   ? std::string()
+                   : text + " is no whole number from 0 to 18446744073709551615";
+      },
+      "0 to 18446744073709551615");
 }
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {

@@ -30,6 +30,9 @@ struct Interrupted {};
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       std::function<void(const CommonArguments&)> run);
 
+/// Takes whole numbers that a seed can be, 0 to 18446744073709551615.
+CLI::Validator is_seed();
+
 /// Prints a result to stdout: the JSON with --json, else the text.
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text);
 

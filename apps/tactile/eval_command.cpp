@@ -38,6 +38,14 @@ std::string bounds(const Figure& figure, double scale) {
   return figure.low ? fmt::format("[{:.2f}, {:.2f}]", scale * *figure.low, scale * *figure.high) : "-";
 }
 
+std::string baselines_not_below(const Evaluation& evaluation) {
+  std::string names;
+  for (const BaselineScore& baseline : evaluation.baselines) {
+    if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
+  }
+  return names;
+}
+
 std::string number(const Figure& figure) { return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-"; }
 
 std::string accuracy_text(const Evaluation& evaluation) {
@@ -56,7 +64,7 @@ std::string accuracy_text(const Evaluation& evaluation) {
   const auto above = evaluation.above_baselines();
   text += !above   ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
           : *above ? "The network's accuracy interval lies above every baseline's.\n\n"
-                   : "The network's accuracy interval does not lie above every baseline's.\n\n";
+                   : "The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".\n\n";
 
   rows.clear();
   for (const Touch truth : all_touches) {
@@ -67,6 +75,18 @@ std::string accuracy_text(const Evaluation& evaluation) {
   }
   return text + text_table({"true \\ said", "none", "press", "slip"}, rows) + "\n";
 }
+
+constexpr const char* delay_legend =
+    "One tick is the best delay possible; it is averaged over the intervals that were detected. miss: not detected within 500 ms "
+    "or the\n"
+    "interval; early: said long before it began. 95 %: bootstrap interval, sem: standard error of the mean; - : too few to "
+    "tell.\n"
+    "In brackets, detectors that know nothing: one that detects at once by chance pays with false alarms.\n\n";
+
+constexpr const char* false_alarm_legend =
+    "A false alarm begins in no interval; one that begins within the guard after an interval is counted apart, and so is one in "
+    "real motion\n"
+    "that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run.\n";
 
 Row delay_row(const std::string& name, const DelaySummary& delay) {
   return {name,
@@ -100,7 +120,7 @@ std::string delays_text(const Evaluation& evaluation) {
     slip.emplace_back("against gross slip, < 0 before it", &*evaluation.gross_slip);
   }
   return delay_text("delay of press [ms]", evaluation.network.press, press) +
-         delay_text("delay of slip [ms]", evaluation.network.slip, slip);
+         delay_text("delay of slip [ms]", evaluation.network.slip, slip) + delay_legend;
 }
 
 std::string false_alarms_text(const Evaluation& evaluation) {
@@ -116,7 +136,9 @@ std::string false_alarms_text(const Evaluation& evaluation) {
   };
   std::vector<Row> rows{row("network", evaluation.network.false_alarms)};
   for (const auto& [name, score] : evaluation.trivial) rows.push_back(row("(" + name + ")", score.false_alarms));
-  return text_table({"false alarms [1/min of none]", "", "95 %", "count in min", "after an interval", "unlabelled motion"}, rows);
+  return text_table({"false alarms [1/min of none]", "", "95 %", "count in min", "after an interval", "unlabelled motion"},
+                    rows) +
+         false_alarm_legend;
 }
 
 std::string text_of(const Evaluation& evaluation) {

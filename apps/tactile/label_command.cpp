@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -96,11 +97,13 @@ std::string table_of(const std::vector<LabelledRun>& runs) {
                     standing == 0 ? "" : std::to_string(standing)});
   }
   std::string text =
-      text_table({"run", "press onset [ms]", "long [ms]", "slip onset [ms]", "long [ms]", "lift to slip [ms]", "flags"}, rows);
+      text_table({"run", "press onset [ms]", "lasts [ms]", "slip onset [ms]", "lasts [ms]", "lift to slip [ms]", "flags"}, rows);
   for (const LabelledRun& labelled : runs) {
     for (const LabelFlag& flag : labelled.labels.flags) text += fmt::format("{}: {}\n", labelled.run.name(), flag.reason);
   }
-  return text + "Onsets count from a run's first event.\n";
+  return text +
+         "Onsets count from a run's first event; ± is half their 95 % interval. Lift to slip holds the robot clock's error, some "
+         "10 ms.\n";
 }
 
 nlohmann::json json_of(const std::vector<LabelledRun>& runs) {
@@ -193,42 +196,62 @@ Comparison compare_all(const std::vector<LabelledRun>& runs) {
   return {json, text};
 }
 
+CameraTime first_event_of(const RunFolder& run) {
+  const RecordingReader recording(run.events());
+  CameraTime first = CameraTime::max();
+  for (const PacketRecord& packet : recording.packets()) {
+    if (packet.elements > 0 && recording.stream(packet.stream_id).type == StreamType::events)
+      first = std::min(first, packet.first);
+  }
+  return first;
+}
+
 void label_runs(const CommonArguments& common, const LabelArguments& arguments) {
   const std::vector<RunFolder> runs = runs_in(arguments.places);
-  for (const RunFolder& run : runs) {
-    if (!arguments.force && somebody_confirmed(run)) {
-      throw Error(run.labels().string() + ": holds labels that a person confirmed; expected --force to replace them");
-    }
-  }
   const ProgressCallback progress = progress_line(common);
-  std::vector<LabelledRun> labelled(runs.size());
+  std::vector<std::optional<LabelledRun>> outcomes(runs.size());
+  std::vector<std::string> failures(runs.size()), kept(runs.size());
   std::mutex guard;
   std::size_t done = 0;
   parallel_for(runs.size(), common.threads, [&](std::size_t i) {
-    Labels labels = label_run(runs[i]);
-    write_labels(runs[i].labels(), labels);
-    const RecordingReader recording(runs[i].events());
-    CameraTime first = CameraTime::max();
-    for (const PacketRecord& packet : recording.packets()) {
-      if (packet.elements > 0 && recording.stream(packet.stream_id).type == StreamType::events)
-        first = std::min(first, packet.first);
+    // One run that cannot be read does not keep the others from being labelled.
+    try {
+      if (!arguments.force && somebody_confirmed(runs[i])) {
+        kept[i] = runs[i].name();
+        outcomes[i] = {runs[i], read_labels(runs[i].labels()), first_event_of(runs[i])};
+      } else {
+        Labels labels = label_run(runs[i]);
+        write_labels(runs[i].labels(), labels);
+        outcomes[i] = {runs[i], std::move(labels), first_event_of(runs[i])};
+      }
+    } catch (const std::exception& e) {
+      failures[i] = e.what();
     }
-    labelled[i] = {runs[i], std::move(labels), first};
     const std::scoped_lock lock(guard);
     tell(progress, ++done, runs.size(), runs[i].name());
   });
 
-  nlohmann::json json = {{"runs", json_of(labelled)}};
-  std::string text = table_of(labelled);
-  if (arguments.compare_truth) {
+  std::vector<LabelledRun> labelled;
+  for (std::optional<LabelledRun>& outcome : outcomes) {
+    if (outcome) labelled.push_back(std::move(*outcome));
+  }
+  std::erase(kept, "");
+  std::erase(failures, "");
+  if (!kept.empty()) spdlog::warn("kept as a person confirmed them, --force replaces them: {}", fmt::join(kept, ", "));
+  nlohmann::json json = {{"runs", json_of(labelled)}, {"kept", kept}, {"failed", failures}};
+  std::string text = labelled.empty() ? "" : table_of(labelled);
+  if (arguments.compare_truth && !labelled.empty()) {
     const Comparison comparison = compare_all(labelled);
     json["truth"] = comparison.json;
     text += comparison.text;
   }
   const auto flagged =
       std::count_if(labelled.begin(), labelled.end(), [](const LabelledRun& run) { return !run.labels.flags.empty(); });
-  spdlog::info("{} runs labelled, {} flagged", labelled.size(), flagged);
+  spdlog::info("{} labelled, {} of them flagged", labelled.size() == 1 ? "1 run" : fmt::format("{} runs", labelled.size()),
+               flagged);
   print_result(common, json, text);
+  for (std::size_t i = 0; i + 1 < failures.size(); ++i) spdlog::error("{}", failures[i]);
+  if (!failures.empty()) throw Error(failures.back());
 }
 
 }  // namespace

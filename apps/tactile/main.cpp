@@ -3,12 +3,17 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
 
 int main(int argc, char** argv) {
@@ -38,6 +43,13 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version
+    std::vector<std::string> names;
+    for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+      fmt::print(stderr, "tactile: '{}' is no command; the nearest is '{}'. 'tactile --help' lists them.\n", argv[1],
+                 nearest_name(argv[1], names));
+      return e.get_exit_code();
+    }
     fmt::print(stderr, "tactile: {}\nTry 'tactile --help', or --help behind a command.\n", e.what());
     return e.get_exit_code();
   } catch (const CheckFailed&) {

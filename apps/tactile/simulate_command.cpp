@@ -91,7 +91,7 @@ void add_simulate_command(CLI::App& app) {
       ->delimiter(',')
       ->type_name("NAME,...")
       ->capture_default_str();
-  command->add_option("--seed", args->seed, "Seed of the whole data set")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--seed", args->seed, "Seed of the whole data set")->check(is_seed())->capture_default_str();
   command->add_flag("--force", args->force, "Replace runs simulated with other settings, and remove extra simulated ones");
 }
 

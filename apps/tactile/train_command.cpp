@@ -127,7 +127,9 @@ void add_train_command(CLI::App& app) {
   command->add_option("--held-out", args->held_out, "Objects that --split unseen does not train on, a list with commas")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--seed", args->training.seed, "Of the first weights and the order of samples")->capture_default_str();
+  command->add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
+      ->check(is_seed())
+      ->capture_default_str();
   command->add_option("--epochs", args->training.epochs, "Passes over the training samples")
       ->check(CLI::Range(1U, 100'000U))
       ->capture_default_str();

@@ -98,6 +98,9 @@ int bright_value(const std::vector<SheetGroup>& sheet) {
 }
 
 void view(const ViewArguments& args, const CommonArguments& common) {
+  if (args.out.empty()) throw CLI::RequiredError("--out");
+  if (fs::path(args.out).extension() != ".png")
+    throw Error(args.out + ": the picture is a PNG; expected a name that ends in .png");
   const bool is_run = fs::is_directory(args.what);
   const std::optional<RunFolder> run = is_run ? std::optional(run_folder_at(args.what)) : std::nullopt;
   RecordingReader recording(run ? run->events() : fs::path(args.what));
@@ -160,8 +163,9 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   const bool simulated = run && fs::exists(run->info()) && read_run_info(*run).simulated;
   const int brightest = bright_value(sheet);
   SheetOptions layout{.header = {}, .columns = columns, .brightest = brightest};
-  layout.header.push_back(fmt::format("{}{}: heatmaps of t_h {} ms, {}x{}", name, simulated ? " (simulated)" : "",
-                                      args.history_ms, renderer.size().width, renderer.size().height));
+  layout.header.push_back(fmt::format("{}{}: heatmaps of t_h {} ms, {}x{}, denoise {}, resize {}", name,
+                                      simulated ? " (simulated)" : "", args.history_ms, renderer.size().width,
+                                      renderer.size().height, args.rendering.denoise, args.rendering.resize));
   layout.header.push_back(fmt::format("{}, {}x{} px: {} events in {:.1f} ms", stream.source.empty() ? "events" : stream.source,
                                       sensor.width, sensor.height, events, ms_between(*first, *last)));
   layout.header.push_back(fmt::format("colours from 0 to {} of 255, brighter ones alike; times from the first event{}", brightest,
@@ -192,7 +196,7 @@ void add_view_command(CLI::App& app) {
       ->type_name("FILE|RUN")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("--out", args->out, "Picture to write")->type_name("FILE.png")->required();
+  command->add_option("--out", args->out, "Picture to write")->type_name("FILE.png");
   command->add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();

@@ -122,7 +122,7 @@ void add_windows_command(CLI::App& app) {
   command->add_option("--tick-us", args->tick_us, "Between two ticks [us]")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
       ->capture_default_str();
-  command->add_option("--seed", args->seed, "Of what is drawn at random")->capture_default_str();
+  command->add_option("--seed", args->seed, "Of what is drawn at random")->check(is_seed())->capture_default_str();
   command->add_flag("--mix", args->mix, "Simulated and real runs in one dataset; else the real ones where there are both");
   command->add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
   command->add_flag("--verify", args->verify,

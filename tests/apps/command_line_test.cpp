@@ -55,6 +55,21 @@ TEST(CommandLine, ValueOutOfRangeIsRefusedWithTheRange) {
   EXPECT_TRUE(std::regex_search(result.err, std::regex("1.*1024"))) << result.err;
 }
 
+TEST(CommandLine, MistypedCommandNamesTheNearest) {
+  const auto result = run_tactile("simulat");
+  EXPECT_GE(result.exit_code, 100);
+  EXPECT_NE(result.err.find("'simulate'"), std::string::npos) << result.err;
+}
+
+TEST(CommandLine, SeedOutOfRangeAndNanAreRefused) {
+  for (const char* arguments :
+       {"windows --seed -1", "windows --seed 99999999999999999999", "simulate --seed -1", "windows --guard-ms nan"}) {
+    const auto result = run_tactile(arguments);
+    EXPECT_GE(result.exit_code, 100) << arguments;
+    EXPECT_LT(result.err.size(), 200U) << result.err;
+  }
+}
+
 TEST(CommandLine, ErrorIsOneLineThatNamesWhatIsWrong) {
   const auto result = run_tactile("label /no/such/folder");
   EXPECT_EQ(result.exit_code, 1);
@@ -101,6 +116,25 @@ TEST(Config, ThatIsNoJsonIsAnErrorThatNamesIt) {
   const auto result = run_tactile("doctor --config config.json", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("config.json"), std::string::npos) << result.err;
+}
+
+TEST(Config, FilesThatComeAlongAreTakenByTheirCommands) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"heatmaps-as-printed", "windows-as-paper", "train-thorough"}) {
+    const std::string file = std::string(TACTILE_TEST_DATA) + "/../../configs/" + name + ".json";
+    const std::string command(name, std::string(name).find('-'));
+    const auto result = run_tactile(command + " --config '" + file + "'", folder.path());
+    EXPECT_EQ(result.exit_code, 1) << "there is no data here";
+    EXPECT_EQ(result.err.find(name), std::string::npos) << result.err;
+  }
+}
+
+TEST(Config, GivesARequiredOptionToo) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "config.json", R"({"out": "sheet.png", "th": 10})");
+  const auto result = run_tactile("view '" TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4' --config config.json", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "sheet.png"));
 }
 
 TEST(Doctor, SaysWhatMattersInJson) {

@@ -43,7 +43,7 @@ TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
     EXPECT_EQ(recording.at("file_bytes"), expected.at("bytes"));
     EXPECT_EQ(recording.at("data_table").at("state"), "used");
     EXPECT_EQ(recording.at("healthy"), true);
-    const nlohmann::json& events = stream_of_type(recording, "events");
+    const nlohmann::json events = stream_of_type(recording, "events");
     EXPECT_EQ(events.at("elements"), expected.at("events"));
     EXPECT_EQ(events.at("on"), expected.at("on"));
     EXPECT_EQ(events.at("packets"), expected.at("event_packets"));
@@ -76,7 +76,7 @@ TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
   EXPECT_EQ(recording.at("height"), 240);
   EXPECT_EQ(recording.at("compression"), "lz4");
   EXPECT_EQ(recording.at("packets"), 118);
-  const nlohmann::json& events = stream_of_type(recording, "events");
+  const nlohmann::json events = stream_of_type(recording, "events");
   EXPECT_EQ(events.at("elements"), 111954);
   EXPECT_EQ(events.at("on"), 55023);
   EXPECT_EQ(events.at("packets"), 59);
@@ -86,7 +86,7 @@ TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
   EXPECT_EQ(events.at("steps_back_in_packets"), 0);
   EXPECT_EQ(events.at("steps_back_between_packets"), 0);
   EXPECT_EQ(events.at("attributes").at("tsOffset"), "1605507430438338");
-  const nlohmann::json& imu = stream_of_type(recording, "imu");
+  const nlohmann::json imu = stream_of_type(recording, "imu");
   EXPECT_EQ(imu.at("elements"), 475);
   EXPECT_EQ(imu.at("first_us"), 1605537493718788);
   EXPECT_EQ(imu.at("last_us"), 1605537494307448);
@@ -102,13 +102,13 @@ TEST(InfoCommand, TellsWhatARealDavisRecordingHolds) {
   EXPECT_EQ(recording.at("width"), 346);
   EXPECT_EQ(recording.at("height"), 260);
   EXPECT_EQ(recording.at("packets"), 40);
-  const nlohmann::json& events = stream_of_type(recording, "events");
+  const nlohmann::json events = stream_of_type(recording, "events");
   EXPECT_EQ(events.at("elements"), 117667);
   EXPECT_EQ(events.at("on"), 72363);
   EXPECT_EQ(events.at("duration_us"), 129999);
   EXPECT_EQ(stream_of_type(recording, "imu").at("elements"), 130);
   EXPECT_EQ(stream_of_type(recording, "frames").at("elements"), 3);
-  const nlohmann::json& triggers = stream_of_type(recording, "triggers");
+  const nlohmann::json triggers = stream_of_type(recording, "triggers");
   EXPECT_EQ(triggers.at("elements"), 15);
   EXPECT_EQ(triggers.at("first_us"), 1633953690976518);
   EXPECT_EQ(triggers.at("last_us"), 1633953691110744);

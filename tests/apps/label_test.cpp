@@ -45,11 +45,45 @@ TEST_F(LabelCommand, KeepsLabelsThatAPersonConfirmedUnlessForced) {
   auto labels = nlohmann::json::parse(read_text(file));
   labels.at("intervals").at(0).at("confirmed") = true;
   write_whole(file, labels.dump());
-  const auto refused = run_tactile("label", folder.path());
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("--force"), std::string::npos);
+  const auto again = run_tactile("label", folder.path());
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_NE(again.err.find("fan/01"), std::string::npos) << again.err;
   EXPECT_EQ(read_text(file), labels.dump());
   EXPECT_EQ(run_tactile("label --force", folder.path()).exit_code, 0);
+  EXPECT_NE(read_text(file), labels.dump());
+}
+
+TEST_F(LabelCommand, NamesARunThatCannotBeReadAndLabelsTheOthers) {
+  write_whole(folder.path() / "data/fan/01/robot.csv", "");
+  const auto result = run_tactile("label", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("fan/01/robot.csv"), std::string::npos) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
+}
+
+TEST_F(LabelCommand, FlagsARecordingThatWasCutOff) {
+  std::filesystem::resize_file(folder.path() / "data/fan/01/events.aedat4", 900'000);
+  const auto result = run_tactile("label data/fan/01 --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("cut off"), std::string::npos) << result.out;
+}
+
+TEST_F(LabelCommand, OfEventsThatChangedSinceAreNotUsed) {
+  ASSERT_EQ(run_tactile("label", folder.path()).exit_code, 0);
+  std::filesystem::copy_file(folder.path() / "data/usb-hub/01/events.aedat4", folder.path() / "data/fan/01/events.aedat4",
+                             std::filesystem::copy_options::overwrite_existing);
+  const auto result = run_tactile("windows", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("fan/01: left out"), std::string::npos) << result.err;
+}
+
+TEST_F(LabelCommand, IsNotUndoneByMakingTheSameRunAgain) {
+  ASSERT_EQ(run_tactile("label", folder.path()).exit_code, 0);
+  const std::string before = read_text(folder.path() / "data/fan/01/labels.json");
+  std::filesystem::remove(folder.path() / "data/fan/01/truth.json");
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan,usb-hub --runs 1", folder.path()).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "data/fan/01/truth.json"));
+  EXPECT_EQ(read_text(folder.path() / "data/fan/01/labels.json"), before);
 }
 
 TEST_F(LabelCommand, WithoutTruthToCompareWithIsAnError) {

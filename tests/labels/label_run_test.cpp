@@ -76,6 +76,29 @@ TEST(LabelRun, OfAnArmThatNeverRisesIsFlagged) {
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
+TEST(LabelRun, FlagsAGapInTheRecording) {
+  const test::TemporaryFolder data;
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  // Rewritten without what lies between 1.45 and 1.55 s, the slip's onset among it.
+  RecordingReader recording(run.events());
+  RecordingWriter writer(data / "cut.aedat4", {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  for (const auto& [begin_us, end_us] : {std::pair(0, 1'450'000), std::pair(1'550'000, 3'000'000)}) {
+    for_events_between(recording, 0, camera_time(made_camera_begin_us + begin_us), camera_time(made_camera_begin_us + end_us),
+                       [&](std::span<const Event> events) { writer.write_events(0, events); });
+  }
+  writer.close();
+  std::filesystem::rename(data / "cut.aedat4", run.events());
+  const Labels labels = label_run(run);
+  EXPECT_TRUE(labels.run_is_flagged());
+}
+
+TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, made_lift(1'500'000, 300'000, 0.06, 5)));
+  ASSERT_EQ(labels.intervals.size(), 2U);
+  EXPECT_TRUE(labels.interval_is_flagged(1));
+}
+
 TEST(LabelRun, GivesTheSameBytesEachTime) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);

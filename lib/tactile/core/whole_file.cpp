@@ -48,6 +48,7 @@ void write_whole(const fs::path& file, std::string_view text) {
 }
 
 std::string read_text(const fs::path& file, std::size_t limit) {
+  if (!fs::exists(file)) throw Error(file.string() + ": is missing; expected a readable file");
   std::ifstream in(file, std::ios::binary);
   if (!in || fs::is_directory(file)) throw Error(file.string() + ": cannot be read; expected a readable file");
   in.seekg(0, std::ios::end);

@@ -106,25 +106,34 @@ std::optional<MotionPhase> lift_in(const RobotLog& log) {
   return highest == phases.end() || highest->height_change <= 0 ? std::nullopt : std::optional(*highest);
 }
 
+/// Where slip start and slip end put the robot's clock, apart by how much longer the slip is than the lift.
 FittedClock clock_from(const LabelledInterval& slip, const MotionPhase& lift, const RobotLog& log) {
+  constexpr double least_residual_us = 10'000.0;
   const std::int64_t start_offset = us_of(slip.start.at) - us_of(lift.start);
   const std::int64_t end_offset = us_of(slip.end.at) - us_of(lift.end);
   const double half_difference = static_cast<double>(start_offset - end_offset) / 2;
-  FittedClock clock;
-  clock.relation.reference_us = us_of(log.states.front().t);
-  // An object that drops out of the gripper, or one that the lift's end does not stop, tells nothing by its end.
-  if (std::abs(half_difference) <= 50'000) {
-    clock.relation.offset_us = start_offset - std::llround(half_difference);
-    clock.anchors = 2;
-    clock.method = "lift start and end";
-    clock.residual_us = std::max(2'300.0, std::abs(half_difference));
-  } else {
-    clock.relation.offset_us = start_offset;
-    clock.anchors = 1;
-    clock.method = "lift start";
-    clock.residual_us = 20'000.0;
+  return {.relation = {.offset_us = start_offset - std::llround(half_difference),
+                       .drift_ppm = 0,
+                       .reference_us = us_of(log.states.front().t)},
+          .residual_us = std::max(least_residual_us, std::abs(half_difference)),
+          .anchors = 2,
+          .method = "lift start and end"};
+}
+
+/// The longest stretch without one event, if it is too long for chance.
+std::optional<std::pair<CameraTime, microseconds>> gap_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
+  constexpr double beyond_chance = 30.0;  // events missing: e^-30, and far less where noise comes in clumps of ten
+  std::size_t best = 0, best_begin = 0, length = 0;
+  for (std::size_t i = 0; i < rate.counts.size(); ++i) {
+    length = rate.counts[i] == 0 ? length + 1 : 0;
+    if (length > best) {
+      best = length;
+      best_begin = i + 1 - length;
+    }
   }
-  return clock;
+  const microseconds silent = rate.bin * static_cast<std::int64_t>(best);
+  if (silent < shortest || quiet.mean * static_cast<double>(best) < beyond_chance * quiet.dispersion) return std::nullopt;
+  return std::pair(rate.begin_of(best_begin), silent);
 }
 
 void cut_overlaps(std::vector<LabelledInterval>& intervals) {
@@ -157,7 +166,8 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"press_ends_us", options.press_ends.count()},
           {"slip_ends_us", options.slip_ends.count()},
           {"ambiguous_below", options.ambiguous_below},
-          {"longest_lag_us", options.longest_lag.count()}};
+          {"longest_disagreement_us", options.longest_disagreement.count()},
+          {"shortest_gap_us", options.shortest_gap.count()}};
 }
 
 Labels label_run(const RunFolder& run, const LabelOptions& options) {
@@ -171,6 +181,19 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   const auto flag = [&](std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
     labels.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
   };
+
+  const RecordingProblems& problems = recording.problems();
+  if (problems.truncated_bytes > 0)
+    flag(fmt::format("the recording is cut off: {} bytes behind its last whole packet", problems.truncated_bytes));
+  if (problems.broken_packets + problems.mismatched_packets > 0) {
+    flag(fmt::format("{} packets of the recording cannot be read", problems.broken_packets + problems.mismatched_packets));
+  }
+  if (std::filesystem::exists(run.info()) && !read_run_info(run).complete)
+    flag("run.json says that the recording was not completed");
+  if (const auto gap = gap_in(rate, quiet, options.shortest_gap)) {
+    flag(fmt::format("the recording has a gap: no pixel fires for {} ms from {} us on", gap->second.count() / 1000,
+                     us_of(gap->first)));
+  }
 
   RobotLog log;
   std::optional<MotionPhase> lift;
@@ -207,15 +230,18 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
     if (lift) {
       labels.robot_clock = clock_from(slip, *lift, log);
       slip.evidence.robot = labels.robot_clock->relation.camera_from(lift->start);
-      const microseconds lag = between(*slip.evidence.robot, slip.start.at);
-      if (std::chrono::abs(lag) > options.longest_lag) {
-        flag(fmt::format("slip onset and lift start lie {} ms apart; expected at most {} ms", lag.count() / 1000,
-                         options.longest_lag.count() / 1000),
+      const microseconds longer = between(slip.start.at, slip.end.at) - (lift->end - lift->start);
+      if (std::chrono::abs(longer) > options.longest_disagreement) {
+        flag(fmt::format("the slip lasts {} ms {} than the lift; expected at most {} ms between them",
+                         std::abs(longer.count()) / 1000, longer > 0us ? "longer" : "less",
+                         options.longest_disagreement.count() / 1000),
              labels.intervals.size());
       }
+      // The last command ahead of the first press is the one that made it.
       for (const OutputEdge& edge : first_rising_edges(log)) {
         const CameraTime command = labels.robot_clock->relation.camera_from(edge.at);
-        if (!labels.intervals.empty() && command <= slip.start.at) labels.intervals.front().evidence.robot = command;
+        if (!labels.intervals.empty() && command <= labels.intervals.front().start.at)
+          labels.intervals.front().evidence.robot = command;
       }
     }
     labels.intervals.push_back(std::move(slip));

@@ -17,8 +17,10 @@ struct LabelOptions {
   microseconds press_ends{20'000};  ///< a press ends at the first so long quiet
   microseconds slip_ends{150'000};  ///< a slip likewise: stick phases belong to it
   double ambiguous_below = 1.2;     ///< flagged if the best match of a burst with the lift is not so much better than the second
-  microseconds longest_lag{
-      250'000};  ///< flagged if the robot's lift start and the slip onset lie further apart once the clocks are aligned
+  microseconds longest_disagreement{
+      100'000};  ///< flagged if burst and lift differ by more than this in length, starts laid over each other
+  microseconds shortest_gap{
+      5'000};  ///< flagged if no pixel fires for so long, where the noise alone should have given 30 events at least
 };
 
 nlohmann::json settings_of(const LabelOptions& options);
@@ -29,15 +31,16 @@ nlohmann::json settings_of(const LabelOptions& options);
 /// 2. The robot's lift: the motion phase that rises most. Each burst in turn is laid over it and compared with its speed; the
 /// best match is
 ///    the slip. (Event rate follows |velocity|.)
-/// 3. The clock's offset is the mean of burst start - lift start and burst end - lift end. Shear delays what the camera sees of
-/// the start, and
-///    brings forward what it sees of the end, so that the two errors oppose each other; half their difference is the residual.
-///    Drift is not measurable in one run and taken as 0.
+/// 3. The clock's offset is the mean of slip start - lift start and slip end - lift end. Slack delays the start by some ms and
+/// ringing the end by
+///    tens, so that the residual is taken as 10 ms at least: only anchors without such a bias make it smaller. Drift is not
+///    measurable in one run and taken as 0.
 /// 4. Onsets by maximum likelihood on the events alone (`onset_near`), so that no error of the clocks enters them; ends at the
 /// first quiet.
 ///    Bursts before the slip are presses; those behind it are after-effects and stay unlabelled.
 ///
-/// Reads the events, the robot log and run.json, nothing else. A run without robot log is labelled by order alone, and flagged.
+/// Reads the events, the robot log and run.json, nothing else. What cannot be relied on is flagged: a damaged or unfinished
+/// recording, a gap in it, no robot log (then labels go by order alone), a slip that does not fit the lift.
 /// @throws Error  if the events or the robot log cannot be read
 /// Source: Faris et al., arXiv:2403.10120, section IV.
 Labels label_run(const RunFolder& run, const LabelOptions& options = {});

@@ -38,6 +38,12 @@ json json_of(const std::optional<FittedClock>& clock) {
   return object;
 }
 
+json list_in(const json& object, const char* key, const std::string& where) {
+  json list = member<json>(object, key, where);
+  if (!list.is_array()) throw Error(where + ": '" + key + "' is no list; expected a list");
+  return list;
+}
+
 std::optional<FittedClock> clock_in(const json& clocks, const char* key, const std::string& where) {
   const auto found = clocks.find(key);
   if (found == clocks.end() || found->is_null()) return std::nullopt;
@@ -90,13 +96,14 @@ Labels read_labels(const std::filesystem::path& file) {
   const std::string where = file.string();
   Labels labels;
   try {
-    for (const json& interval : member<json>(object, "intervals", where))
-      labels.intervals.push_back(interval_in(interval, where));
+    for (const json& interval : list_in(object, "intervals", where)) labels.intervals.push_back(interval_in(interval, where));
     const auto clocks = member<json>(object, "clocks", where);
     labels.robot_clock = clock_in(clocks, "robot", where);
     labels.video_clock = clock_in(clocks, "video", where);
-    for (const json& flag : member<json>(object, "flags", where)) {
+    for (const json& flag : list_in(object, "flags", where)) {
       const json index = flag.value("interval", json(nullptr));
+      if (!index.is_null() && !index.is_number_unsigned())
+        throw Error(where + ": a flag's 'interval' is no index; expected one from 0, or null");
       labels.flags.push_back({.interval_index = index.is_null() ? std::nullopt : std::optional(index.get<std::size_t>()),
                               .reason = member<std::string>(flag, "reason", where),
                               .confirmed = flag.value("confirmed", false)});

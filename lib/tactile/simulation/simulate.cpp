@@ -92,6 +92,7 @@ void remove_run(const RunFolder& run) {
 struct PlannedRun {
   const ObjectModel* object = nullptr;
   SimulatedRun outcome;
+  bool keeps_labels = false;  ///< made with the same settings before: its labels still hold
 };
 
 /// What is to be done for each run asked for; refuses before anything is touched.
@@ -111,10 +112,11 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
       const RunFolder run{options.data / object->name / id, object->name, id};
       if (i > runs) {
         if (options.force && settings_hash_in(run))
-          planned.push_back({object, {.run = run, .kind = SimulatedRun::Kind::removed}});
+          planned.push_back({object, {.run = run, .kind = SimulatedRun::Kind::removed}, false});
         continue;
       }
       SimulatedRun outcome{.run = run};
+      bool keeps_labels = false;
       if (fs::exists(fs::symlink_status(run.folder))) {
         const std::optional<std::string> hash = settings_hash_in(run);
         if (!hash) {
@@ -125,9 +127,10 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
         if (!same && !options.force) {
           throw Error(run.folder.string() + ": was simulated with other settings; expected the same, or --force to replace it");
         }
+        keeps_labels = same;
         outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
       }
-      planned.push_back({object, outcome});
+      planned.push_back({object, outcome, keeps_labels});
     }
   }
   return planned;
@@ -268,6 +271,9 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
       fs::create_directory(whole.path());
       const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object,
                                              preset, options.seed, pixels, [&](double share) { tell_part(0.9 * share); });
+      // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
+      if (planned[to_make[i]].keeps_labels && fs::exists(outcome.run.labels()))
+        fs::copy_file(outcome.run.labels(), whole.path() / "labels.json");
       if (outcome.kind == SimulatedRun::Kind::replaced) remove_run(outcome.run);
       whole.commit();
       std::tie(outcome.events, outcome.duration_s, outcome.bytes) = std::tie(made.events, made.duration_s, made.bytes);

@@ -140,8 +140,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     found.push_back(std::move(run));
   }
   if (found.empty())
-    throw Error(data.string() +
-                ": no runs; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' or 'tactile record' make them");
+    throw Error(data.string() + ": no runs; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
   std::vector<PlannedRun> chosen;
@@ -196,6 +195,13 @@ std::string folder_name(const RunFolder& run, const fs::path& dataset) {
   return (below ? relative : folder).string();
 }
 
+/// Whether the labels are of these events; true where they do not tell, as those that a person wrote.
+bool made_from(const Labels& labels, const std::string& events_sha256) {
+  const nlohmann::json inputs =
+      labels.provenance.is_object() ? labels.provenance.value("inputs", nlohmann::json::object()) : nlohmann::json::object();
+  return !inputs.is_object() || !inputs.contains("events.aedat4") || inputs.at("events.aedat4") == events_sha256;
+}
+
 Plan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
                   const ProgressCallback& progress) {
   check(options.sampling);
@@ -213,9 +219,10 @@ Plan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptio
         if (!flag.interval_index && !flag.confirmed) reasons.push_back(flag.reason);
       }
       flags[i] = "flagged: " + list_of(reasons, "; ");
+    } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
+      flags[i] = "its events have changed since it was labelled, run 'tactile label' again";
     } else {
       run.labels_sha256 = sha256_of_file(run.folder.labels());
-      run.events_sha256 = sha256_of_file(run.folder.events());
       find_ends(run);
       draw_samples(run, labels, options);
     }
@@ -227,12 +234,14 @@ Plan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptio
       plan.runs.push_back(std::move(chosen[i]));
       continue;
     }
-    plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + flags[i] + " (--include-flagged takes it)");
+    plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + flags[i] +
+                            (flags[i].starts_with("flagged") ? " (--include-flagged takes it)" : ""));
     leave_out(plan, chosen[i], flags[i]);
   }
   if (plan.runs.empty())
     throw Error(data.string() +
-                ": every labelled run is flagged; expected one at least that is not, look at them with 'tactile review'");
+                ": every labelled run is flagged or has changed since; expected one at least that is not, label them again with "
+                "'tactile label'");
   plan.sensor = common_sensor(plan.runs);
 
   std::map<std::string, std::string> run_with;
