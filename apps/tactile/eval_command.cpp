@@ -239,11 +239,15 @@ ModelSettings with_split(ModelSettings settings, SplitKind kind) {
 /// The model of the same settings that holds objects out, or does not; trained where it is missing.
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
                        const ModelSettings& settings, const std::optional<ModelBundle>& other) {
+  const auto same = [&](const ModelDescription& model) {
+    return model.manifest_hash == dataset.manifest_hash() && same_settings(model.settings, settings);
+  };
   const auto same_but_held_out = [&](const ModelDescription& model) {
     ModelSettings alike = model.settings;
     alike.split.held_out = settings.split.held_out;
     return model.manifest_hash == dataset.manifest_hash() && same_settings(alike, settings);
   };
+  if (const auto found = newest_bundle(args.models, same)) return *found;
   if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
   const ModelBundle bundle{fs::path(args.models) / default_name(settings)};
   const std::string command = train_command(args, settings);
