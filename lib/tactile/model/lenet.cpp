@@ -1,5 +1,6 @@
 #include "tactile/model/lenet.hpp"
 
+#include <ATen/core/ivalue.h>  // clang 14 needs it ahead of torch.h, which uses a vector of these before they are defined
 #include <dlfcn.h>
 #include <torch/torch.h>
 
