@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/events/recording_health.hpp"
 
 namespace tactile {
 namespace {
 
 constexpr int parts = 8;
-constexpr std::int64_t most_pixels = std::int64_t{1} << 24;
 constexpr microseconds longest_run = std::chrono::hours(1);
 
 struct Span {
@@ -67,9 +67,10 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
   const std::string where = recording.file().string();
   const Stream& stream = recording.stream(stream_id);
   if (!stream.size) throw Error(where + ": its event stream declares no size; expected sizeX and sizeY");
-  if (std::int64_t{stream.size->width} * stream.size->height > most_pixels) {
+  if (std::int64_t{stream.size->width} * stream.size->height > EventMeter::most_pixels) {
     throw Error(where + ": declares a sensor of " + std::to_string(stream.size->width) + "x" +
-                std::to_string(stream.size->height) + " pixels; expected at most " + std::to_string(most_pixels) + " pixels");
+                std::to_string(stream.size->height) + " pixels; expected at most " + std::to_string(EventMeter::most_pixels) +
+                " pixels");
   }
   const Span span = span_of(recording, stream_id);
   if (span.last < span.first) throw Error(where + ": holds no event; expected a recording of a run");

@@ -25,9 +25,9 @@ struct EventRateOptions {
                               ///< often, and ten standard deviations above the mean of all pixels in the quietest part
 };
 
-/// Reads the recording twice: once to find the hot pixels, once to count. A pixel that a moving marker lights fires in a few of
-/// the eight parts only, a hot one in most.
-/// @throws Error  if the stream has no event, or spans more than an hour (a run takes seconds)
+/// Reads the recording three times: for its span, which no table is trusted to tell, to find the hot pixels, and to count. A
+/// pixel that a moving marker lights fires in a few of the eight parts only, a hot one in most.
+/// @throws Error  if the stream has no event or no sane size, or spans more than an hour (a run takes seconds)
 EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
 
 }  // namespace tactile

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tactile/core/sha256.hpp"
 #include "tactile/robot/motion_phases.hpp"

@@ -9,7 +9,6 @@ namespace {
 
 /// log-likelihood ratio of "rate rises as a u^p from bin `onset` on" against "it stays quiet", at the best a >= 0.
 double rise_likelihood(std::span<const std::uint32_t> counts, std::size_t onset, double quiet, int power) {
-  const std::size_t length = counts.size() - onset;
   const auto shape = [&](std::size_t i) { return power == 0 ? 1.0 : static_cast<double>(i - onset) + 0.5; };
   double shape_sum = 0, count_sum = 0;
   for (std::size_t i = onset; i < counts.size(); ++i) {
@@ -31,7 +30,7 @@ double rise_likelihood(std::span<const std::uint32_t> counts, std::size_t onset,
   const double a = 0.5 * (low + high);
   double likelihood = -a * shape_sum;
   for (std::size_t i = onset; i < counts.size(); ++i) likelihood += counts[i] * std::log1p(a * shape(i) / quiet);
-  return length == 0 ? 0.0 : likelihood;
+  return likelihood;
 }
 
 /// How many bins hold enough to place the onset: up to where the events above the quiet rate stand out beyond doubt (Page's
