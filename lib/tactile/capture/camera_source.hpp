@@ -1,0 +1,70 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/events/event.hpp"
+#include "tactile/events/other_streams.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+/// Elements of one stream as a source hands them over, ascending in time. The vectors are used again from packet to packet.
+struct CameraPacket {
+  std::int32_t stream_id = 0;  ///< one of the source's streams
+  std::vector<Event> events;
+  std::vector<ImuSample> imu;
+  std::vector<Trigger> triggers;
+  std::optional<Frame> frame;
+
+  void clear() {
+    events.clear();
+    imu.clear();
+    triggers.clear();
+    frame.reset();
+  }
+};
+
+/// What was lost before it came to us, or was not fit to be recorded.
+struct SourceDrops {
+  std::uint64_t packets = 0;  ///< broken, or lost by the device's driver
+  std::uint64_t events = 0;   ///< outside the sensor
+};
+
+/// A live camera, or what stands for one. Used from one thread.
+class CameraSource {
+ public:
+  enum class Received : std::uint8_t { packet, nothing, ended };
+
+  virtual ~CameraSource() = default;
+
+  virtual std::string name() const = 0;  ///< as the user wrote it
+  virtual std::span<const Stream> streams() const = 0;
+  virtual bool simulated() const { return false; }
+  /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
+  virtual nlohmann::json camera() const = 0;
+
+  /// Waits up to `patience` for the next elements and puts them into `packet`. `ended`: nothing will come any more. Silence is
+  /// legal. @throws Error  if the source is gone or sends what cannot be
+  virtual Received receive(CameraPacket& packet, std::chrono::milliseconds patience) = 0;
+
+  virtual SourceDrops drops() const = 0;
+};
+
+struct CameraSourceOptions {
+  double speed = 1;          ///< of files and the simulator: 1 real time, 0 as fast as it goes, >= 0
+  std::uint64_t seed = 1;    ///< of the simulator
+  std::string readout_mode;  ///< of a camera, such as "variable-5000"; empty: the default
+};
+
+/// Opens `tcp://host:port`, `unix:PATH`, `file:PATH`, `sim[:OBJECT]` or `camera[:SERIAL]`.
+/// @throws Error  if `text` is none of these, or the source cannot be opened
+std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const CameraSourceOptions& options = {});
+
+}  // namespace tactile

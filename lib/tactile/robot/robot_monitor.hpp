@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactile {
+
+struct RobotMonitorOptions {
+  std::string host;
+  std::uint16_t port = 30004;
+  double frequency_hz = 0;                ///< 0: the controller's highest, 125 below version 5, else 500
+  std::vector<std::string> extra_fields;  ///< RTDE output names beyond the usual ones, such as those of --start-on
+  std::chrono::milliseconds patience{5'000};
+  /// Told, from the monitor's own thread: "robot gone (…), trying again", "robot is back after 2.1 s", text messages of the
+  /// robot.
+  std::function<void(const std::string&)> log;
+};
+
+/// How the robot's log goes.
+struct RobotMonitorState {
+  bool connected = false;
+  double rate_hz = 0;         ///< over the last second
+  std::uint64_t rows = 0;     ///< written to the present log
+  std::uint64_t gaps = 0;     ///< in the present log: more than 1.5 periods between two packages, or a broken connection
+  std::uint64_t missing = 0;  ///< packages that those gaps lack, by the controller's own clock where it did not restart
+  std::uint64_t reconnects = 0;
+  std::string controller;  ///< "3.15.8.106339"
+  std::string error;       ///< why the log cannot go on (a full disk); empty where it can
+};
+
+/// Listens to a UR controller by RTDE version 2 on a thread of its own, connects again whenever the connection is lost, and
+/// writes logs of what comes. It stays connected between logs, so that the robot can start and stop them.
+///
+/// A log has the columns that `read_robot_log` reads, by RTDE's names, `timestamp` as the controller counts it [s], and last
+/// `host_time_us`. Rows are written as they come and synced every second: a kill costs at most a second. A lost connection stands
+/// in the log as an empty line, which `read_robot_log` knows as a gap. Source: UR's RTDE guide, protocol version 2.
+class RobotMonitor {
+ public:
+  /// Connects and agrees on the recipe. @throws Error  if there is no controller, it speaks no RTDE 2, or lacks a needed field
+  explicit RobotMonitor(RobotMonitorOptions options);
+  ~RobotMonitor();
+  RobotMonitor(const RobotMonitor&) = delete;
+  RobotMonitor& operator=(const RobotMonitor&) = delete;
+
+  void start_log(const std::filesystem::path& file);  ///< @throws Error if it exists or cannot be made
+  void stop_log();                                    ///< writes and syncs what is left. @throws Error if that failed
+
+  RobotMonitorState state() const;
+  /// The newest value of a field, whole numbers and truth values too; nothing while disconnected. @throws Error if it was not
+  /// asked for
+  std::optional<double> newest(const std::string& field) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tactile
