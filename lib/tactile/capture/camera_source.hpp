@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/run_folder.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
@@ -55,6 +56,16 @@ class CameraSource {
   virtual Received receive(CameraPacket& packet, std::chrono::milliseconds patience) = 0;
 
   virtual SourceDrops drops() const = 0;
+
+  // A simulator knows the robot and the video too, and what is true: others leave these as they are.
+
+  /// What comes from here on belongs to this run, whose folder is there.
+  virtual void begin_run(const RunFolder& run) { static_cast<void>(run); }
+  /// The run's recording is closed: the files that only the source can make are written beside it, robot.csv and the video only
+  /// where they are wanted. @throws Error if they cannot be written
+  virtual void end_run(const RunFolder& run, bool wants_robot, bool wants_video) {
+    static_cast<void>(run), static_cast<void>(wants_robot), static_cast<void>(wants_video);
+  }
 };
 
 struct CameraSourceOptions {
