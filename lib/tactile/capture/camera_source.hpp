@@ -48,6 +48,9 @@ class CameraSource {
   virtual std::string name() const = 0;  ///< as the user wrote it
   virtual std::span<const Stream> streams() const = 0;
   virtual bool simulated() const { return false; }
+  /// Whether it goes on whether or not anyone keeps up, so that what is not taken in time is lost. A file or simulator that goes as
+  /// fast as it can waits instead.
+  virtual bool live() const { return true; }
   /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
   virtual nlohmann::json camera() const = 0;
 
