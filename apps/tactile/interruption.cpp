@@ -8,7 +8,7 @@ namespace {
 volatile std::sig_atomic_t raised = 0;
 
 void catch_signal(int number) {
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = [](int) { raised = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);  // once: a second signal finds the default action
   sigemptyset(&action.sa_mask);

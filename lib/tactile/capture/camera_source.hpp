@@ -48,8 +48,8 @@ class CameraSource {
   virtual std::string name() const = 0;  ///< as the user wrote it
   virtual std::span<const Stream> streams() const = 0;
   virtual bool simulated() const { return false; }
-  /// Whether it goes on whether or not anyone keeps up, so that what is not taken in time is lost. A file or simulator that goes as
-  /// fast as it can waits instead.
+  /// Whether it goes on whether or not anyone keeps up, so that what is not taken in time is lost. A file or simulator that goes
+  /// as fast as it can waits instead.
   virtual bool live() const { return true; }
   /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
   virtual nlohmann::json camera() const = 0;
@@ -62,6 +62,8 @@ class CameraSource {
 
   // A simulator knows the robot and the video too, and what is true: others leave these as they are.
 
+  /// Whether it begins anew with every `begin_run` after it has ended.
+  virtual bool begins_again() const { return false; }
   /// What comes from here on belongs to this run, whose folder is there.
   virtual void begin_run(const RunFolder& run) { static_cast<void>(run); }
   /// The run's recording is closed: the files that only the source can make are written beside it, robot.csv and the video only

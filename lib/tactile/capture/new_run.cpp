@@ -39,8 +39,8 @@ int next_number(const fs::path& object) {
 
 RunFolder make_run_folder(const fs::path& data, const std::string& object, const std::string& run) {
   if (!is_object_name(object)) {
-    throw Error(fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens, such as usb-hub",
-                            object));
+    throw Error(
+        fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
   }
   if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is no run; expected two digits, 01 to 99", run));
   std::error_code failed;

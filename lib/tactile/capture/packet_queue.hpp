@@ -45,7 +45,9 @@ class PacketQueue {
   bool is_open() const;
 
   std::size_t waiting_bytes() const { return waiting_bytes_.load(std::memory_order_relaxed); }
-  std::uint64_t packets_made() const { return made_.load(std::memory_order_relaxed); }  ///< ever, because none could be used again
+  std::uint64_t packets_made() const {
+    return made_.load(std::memory_order_relaxed);
+  }  ///< ever, because none could be used again
   std::size_t limit() const { return limit_; }
 
  private:

@@ -11,8 +11,8 @@ struct RobotBit {
   std::string field;       ///< RTDE's name, "output_bit_register_64", "actual_digital_output_bits"
   std::optional<int> bit;  ///< 0 to 63; the whole field if there is none
 
-  std::string text() const;                   ///< as it is written: "actual_digital_output_bits:3"
-  bool is_high(double value) const;           ///< of the field's value
+  std::string text() const;          ///< as it is written: "actual_digital_output_bits:3"
+  bool is_high(double value) const;  ///< of the field's value
 };
 
 /// @throws Error  if `text` is neither an RTDE output's name nor one with `:BIT` behind it, BIT from 0 to 63

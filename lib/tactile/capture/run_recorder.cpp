@@ -17,7 +17,7 @@
 #include "tactile/capture/packet_queue.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
-#include "tactile/core/sha256.hpp"
+#include "tactile/core/run_files.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/packet_compression.hpp"
@@ -63,15 +63,14 @@ std::vector<FileStream> streams_of(const std::vector<std::unique_ptr<CameraSourc
         return other.source_index != i && other.stream.type == stream.type && other.stream.source == stream.source;
       });
       if (twice != all.end()) {
-        throw Error(fmt::format("{}: has the {} of the camera '{}', which {} has too; expected each stream once", sources[i]->name(),
-                                name_of(stream.type), stream.source, sources[twice->source_index]->name()));
+        throw Error(fmt::format("{}: has the {} of the camera '{}', which {} has too; expected each stream once",
+                                sources[i]->name(), name_of(stream.type), stream.source, sources[twice->source_index]->name()));
       }
       all.push_back({.stream = stream, .source_index = i, .source_stream = stream.id, .begun = false, .newest = {}});
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const FileStream& a, const FileStream& b) {
-    return rank_of(a.stream.type) < rank_of(b.stream.type);
-  });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const FileStream& a, const FileStream& b) { return rank_of(a.stream.type) < rank_of(b.stream.type); });
   if (all.empty() || all.front().stream.type != StreamType::events || !all.front().stream.size) {
     throw Error(fmt::format("{}: brings no events of a sensor of known size; expected a source that does",
                             sources.empty() ? "no source" : sources.front()->name()));
@@ -172,13 +171,18 @@ class Receiver {
     ask([&] {
       source->begin_run(run);
       const std::scoped_lock lock(guard_);
-      if (error_.empty()) ended_at_.reset();  // a simulator begins anew; a file ends again at once
+      if (error_.empty() && source->begins_again()) ended_at_.reset();
       queue_full_ = {};
       drops_at_begin_ = drops_now_ = source->drops();
       hands_over_ = true;
     });
   }
   void pause() { hands_over_ = false; }
+  nlohmann::json camera() {
+    nlohmann::json camera;
+    ask([&] { camera = source->camera(); });
+    return camera;
+  }
 
   bool live() const { return live_; }
   std::optional<Steady::time_point> ended_at() const {
@@ -353,11 +357,10 @@ void OpenRun::write_all() {
       fail(e.what());
     }
   };
-  while (queue.pop(packet, std::chrono::duration_cast<std::chrono::milliseconds>(source_patience))) {
+  while (queue.pop(packet, source_patience)) {
     if (!packet.empty()) {
-      if (!failed) {
-        attempt([&] { write_packet(packet.front()); });
-      } else {
+      if (!failed) attempt([&] { write_packet(packet.front()); });
+      if (failed) {
         const std::scoped_lock lock(guard);
         so_far.drops.unwritten += count_of(packet.front().elements);
       }
@@ -596,9 +599,9 @@ RunInfo RunRecorder::State::info(bool complete) const {
   nlohmann::json sources = nlohmann::json::array();
   nlohmann::json camera;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
-    const CameraSource& source = *receivers[i]->source;
-    sources.push_back({{"source", source.name()}, {"camera", source.camera()}});
-    if (file_streams.front().source_index == i) camera = source.camera();
+    nlohmann::json told = receivers[i]->camera();
+    if (file_streams.front().source_index == i) camera = told;
+    sources.push_back({{"source", receivers[i]->source->name()}, {"camera", std::move(told)}});
   }
   const SensorSize size = *declared.front().size;
   return {.object = run.request.run.object,
@@ -641,11 +644,21 @@ RunRecorder::~RunRecorder() {
 const std::vector<Stream>& RunRecorder::streams() const { return state_->declared; }
 bool RunRecorder::simulated() const { return state_->is_simulated; }
 const RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
-std::string RunRecorder::gone() const { return state_->source_error(); }
+std::string RunRecorder::gone() const {
+  const State& state = *state_;
+  if (const std::string error = state.source_error(); !error.empty()) return error;
+  const bool again = std::any_of(state.receivers.begin(), state.receivers.end(),
+                                 [](const auto& receiver) { return receiver->source->begins_again(); });
+  return !again && state.sources_ended() ? "source ended" : "";
+}
 
 void RunRecorder::begin(const RunRequest& request) {
   State& state = *state_;
   if (state.open) throw Error(request.run.name() + ": a run is being recorded already; expected it to end first");
+  std::error_code failed;
+  if (!fs::is_empty(request.run.folder, failed) || failed) {
+    throw Error(request.run.folder.string() + ": is no empty folder; expected one that was made for this run");
+  }
   state.queue.open();
   bool robot_logs = false, video_films = false;
   try {
@@ -741,9 +754,7 @@ RunSummary RunRecorder::end(const std::string& why) {
     summary.video = state.video->state();
   }
   for (const auto& receiver : state.receivers) {
-    attempt([&] {
-      receiver->ask([&] { receiver->source->end_run(run.request.run, !state.robot, !state.video); });
-    });
+    attempt([&] { receiver->ask([&] { receiver->source->end_run(run.request.run, !state.robot, !state.video); }); });
   }
 
   summary.events = written.events;
@@ -752,12 +763,13 @@ RunSummary RunRecorder::end(const std::string& why) {
   if (written.first) summary.span = between(*written.first, *written.last);
   nlohmann::json files = nlohmann::json::object();
   attempt([&] {
+    std::vector<fs::path> made;
     for (const fs::directory_entry& entry : fs::directory_iterator(run.request.run.folder)) {
       if (!entry.is_regular_file() || entry.path() == run.request.run.info()) continue;
-      const std::uint64_t bytes = entry.file_size();
-      summary.bytes += bytes;
-      files[entry.path().filename().string()] = {{"sha256", sha256_of_file(entry.path())}, {"bytes", bytes}};
+      made.push_back(entry.path());
+      summary.bytes += size_of(entry.path());
     }
+    files = files_json(made);
   });
   summary.ended = summary.errors.empty() ? why : summary.errors.front();
 
@@ -768,9 +780,8 @@ RunSummary RunRecorder::end(const std::string& why) {
   info.extra["dropped"]["robot_packages"] = summary.robot ? summary.robot->missing : 0;
   info.extra["dropped"]["frames"] = summary.video ? summary.video->dropped : 0;
   if (summary.robot) {
-    info.extra["robot"] = {{"controller", summary.robot->controller},
-                           {"rows", summary.robot->rows},
-                           {"reconnects", summary.robot->reconnects}};
+    info.extra["robot"] = {
+        {"controller", summary.robot->controller}, {"rows", summary.robot->rows}, {"reconnects", summary.robot->reconnects}};
   }
   if (summary.video) info.extra["video"] = {{"frames", summary.video->frames}};
   info.extra["files"] = files;

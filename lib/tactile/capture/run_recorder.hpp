@@ -86,14 +86,15 @@ struct RunSummary {
 
 /// Records runs, one after the other, from sources that stay open in between; what they send then is discarded.
 ///
-/// Each source is received on a thread of its own, which never waits for the disk: a queue of bounded memory stands between it and
-/// the thread that writes. Where that falls behind the queue grows, then whole packets are dropped and counted. A source that is not
-/// live waits instead. Events, IMU samples, triggers and frames of all sources go into one recording, with ids in this order;
-/// elements that step back in time or do not fit their stream are left out and counted. The recording, the robot's log and the film
-/// bear their final names from the first byte and are brought to the disk every second, from a thread that only does that.
+/// Each source is received on a thread of its own, which never waits for the disk: a queue of bounded memory stands between it
+/// and the thread that writes. Where that falls behind the queue grows, then whole packets are dropped and counted. A source that
+/// is not live waits instead. Events, IMU samples, triggers and frames of all sources go into one recording, with ids in this
+/// order; elements that step back in time or do not fit their stream are left out and counted. The recording, the robot's log and
+/// the film bear their final names from the first byte and are brought to the disk every second, from a thread that only does
+/// that.
 ///
-/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Whatever goes
-/// wrong, what came until then is kept and readable.
+/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Whatever
+/// goes wrong, what came until then is kept and readable.
 class RunRecorder {
  public:
   /// The robot and the film may be missing.
@@ -116,7 +117,7 @@ class RunRecorder {
   /// wrong outside: the summary says it.
   RunSummary end(const std::string& why);
 
-  std::string gone() const;  ///< why no further run can be recorded, "source gone: …"; empty while one can
+  std::string gone() const;  ///< why no further run can be recorded: "source ended", "source gone: …"; empty while one can
 
  private:
   struct State;

@@ -26,8 +26,8 @@ SessionPlan::Object read_object(const nlohmann::json& json, const std::string& w
   check_keys(json, {"name", "runs"}, where);
   SessionPlan::Object object{.name = member<std::string>(json, "name", where), .runs = 1};
   if (!is_object_name(object.name)) {
-    throw Error(fmt::format("{}: '{}' is no object's name; expected lower-case letters, digits and inner hyphens", where,
-                            object.name));
+    throw Error(
+        fmt::format("{}: '{}' is no object's name; expected lower-case letters, digits and inner hyphens", where, object.name));
   }
   if (json.contains("runs")) {
     if (!json["runs"].is_number_integer() || json["runs"] < 1 || json["runs"] > 99) {
