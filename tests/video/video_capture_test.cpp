@@ -3,10 +3,13 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -273,6 +276,46 @@ TEST_F(VideoCaptureTest, KeepsWhatIsFilmedWhenItGoesWithoutBeingStopped) {
   }
   EXPECT_GE(read_video_times(csv).size(), 10U);
   EXPECT_EQ(test::decoded_times(mp4), read_video_times(csv));
+}
+
+/// For its lifetime no file grows beyond `bytes`: what a full disk looks like to a writer.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(VideoCaptureTest, KeepsWhatADiskTookBeforeItWasFull) {
+  test::write_film(folder / "source.mp4", test::uneven_times(2000, 33ms));
+  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 30, .quality = 10, .log = keeper()});
+  {
+    const FullDisk full(60'000);
+    capture.start_film(mp4, csv);
+    wait_until(capture, [](const VideoCaptureState& state) { return !state.error.empty() && state.dropped > 5; });
+    EXPECT_TRUE(capture.state().running) << "the source is still there";
+    EXPECT_THROW(capture.stop_film(), Error);
+  }
+  ASSERT_EQ(logged.size(), 1U);
+  EXPECT_NE(logged[0].find("video.mp4"), std::string::npos) << logged[0];
+  const std::vector<VideoTime> rows = read_video_times(csv), frames = test::decoded_times(mp4);
+  EXPECT_GT(frames.size(), 30U) << "at least a fragment";
+  EXPECT_LE(rows.size() - frames.size(), 62U) << "no more than two fragments are lost";
+  EXPECT_TRUE(std::equal(frames.begin(), frames.end(), rows.begin()));
+
+  capture.start_film(folder / "next.mp4", folder / "next.csv");
+  EXPECT_TRUE(capture.state().error.empty());
+  wait_until(capture, [](const VideoCaptureState& state) { return state.frames > 5; });
+  EXPECT_NO_THROW(capture.stop_film());
 }
 
 TEST_F(VideoCaptureTest, GoesWithoutEverHavingFilmed) {
