@@ -15,32 +15,14 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/network/deadline.hpp"
 
 namespace tactile {
 namespace {
 
-using SteadyClock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using StreamSocket = asio::generic::stream_protocol::socket;
 using Endpoint = asio::generic::stream_protocol::endpoint;
-
-/// The most that anyone waits for anything: a patience without end would run over the clock's own.
-constexpr milliseconds longest_wait = std::chrono::hours(24);
-
-SteadyClock::time_point deadline_after(milliseconds patience) {
-  return SteadyClock::now() + std::clamp(patience, milliseconds(0), longest_wait);
-}
-
-/// What is left until `deadline`, rounded up, so that a wait of it never ends before.
-milliseconds left_until(SteadyClock::time_point deadline) {
-  return std::max(std::chrono::ceil<milliseconds>(deadline - SteadyClock::now()), milliseconds(0));
-}
-
-std::string seconds_text(milliseconds patience) {
-  std::string text = std::to_string(patience.count() / 1000);
-  if (const auto rest = patience.count() % 1000; rest != 0) text += "." + std::to_string(1000 + rest).substr(1);
-  return text + " s";
-}
 
 struct Names {
   std::vector<Endpoint> endpoints;
@@ -141,7 +123,7 @@ void Connection::State::open(milliseconds patience) {
   const SteadyClock::time_point deadline = deadline_after(patience);
   const std::vector<Endpoint> endpoints =
       is_unix ? std::vector<Endpoint>{asio::local::stream_protocol::endpoint(address.path.string())}
-              : endpoints_of(address, std::clamp(patience, milliseconds(0), longest_wait));
+              : endpoints_of(address, left_until(deadline));
   std::string why;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     // An address that does not answer leaves their share to the others.
