@@ -41,7 +41,8 @@ double travelled(double since_start_s) {
   const double rising = std::min(t, ramp_s);
   const double falling = std::max(0.0, t - (lift_length_s - ramp_s));
   const double level = std::clamp(t - ramp_s, 0.0, lift_length_s - 2 * ramp_s);
-  return lift_acceleration * rising * rising / 2 + lift_speed * level + lift_speed * falling - lift_acceleration * falling * falling / 2;
+  return lift_acceleration * rising * rising / 2 + lift_speed * level + lift_speed * falling -
+         lift_acceleration * falling * falling / 2;
 }
 
 const std::map<std::string, RtdeFieldType>& plain_outputs() {
@@ -51,14 +52,31 @@ const std::map<std::string, RtdeFieldType>& plain_outputs() {
     const auto all = [&](RtdeFieldType type, std::initializer_list<const char*> names) {
       for (const char* name : names) types[name] = type;
     };
-    all(real, {"timestamp", "actual_execution_time", "speed_scaling", "target_speed_fraction", "actual_momentum", "actual_main_voltage",
-               "actual_robot_voltage", "actual_robot_current", "standard_analog_input0", "standard_analog_input1",
-               "standard_analog_output0", "standard_analog_output1", "io_current", "tool_analog_input0", "tool_analog_input1",
-               "tool_output_current", "tool_temperature", "tcp_force_scalar", "payload", "joint_position_deviation_ratio",
+    all(real, {"timestamp",
+               "actual_execution_time",
+               "speed_scaling",
+               "target_speed_fraction",
+               "actual_momentum",
+               "actual_main_voltage",
+               "actual_robot_voltage",
+               "actual_robot_current",
+               "standard_analog_input0",
+               "standard_analog_input1",
+               "standard_analog_output0",
+               "standard_analog_output1",
+               "io_current",
+               "tool_analog_input0",
+               "tool_analog_input1",
+               "tool_output_current",
+               "tool_temperature",
+               "tcp_force_scalar",
+               "payload",
+               "joint_position_deviation_ratio",
                "collision_detection_ratio"});
-    all(vector6, {"target_q", "target_qd", "target_qdd", "target_current", "target_moment", "actual_q", "actual_qd", "actual_current",
-                  "actual_current_as_torque", "joint_control_output", "actual_TCP_pose", "actual_TCP_speed", "actual_TCP_force",
-                  "target_TCP_pose", "target_TCP_speed", "joint_temperatures", "actual_joint_voltage", "ft_raw_wrench", "payload_inertia"});
+    all(vector6, {"target_q", "target_qd", "target_qdd", "target_current", "target_moment", "actual_q", "actual_qd",
+                  "actual_current", "actual_current_as_torque", "joint_control_output", "actual_TCP_pose", "actual_TCP_speed",
+                  "actual_TCP_force", "target_TCP_pose", "target_TCP_speed", "joint_temperatures", "actual_joint_voltage",
+                  "ft_raw_wrench", "payload_inertia"});
     all(vector3, {"actual_tool_accelerometer", "payload_cog", "elbow_position", "elbow_velocity"});
     all(vector6_int32, {"joint_mode"});
     all(uint64, {"actual_digital_input_bits", "actual_digital_output_bits"});
@@ -145,7 +163,8 @@ RtdeSetupReply types_for(const RtdeOutputsRequest& request, const std::vector<st
   RtdeSetupReply reply{.recipe_id = 1, .types = {}};
   recipe = {.id = 1, .fields = {}};
   for (const std::string& name : request.names) {
-    const auto type = std::find(not_found.begin(), not_found.end(), name) == not_found.end() ? fake_output_type(name) : std::nullopt;
+    const auto type =
+        std::find(not_found.begin(), not_found.end(), name) == not_found.end() ? fake_output_type(name) : std::nullopt;
     reply.types.emplace_back(type ? name_of(*type) : "NOT_FOUND");
     if (type) {
       recipe.fields.push_back({name, *type});
@@ -170,8 +189,10 @@ std::vector<RtdeNumber> numbers_for(const RtdeRecipe& recipe, double timestamp, 
 std::vector<std::byte> fake_session(std::size_t packages) {
   std::vector<std::byte> bytes;
   const auto add = [&](const std::vector<std::byte>& package) { bytes.insert(bytes.end(), package.begin(), package.end()); };
-  const RtdeOutputsRequest request{500, {"timestamp", "actual_TCP_pose", "actual_TCP_speed", "actual_digital_output_bits", "joint_mode",
-                                         "robot_mode", "runtime_state", "actual_tool_accelerometer", "output_bit_register_64"}};
+  const RtdeOutputsRequest request{
+      500,
+      {"timestamp", "actual_TCP_pose", "actual_TCP_speed", "actual_digital_output_bits", "joint_mode", "robot_mode",
+       "runtime_state", "actual_tool_accelerometer", "output_bit_register_64"}};
   RtdeRecipe recipe;
   const RtdeSetupReply reply = types_for(request, {}, recipe);
   add(rtde_accepted_reply(RtdePackageType::protocol_version, true));
@@ -193,7 +214,7 @@ struct Shared {
   FakeControllerOptions options;
   Random random{1};
   SteadyClock::time_point begin = SteadyClock::now();
-  double clock_base = 0;        ///< timestamp at tick `clock_begin`
+  double clock_base = 0;  ///< timestamp at tick `clock_begin`
   std::int64_t clock_begin = 0;
   bool restart_wanted = false;
   bool stalled = false;
@@ -290,7 +311,8 @@ class Client : public std::enable_shared_from_this<Client> {
         const RtdeOutputsRequest request = outputs_request_in(package.payload);
         RtdeSetupReply reply = types_for(request, shared_.options.not_found, recipe_);
         if (!(request.frequency_hz > 0 && request.frequency_hz <= shared_.options.highest_hz)) {
-          send(rtde_text_message({fmt::format("{} Hz is more than {}", request.frequency_hz, shared_.options.highest_hz), "RTDE", 1}));
+          send(rtde_text_message(
+              {fmt::format("{} Hz is more than {}", request.frequency_hz, shared_.options.highest_hz), "RTDE", 1}));
           reply.recipe_id = 0;
         }
         valid_ = reply.recipe_id != 0;

@@ -718,7 +718,10 @@ RunSummary RunRecorder::end(const std::string& why) {
   State& state = *state_;
   if (!state.open) throw Error("run: none is being recorded; expected one that was begun");
   OpenRun& run = *state.open;
-  RunSummary summary{.run = run.request.run, .session = run.request.session, .simulated = state.is_simulated};
+  RunSummary summary;
+  summary.run = run.request.run;
+  summary.session = run.request.session;
+  summary.simulated = state.is_simulated;
   bool whole = true;
   const auto attempt = [&](const auto& step) {
     try {

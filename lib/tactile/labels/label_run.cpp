@@ -201,8 +201,8 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   if (std::filesystem::exists(run.robot())) {
     log = read_robot_log(run.robot());
     if (log.restarts > 0) {
-      flag(fmt::format("the robot's clock starts anew {} times within its log: {} rows of other clocks are not used", log.restarts,
-                       log.left_out_rows));
+      flag(fmt::format("the robot's clock starts anew {} times within its log: {} rows of other clocks are not used",
+                       log.restarts, log.left_out_rows));
     }
     if (!log.gaps.empty()) {
       const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {

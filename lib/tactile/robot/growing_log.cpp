@@ -145,9 +145,10 @@ void GrowingLog::State::stop() {
 GrowingLog::GrowingLog(const fs::path& file, std::string_view header) : state_(std::make_unique<State>()) {
   state_->file = file;
   const auto refuse = [&](int reason) {
-    throw Error(reason == EEXIST ? fmt::format("{}: exists already; expected a new name, a log is never written over", file.string())
-                                 : fmt::format("{}: cannot be made ({}); expected a writable place with room", file.string(),
-                                               std::strerror(reason)));
+    throw Error(
+        reason == EEXIST
+            ? fmt::format("{}: exists already; expected a new name, a log is never written over", file.string())
+            : fmt::format("{}: cannot be made ({}); expected a writable place with room", file.string(), std::strerror(reason)));
   };
   std::error_code failed;
   if (fs::exists(fs::symlink_status(file, failed))) refuse(EEXIST);
@@ -174,8 +175,9 @@ void GrowingLog::append(std::string_view lines) {
   const std::lock_guard lock(state_->mutex);
   if (!state_->error.empty()) return;
   if (state_->waiting.size() + lines.size() > most_waiting) {
-    state_->error = fmt::format("{}: the disk is too slow: {} MB wait to be written; expected it to keep up. What was written is kept",
-                                state_->file.string(), most_waiting >> 20);
+    state_->error =
+        fmt::format("{}: the disk is too slow: {} MB wait to be written; expected it to keep up. What was written is kept",
+                    state_->file.string(), most_waiting >> 20);
     return;
   }
   state_->waiting += lines;

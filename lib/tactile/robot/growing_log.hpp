@@ -22,7 +22,7 @@ class GrowingLog {
   /// Whole lines, each with its end. Never waits for the disk; does nothing once the log has failed.
   void append(std::string_view lines);
 
-  void close();               ///< writes and syncs what is left. @throws Error if the log failed
+  void close();                ///< writes and syncs what is left. @throws Error if the log failed
   std::uint64_t rows() const;  ///< written, the header and empty lines left out
   std::string error() const;   ///< why nothing more is written; empty while all is well
 

@@ -174,9 +174,8 @@ class Pieces {
 
   /// The longest piece, and what the others were.
   RobotLog log() {
-    const auto longest = std::max_element(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) {
-      return a.states.size() < b.states.size();
-    });
+    const auto longest = std::max_element(pieces_.begin(), pieces_.end(),
+                                          [](const Piece& a, const Piece& b) { return a.states.size() < b.states.size(); });
     RobotLog log;
     log.restarts = pieces_.size() - 1;
     for (const Piece& piece : pieces_) log.left_out_rows += &piece == &*longest ? 0 : piece.states.size();

@@ -24,16 +24,24 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::array<std::string_view, 3> needed_fields{"timestamp", "actual_TCP_pose", "actual_TCP_speed"};
-constexpr std::array<std::string_view, 18> usual_fields{
-    "timestamp",        "target_q",
-    "actual_q",         "actual_qd",
-    "actual_TCP_pose",  "actual_TCP_speed",
-    "actual_TCP_force", "actual_tool_accelerometer",
-    "speed_scaling",    "runtime_state",
-    "robot_mode",       "safety_mode",
-    "safety_status",    "actual_digital_input_bits",
-    "actual_digital_output_bits", "output_bit_registers0_to_31",
-    "output_bit_registers32_to_63", "output_int_register_0"};
+constexpr std::array<std::string_view, 18> usual_fields{"timestamp",
+                                                        "target_q",
+                                                        "actual_q",
+                                                        "actual_qd",
+                                                        "actual_TCP_pose",
+                                                        "actual_TCP_speed",
+                                                        "actual_TCP_force",
+                                                        "actual_tool_accelerometer",
+                                                        "speed_scaling",
+                                                        "runtime_state",
+                                                        "robot_mode",
+                                                        "safety_mode",
+                                                        "safety_status",
+                                                        "actual_digital_input_bits",
+                                                        "actual_digital_output_bits",
+                                                        "output_bit_registers0_to_31",
+                                                        "output_bit_registers32_to_63",
+                                                        "output_int_register_0"};
 constexpr std::string_view usual_register = "output_double_register_0";
 
 constexpr double old_highest_hz = 125, highest_hz = 500;
@@ -64,7 +72,8 @@ std::string joined(const std::vector<std::string>& names) {
 
 /// A controller's words, fit for a terminal.
 std::string printable(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   return text;
 }
 
@@ -111,7 +120,8 @@ class Session {
         } else if (reply.types[i] == "NOT_FOUND") {
           agreed.unknown.push_back(names[i]);
         } else {
-          refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", names[i], printable(reply.types[i])));
+          refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", names[i],
+                             printable(reply.types[i])));
         }
       }
     }
@@ -127,7 +137,8 @@ class Session {
   void start() {
     send(rtde_bare_request(RtdePackageType::start));
     if (!answer_to(RtdePackageType::start, "request to start", accepted_in))
-      refuse(fmt::format("the controller refuses to start sending{}; expected it to", last_words_.empty() ? "" : " (" + last_words_ + ")"));
+      refuse(fmt::format("the controller refuses to start sending{}; expected it to",
+                         last_words_.empty() ? "" : " (" + last_words_ + ")"));
   }
 
   void pause() {
@@ -171,8 +182,8 @@ class Session {
   void send(const std::vector<std::byte>& package) { connection_.send(package, patience_); }
 
   /// Data of an earlier start may still be on its way.
-  template <class Read>
-  auto answer_to(RtdePackageType type, std::string_view what, Read read) {
+  template <class Answer>
+  Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>)) {
     const auto deadline = std::chrono::steady_clock::now() + patience_;
     for (;;) {
       while (const auto package = next()) {
@@ -273,7 +284,8 @@ void RobotMonitor::State::first_connection() {
     session = std::make_unique<Session>(address, options.patience, told);
     agreed = session->agree(fields, options.frequency_hz);
     if (!agreed.unknown.empty())
-      throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(), joined(agreed.unknown)));
+      throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(),
+                              joined(agreed.unknown)));
   }
 
   columns = columns_of(agreed.recipe);
@@ -288,7 +300,8 @@ void RobotMonitor::State::first_connection() {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& name = columns[i];
     if (name == "timestamp") time_column = i;
-    if (name == "timestamp" || name.starts_with("actual_TCP_pose_") || name.starts_with("actual_TCP_speed_")) needed_columns.push_back(i);
+    if (name == "timestamp" || name.starts_with("actual_TCP_pose_") || name.starts_with("actual_TCP_speed_"))
+      needed_columns.push_back(i);
   }
   session->start();
   take(agreed);
@@ -305,7 +318,8 @@ void RobotMonitor::State::connect_again() {
     }
     pause = std::min(2 * pause, longest_pause);
     try {
-      session = std::make_unique<Session>(address, std::min(options.patience, attempt_patience), [this](const std::string& text) { tell(text); });
+      session = std::make_unique<Session>(address, std::min(options.patience, attempt_patience),
+                                          [this](const std::string& text) { tell(text); });
       const Agreement agreed = session->agree(fields, options.frequency_hz);
       if (!agreed.unknown.empty() || !same_fields(agreed.recipe, recipe))
         throw Error(address.text() + ": the controller offers other outputs than before; expected the same as at the start");
@@ -372,7 +386,8 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
     return std::isfinite(number) && (i != time_column || std::abs(number) <= latest_timestamp_s);
   });
   if (!usable) {  // a row that no reader takes would spoil the whole log
-    if (!std::exchange(told_of_bad_numbers, true)) tell("the robot sends times, poses or speeds that are no numbers: such rows are left out");
+    if (!std::exchange(told_of_bad_numbers, true))
+      tell("the robot sends times, poses or speeds that are no numbers: such rows are left out");
     return;
   }
   const std::lock_guard lock(mutex);
@@ -400,7 +415,8 @@ void RobotMonitor::State::run() {
         heard = arrival;
         while (const auto package = session->next()) take_package(*package, arrival);
       } else if (host_now() - heard > options.patience) {
-        throw Error(fmt::format("{}: nothing came for {} s", address.text(), static_cast<double>(options.patience.count()) / 1e3));
+        throw Error(
+            fmt::format("{}: nothing came for {} s", address.text(), static_cast<double>(options.patience.count()) / 1e3));
       }
     } catch (const Error& e) {
       lose_connection();
@@ -470,8 +486,8 @@ RobotMonitorState RobotMonitor::state() const {
   const std::lock_guard lock(state_->mutex);
   RobotMonitorState shown = state_->shown;
   const HostTime second_ago = host_now() - 1s;
-  shown.rate_hz = static_cast<double>(std::count_if(state_->arrivals.begin(), state_->arrivals.end(),
-                                                    [&](HostTime arrival) { return arrival > second_ago; }));
+  shown.rate_hz = static_cast<double>(
+      std::count_if(state_->arrivals.begin(), state_->arrivals.end(), [&](HostTime arrival) { return arrival > second_ago; }));
   if (state_->log) {
     shown.rows = state_->log->rows();
     shown.error = state_->log->error();
@@ -482,7 +498,8 @@ RobotMonitorState RobotMonitor::state() const {
 std::optional<double> RobotMonitor::newest(const std::string& field) const {
   const auto column = std::find(state_->columns.begin(), state_->columns.end(), field);
   if (column == state_->columns.end())
-    throw Error(fmt::format("the robot sends no '{}'; expected an RTDE output of one number that it has and that was asked for", field));
+    throw Error(
+        fmt::format("the robot sends no '{}'; expected an RTDE output of one number that it has and that was asked for", field));
   const std::lock_guard lock(state_->mutex);
   if (!state_->shown.connected || state_->newest.empty()) return std::nullopt;
   return as_double(state_->newest[static_cast<std::size_t>(column - state_->columns.begin())]);

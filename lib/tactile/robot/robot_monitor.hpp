@@ -17,8 +17,8 @@ struct RobotMonitorOptions {
   double frequency_hz = 0;                ///< 0: the controller's highest, 125 below version 5, else 500
   std::vector<std::string> extra_fields;  ///< RTDE output names beyond the usual ones, such as those of --start-on
   std::chrono::milliseconds patience{5'000};
-  /// Told, from the monitor's own thread once it runs: "robot gone (…), trying again", "robot is back after 2.1 s", text messages of the
-  /// robot.
+  /// Told, from the monitor's own thread once it runs: "robot gone (…), trying again", "robot is back after 2.1 s", text messages
+  /// of the robot.
   std::function<void(const std::string&)> log;
 };
 

@@ -56,9 +56,7 @@ void put(std::vector<std::byte>& bytes, std::string_view text) {
 }
 
 /// A package whose size is not known yet; `finished` puts it in.
-std::vector<std::byte> package_of(RtdePackageType type) {
-  return {std::byte{0}, std::byte{0}, static_cast<std::byte>(type)};
-}
+std::vector<std::byte> package_of(RtdePackageType type) { return {std::byte{0}, std::byte{0}, static_cast<std::byte>(type)}; }
 
 std::vector<std::byte> finished(std::vector<std::byte> package) {
   if (package.size() > longest_package)
@@ -93,7 +91,8 @@ class Payload {
   template <std::unsigned_integral T>
   T number() {
     T value = 0;
-    for (const std::byte byte : take(sizeof(T))) value = static_cast<T>(static_cast<std::uint64_t>(value) << 8 | std::to_integer<T>(byte));
+    for (const std::byte byte : take(sizeof(T)))
+      value = static_cast<T>(static_cast<std::uint64_t>(value) << 8 | std::to_integer<T>(byte));
     return value;
   }
 
@@ -111,7 +110,8 @@ class Payload {
  private:
   std::span<const std::byte> take(std::size_t size) {
     if (size > bytes_.size())
-      throw Error(fmt::format("{} that ends too early: {} bytes are left where {} belong; expected RTDE version 2", what_, bytes_.size(), size));
+      throw Error(fmt::format("{} that ends too early: {} bytes are left where {} belong; expected RTDE version 2", what_,
+                              bytes_.size(), size));
     const auto taken = bytes_.first(size);
     bytes_ = bytes_.subspan(size);
     return taken;
@@ -145,7 +145,8 @@ std::optional<RtdePackage> RtdeReassembly::next() {
 std::string_view name_of(RtdeFieldType type) { return row_of(type).name; }
 
 std::optional<RtdeFieldType> rtde_field_type_called(std::string_view name) {
-  const auto found = std::find_if(field_types.begin(), field_types.end(), [&](const FieldTypeRow& row) { return row.name == name; });
+  const auto found =
+      std::find_if(field_types.begin(), field_types.end(), [&](const FieldTypeRow& row) { return row.name == name; });
   return found == field_types.end() ? std::nullopt : std::optional(found->type);
 }
 
@@ -280,6 +281,7 @@ RtdeOutputsRequest outputs_request_in(std::span<const std::byte> request) {
   RtdeOutputsRequest outputs;
   outputs.frequency_hz = std::bit_cast<double>(payload.number<std::uint64_t>());
   outputs.names = parted(payload.rest());
+  if (!outputs.names.empty() && outputs.names.back().empty()) outputs.names.pop_back();  // some clients end the list with a comma
   return outputs;
 }
 
