@@ -167,9 +167,7 @@ void record(RecordArguments args, const CommonArguments& common) {
     sources.push_back(open_camera_source(text, {.speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode}));
   }
   RunRecorder recorder(std::move(sources), std::move(robot), std::move(video),
-                       {.queue_bytes = args.queue_mb << 20,
-                        .compression = compression_named(args.compression),
-                        .log = [&line](const std::string& text) { line.warn(text); }});
+                       {.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
   const std::vector<RunSummary> runs = record_runs(recorder, wanted, line);
 
   std::string text;
