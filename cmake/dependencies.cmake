@@ -28,5 +28,5 @@ find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
 find_package(Torch REQUIRED)
 set(TACTILE_TORCH_VERSION "${Torch_VERSION}")
 
-# The camera driver is not in Debian: used where it is found.
-find_package(libcaer QUIET)
+# The camera driver is not in Debian: used where it is found. Earlier ones lack the DVXplorer Mini.
+find_package(libcaer 3.3.14 QUIET)
