@@ -66,7 +66,7 @@ TEST_P(ReplayOf, HasEveryElementOnceInOrderInPacketsShorterThanTenMilliseconds) 
   const test::TemporaryFolder folder;
   const fs::path file = folder / "a.aedat4";
   write_camera(file, GetParam(), 1 << 20);
-  const auto source = open_file_source("file:a", file, 0);
+  const auto source = open_file_source("file:a", file, {.speed = 0});
   ASSERT_EQ(source->streams().size(), 3U);
   EXPECT_FALSE(source->live());
   const test::Received all = test::receive_all(*source);
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Packets, ReplayOf,
 TEST(FileSource, LeavesShortPacketsAsTheyAreStored) {
   const test::TemporaryFolder folder;
   write_camera(folder / "a.aedat4", 3ms);
-  const auto source = open_file_source("file:a", folder / "a.aedat4", 0);
+  const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 0});
   const test::Received all = test::receive_all(*source);
   EXPECT_EQ(all.order.size(), test::packets_of(folder / "a.aedat4").size());
 }
@@ -96,7 +96,7 @@ TEST(FileSource, LeavesShortPacketsAsTheyAreStored) {
 TEST(FileSource, TakesItsOwnTimeOverTheSpeed) {
   const test::TemporaryFolder folder;
   write_camera(folder / "a.aedat4");
-  const auto source = open_file_source("file:a", folder / "a.aedat4", 2);
+  const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 2});
   EXPECT_TRUE(source->live());
   const auto begun = std::chrono::steady_clock::now();
   const test::Received all = test::receive_all(*source);
@@ -107,7 +107,7 @@ TEST(FileSource, TakesItsOwnTimeOverTheSpeed) {
 TEST(FileSource, GivesNothingWhileNothingIsDueAndLosesNothingByIt) {
   const test::TemporaryFolder folder;
   write_camera(folder / "a.aedat4");
-  const auto source = open_file_source("file:a", folder / "a.aedat4", 0.5);
+  const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 0.5});
   test::Received all;
   CameraPacket packet;
   int nothing = 0;
@@ -126,23 +126,23 @@ TEST(FileSource, SaysWhatItReplaysAndWhetherAnyCameraSawIt) {
   const fs::path run = folder / "fan" / "01";
   fs::create_directories(run);
   write_camera(run / "events.aedat4");
-  EXPECT_FALSE(open_file_source("file:x", run, 0)->simulated());
+  EXPECT_FALSE(open_file_source("file:x", run, {.speed = 0})->simulated());
   write_json(run / "run.json", {{"simulated", true}, {"camera", {{"readout_mode", "constant-500"}, {"source", "other"}}}});
-  const auto source = open_file_source("file:x", run, 0);
+  const auto source = open_file_source("file:x", run, {.speed = 0});
   EXPECT_EQ(source->name(), "file:x");
   EXPECT_TRUE(source->simulated());
   EXPECT_EQ(source->camera().at("source"), "DVXplorer_DXM00001") << "the stream knows best";
   EXPECT_EQ(source->camera().at("readout_mode"), "constant-500");
   EXPECT_EQ(source->camera().at("replay_of"), (run / "events.aedat4").string());
   write_whole(run / "run.json", "{ no JSON");
-  EXPECT_FALSE(open_file_source("file:x", run, 0)->simulated());
+  EXPECT_FALSE(open_file_source("file:x", run, {.speed = 0})->simulated());
 
   Stream stream = event_stream_declaration({640, 480}, "DVXplorer_SIM00001");
   stream.info = {{"simulated", "true"}, {"readoutMode", "constant"}};
   RecordingWriter writer(folder / "sim.aedat4", {stream});
   writer.write_events(0, test::steady_events(10, 0, 10, {640, 480}));
   writer.close();
-  const auto attributed = open_file_source("file:sim", folder / "sim.aedat4", 0);
+  const auto attributed = open_file_source("file:sim", folder / "sim.aedat4", {.speed = 0});
   EXPECT_TRUE(attributed->simulated());
   EXPECT_EQ(attributed->camera().at("readout_mode"), "constant");
 }
@@ -151,7 +151,7 @@ TEST(FileSource, WantsOneCamera) {
   const test::TemporaryFolder folder;
   write_events_of(folder / "two.aedat4", {"DVXplorer_A", "DVXplorer_B"});
   try {
-    open_file_source("file:two", folder / "two.aedat4", 0);
+    open_file_source("file:two", folder / "two.aedat4", {.speed = 0});
     FAIL() << "it was opened";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("DVXplorer_B"), std::string::npos) << error.what();
@@ -165,7 +165,7 @@ TEST(FileSource, LeavesOutAndCountsWhatCannotBeRecorded) {
   const PacketRecord packet = test::packets_of(file).front();
   test::overwrite(file, test::event_offset(packet, 50), std::int64_t{1'100});    // a step back
   test::overwrite(file, test::event_offset(packet, 60) + 8, std::int16_t{640});  // beside the sensor
-  const auto source = open_file_source("file:bad", file, 0);
+  const auto source = open_file_source("file:bad", file, {.speed = 0});
   const test::Received all = test::receive_all(*source);
   EXPECT_EQ(all.streams.at(0).events.size(), 98U);
   EXPECT_EQ(source->drops().events, 2U);
@@ -174,7 +174,7 @@ TEST(FileSource, LeavesOutAndCountsWhatCannotBeRecorded) {
 TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
   for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4", "dv-none.aedat4"}) {
     const fs::path file = fs::path(TACTILE_TEST_DATA) / "aedat4" / name;
-    const auto source = open_file_source(name, file, 0);
+    const auto source = open_file_source(name, file, {.speed = 0});
     const test::Received all = test::receive_all(*source);
     test::RecordingContents stored = test::contents_of(file);
     std::vector<Event> events;

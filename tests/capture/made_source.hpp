@@ -13,7 +13,7 @@
 
 namespace tactile::test {
 
-/// A camera that does what a test tells it to, on the recorder's thread.
+/// A camera that does what a test tells it to, on the recorder's thread; before the first run it is silent.
 class MadeSource : public CameraSource {
  public:
   using Step = std::function<Received(CameraPacket& packet, std::chrono::milliseconds patience)>;
@@ -25,28 +25,32 @@ class MadeSource : public CameraSource {
   std::span<const Stream> streams() const override { return streams_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return {{"source", streams_.front().source}, {"readout_mode", "made"}}; }
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override { return step_(packet, patience); }
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    return begun_ ? step_(packet, patience) : silent_for(patience);
+  }
+  void begin_run(const RunFolder& /*run*/) override { begun_ = true; }
   SourceDrops drops() const override { return lost; }
+
+  static Received silent_for(std::chrono::milliseconds patience) {
+    std::this_thread::sleep_for(patience);
+    return Received::nothing;
+  }
 
   SourceDrops lost;
 
  private:
+  bool begun_ = false;
   std::string name_;
   std::vector<Stream> streams_;
   Step step_;
   bool live_;
 };
 
-inline CameraSource::Received silence(std::chrono::milliseconds patience) {
-  std::this_thread::sleep_for(patience);
-  return CameraSource::Received::nothing;
-}
-
 /// The elements of `events` in packets of `size`, then silence or the end.
 inline MadeSource::Step packets_of_events(std::vector<Event> events, std::size_t size, bool ends) {
   return [events = std::move(events), size, ends, next = std::size_t{0}](CameraPacket& packet,
                                                                          std::chrono::milliseconds patience) mutable {
-    if (next == events.size()) return ends ? CameraSource::Received::ended : silence(patience);
+    if (next == events.size()) return ends ? CameraSource::Received::ended : MadeSource::silent_for(patience);
     const std::size_t end = std::min(events.size(), next + size);
     packet.stream_id = 0;
     packet.events.assign(events.begin() + static_cast<std::ptrdiff_t>(next), events.begin() + static_cast<std::ptrdiff_t>(end));

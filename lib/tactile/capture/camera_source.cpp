@@ -37,7 +37,7 @@ std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const 
   if (is_kind("sim", text)) return open_simulator_source(text, behind("sim", text), options.speed, options.seed);
   if (text.starts_with("file:")) {
     const auto path = behind("file", text);
-    return open_file_source(text, path.value_or(""), options.speed);
+    return open_file_source(text, path.value_or(""), options);
   }
   if (text.starts_with("tcp://") || text.starts_with("unix:")) return open_network_source(text);
   std::error_code ignored;

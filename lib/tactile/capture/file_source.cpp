@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr microseconds packet_span = 10ms;
-
 /// What is left of a packet that was longer than one of ours may be.
 template <class T>
 struct Rest {
@@ -25,10 +23,10 @@ struct Rest {
 
   bool empty() const { return next == elements.size(); }
 
-  /// Moves the next `packet_span` of it into `piece`.
-  void take(std::vector<T>& piece) {
+  /// Moves the next `span` of it into `piece`.
+  void take(std::vector<T>& piece, microseconds span) {
     const auto begin = elements.begin() + static_cast<std::ptrdiff_t>(next);
-    const CameraTime end = after(begin->t, packet_span);
+    const CameraTime end = after(begin->t, span);
     auto last = std::partition_point(begin, elements.end(), [&](const T& element) { return element.t < end; });
     if (last == begin) ++last;  // at the very end of the clock
     piece.assign(begin, last);
@@ -57,11 +55,11 @@ struct Lane {
 };
 
 template <class T>
-void cut(std::vector<T>& elements, Rest<T>& rest) {
-  if (elements.empty() || between(elements.front().t, elements.back().t) < packet_span) return;
+void cut(std::vector<T>& elements, Rest<T>& rest, microseconds span) {
+  if (elements.empty() || between(elements.front().t, elements.back().t) < span) return;
   rest.elements.swap(elements);
   rest.next = 0;
-  rest.take(elements);
+  rest.take(elements, span);
 }
 
 CameraTime last_time(const CameraPacket& packet) {
@@ -89,9 +87,9 @@ nlohmann::json run_info_beside(const fs::path& file) {
 
 class FileSource final : public CameraSource {
  public:
-  FileSource(std::string name, const fs::path& file, double speed)
-      : name_(std::move(name)), reader_(file), pace_(speed), live_(speed > 0) {
-    const Stream& events = event_stream(reader_);
+  FileSource(std::string name, const fs::path& file, const CameraSourceOptions& options)
+      : name_(std::move(name)), reader_(file), pace_(options.speed), live_(options.speed > 0), span_(options.packet_span) {
+    const Stream& events = event_stream(reader_, options.stream);
     for (const Stream& stream : reader_.streams()) {
       if (stream.type == StreamType::other || stream.source != events.source) continue;
       streams_.push_back(stream);
@@ -149,9 +147,9 @@ class FileSource final : public CameraSource {
     if (lane == nullptr) return false;
     next_.stream_id = lane->stream.id;
     if (lane->has_rest()) {
-      if (!lane->events.empty()) lane->events.take(next_.events);
-      if (!lane->imu.empty()) lane->imu.take(next_.imu);
-      if (!lane->triggers.empty()) lane->triggers.take(next_.triggers);
+      if (!lane->events.empty()) lane->events.take(next_.events, span_);
+      if (!lane->imu.empty()) lane->imu.take(next_.imu, span_);
+      if (!lane->triggers.empty()) lane->triggers.take(next_.triggers, span_);
       return true;
     }
     const PacketRecord& packet = lane->packets[lane->next++];
@@ -174,9 +172,9 @@ class FileSource final : public CameraSource {
         assert(false && "streams of other types have no lane");
     }
     backward_ += lane->times.keep(next_, name_);
-    cut(next_.events, lane->events);
-    cut(next_.imu, lane->imu);
-    cut(next_.triggers, lane->triggers);
+    cut(next_.events, lane->events, span_);
+    cut(next_.imu, lane->imu, span_);
+    cut(next_.triggers, lane->triggers, span_);
     return true;
   }
 
@@ -184,6 +182,7 @@ class FileSource final : public CameraSource {
   RecordingReader reader_;
   Pace pace_;
   bool live_;
+  microseconds span_;  ///< of a packet
   std::vector<Stream> streams_;
   std::vector<Lane> lanes_;
   std::optional<CameraTime> first_;
@@ -195,11 +194,11 @@ class FileSource final : public CameraSource {
 
 }  // namespace
 
-std::unique_ptr<CameraSource> open_file_source(std::string name, const fs::path& path, double speed) {
+std::unique_ptr<CameraSource> open_file_source(std::string name, const fs::path& path, const CameraSourceOptions& options) {
   const fs::path file = fs::is_directory(path) ? path / "events.aedat4" : path;
   if (!fs::is_regular_file(file))
     throw Error(name + ": there is no " + file.string() + "; expected an AEDAT4 file or a run's folder");
-  return std::make_unique<FileSource>(std::move(name), file, speed);
+  return std::make_unique<FileSource>(std::move(name), file, options);
 }
 
 }  // namespace tactile

@@ -8,11 +8,13 @@
 
 namespace tactile {
 
-/// Plays a recording at its own pace over `speed`: all streams of its one camera, merged in the order of their packets' times,
-/// which stay as they are stored. A packet is handed over when its last element is due, and holds less than 10 ms.
+/// Plays a recording at its own pace over `options.speed`: all streams of its one camera, merged in the order of their packets'
+/// times, which stay as they are stored. A packet is handed over when its last element is due, and holds less than
+/// `options.packet_span`.
 /// @param name  the source as the user wrote it
 /// @param path  an AEDAT4 file, or a run's folder
-/// @throws Error  if it cannot be read, or holds no camera's events or those of several
-std::unique_ptr<CameraSource> open_file_source(std::string name, const std::filesystem::path& path, double speed);
+/// @throws Error  if it cannot be read, or holds no camera's events, or those of several and `options.stream` names none
+std::unique_ptr<CameraSource> open_file_source(std::string name, const std::filesystem::path& path,
+                                               const CameraSourceOptions& options);
 
 }  // namespace tactile
