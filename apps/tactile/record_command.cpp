@@ -35,6 +35,7 @@ struct RecordArguments {
   std::string start_on, stop_on;
   double speed = 1;
   std::uint64_t seed = 1;
+  std::string stream;
   std::string readout_mode;
   std::string compression = "lz4";
   std::size_t queue_mb = 256;
@@ -102,7 +103,9 @@ std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const Sess
     return nullptr;
   }
   const NetworkAddress address = robot_address(args.robot);
-  RobotMonitorOptions options{.host = address.host, .port = address.port};
+  RobotMonitorOptions options;
+  options.host = address.host;
+  options.port = address.port;
   for (const auto& bit : {plan.start_on, plan.stop_on}) {
     if (bit) options.extra_fields.push_back(bit->field);
   }
@@ -112,7 +115,9 @@ std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const Sess
 
 std::unique_ptr<VideoCapture> open_video(const RecordArguments& args, LiveLine& line) {
   if (args.video.empty()) return nullptr;
-  VideoCaptureOptions options{.source = args.video, .speed = args.speed};
+  VideoCaptureOptions options;
+  options.source = args.video;
+  options.speed = args.speed;
   options.log = [&line](const std::string& text) { line.warn(text); };
   return std::make_unique<VideoCapture>(std::move(options));
 }
@@ -141,6 +146,7 @@ nlohmann::json settings_json(const RecordArguments& args, const SessionPlan& pla
   };
   add("robot", args.robot);
   add("video", args.video);
+  add("stream", args.stream);
   add("readout_mode", args.readout_mode);
   if (plan.duration_s) json["duration_s"] = *plan.duration_s;
   if (plan.start_on) json["start_on"] = plan.start_on->text();
@@ -163,13 +169,11 @@ void record(RecordArguments args, const CommonArguments& common) {
   std::unique_ptr<RobotMonitor> robot = open_robot(args, wanted.plan, line);
   std::unique_ptr<VideoCapture> video = open_video(args, line);
   std::vector<std::unique_ptr<CameraSource>> sources;
-  for (const std::string& text : args.from) {
-    sources.push_back(open_camera_source(text, {.speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode}));
-  }
+  const CameraSourceOptions options{
+      .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
+  for (const std::string& text : args.from) sources.push_back(open_camera_source(text, options));
   RunRecorder recorder(std::move(sources), std::move(robot), std::move(video),
-                       {.queue_bytes = args.queue_mb << 20,
-                        .compression = compression_named(args.compression),
-                        .log = [&line](const std::string& text) { line.warn(text); }});
+                       {.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
   const std::vector<RunSummary> runs = record_runs(recorder, wanted, line);
 
   std::string text;
@@ -222,6 +226,7 @@ void add_record_command(CLI::App& app) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
+  command->add_option("--stream", args->stream, "Of a file with several event streams this one")->type_name("ID|SOURCE");
   command->add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000")->type_name("MODE");
   command->add_option("--compression", args->compression, "Of the recording")
       ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))

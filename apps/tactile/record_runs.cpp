@@ -229,10 +229,15 @@ bool Walk::record_one() {
   drawn_events_ = 0;
   const bool enter_ends = wanted_.is_session && !plan_.duration_s && !plan_.stop_on;
   if (wanted_.is_session) line_.inform(fmt::format("recording {}{}", request.run.name(), enter_ends ? ", Enter ends it" : ""));
+  bool told_of_drops = false;
   std::string why;
   while (why.empty()) {
     const RunState state = recorder_.state();
     draw(request.run, state);
+    if (!told_of_drops && state.drops.queue_full.packets > 0) {
+      told_of_drops = true;
+      line_.warn(request.run.name() + ": writing falls behind, packets are being dropped and counted");
+    }
     why = state.ended;
     if (!why.empty()) break;
     if (interrupted()) {

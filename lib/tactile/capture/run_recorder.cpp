@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <system_error>
@@ -547,16 +548,11 @@ struct RunRecorder::State {
   std::unique_ptr<VideoCapture> video;
   std::vector<std::unique_ptr<Receiver>> receivers;
   std::unique_ptr<OpenRun> open;
-  mutable std::mutex log_guard;
 
   explicit State(RunRecorderOptions given) : options(std::move(given)), queue(options.queue_bytes) {}
 
   bool none_is_live() const {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
-  }
-  void say(const std::string& line) const {
-    const std::scoped_lock lock(log_guard);
-    if (options.log) options.log(line);
   }
   std::string source_error() const;
   bool sources_ended() const;
@@ -708,9 +704,9 @@ RunState RunRecorder::state() const {
   if (state.robot) now.robot = state.robot->state();
   if (state.video) now.video = state.video->state();
   if (now.ended.empty()) now.ended = state.source_error();
-  if (now.ended.empty() && state.sources_ended()) now.ended = "source ended";
   const bool over = run.by_camera_time ? written.reached_duration : run.request.duration && now.elapsed >= *run.request.duration;
   if (now.ended.empty() && over) now.ended = "duration";
+  if (now.ended.empty() && state.sources_ended()) now.ended = "source ended";
   return now;
 }
 
@@ -718,7 +714,10 @@ RunSummary RunRecorder::end(const std::string& why) {
   State& state = *state_;
   if (!state.open) throw Error("run: none is being recorded; expected one that was begun");
   OpenRun& run = *state.open;
-  RunSummary summary{.run = run.request.run, .session = run.request.session, .simulated = state.is_simulated};
+  RunSummary summary;
+  summary.run = run.request.run;
+  summary.session = run.request.session;
+  summary.simulated = state.is_simulated;
   bool whole = true;
   const auto attempt = [&](const auto& step) {
     try {

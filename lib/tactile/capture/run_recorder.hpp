@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -21,8 +20,6 @@ struct RunRecorderOptions {
   std::size_t queue_bytes = std::size_t{256} << 20;  ///< packets that wait for the disk [B]; more are dropped and counted
   Compression compression = Compression::lz4;
   std::chrono::milliseconds sync_period{1'000};  ///< how often everything is brought to the disk, > 0
-  /// Told one line of whatever goes wrong without ending the run, one at a time, from any of the recorder's threads.
-  std::function<void(const std::string&)> log;
 };
 
 /// One run to record.
