@@ -433,6 +433,7 @@ class Client : public std::enable_shared_from_this<Client> {
 struct FakeController::State {
   Shared shared;
   asio::io_context context;
+  asio::executor_work_guard<asio::io_context::executor_type> stays_up = asio::make_work_guard(context);  // with no client too
   tcp::acceptor acceptor{context};
   std::vector<std::weak_ptr<Client>> clients;
   std::uint16_t port = 0;
@@ -493,6 +494,7 @@ FakeController::~FakeController() {
     std::error_code ignored;
     state_->acceptor.close(ignored);
     state_->for_clients([](Client& client) { client.close(); });
+    state_->stays_up.reset();
   });
   state_->thread.join();
 }
