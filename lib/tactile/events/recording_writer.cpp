@@ -74,6 +74,7 @@ struct RecordingWriter::State {
   std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size, std::size_t reserved);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   void sync() const;
+  void write_all_waiting();
   void flush();
   void close();
 };
@@ -258,9 +259,14 @@ void RecordingWriter::State::sync() const {
   throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
 }
 
-void RecordingWriter::State::flush() {
+void RecordingWriter::State::write_all_waiting() {
   if (!file.is_open()) return;
   for (Waiting& stream : streams) write_waiting(stream);
+}
+
+void RecordingWriter::State::flush() {
+  if (!file.is_open()) return;
+  write_all_waiting();
   sync();
 }
 
@@ -342,6 +348,7 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
   stream.begun = true;
 }
 
+void RecordingWriter::write_waiting() { state_->write_all_waiting(); }
 void RecordingWriter::flush() { state_->flush(); }
 void RecordingWriter::close() { state_->close(); }
 
