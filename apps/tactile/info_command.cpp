@@ -72,10 +72,9 @@ void add_run(Report& report) {
   }
 }
 
-Report examine(const Subject& subject, const InfoArguments& args, const ProgressCallback& progress) {
-  Report report{subject,
-                examine_recording(subject.file, {.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms)}, progress),
-                std::nullopt};
+Report examine(const Subject& subject, const InfoArguments& args, unsigned threads, const ProgressCallback& progress) {
+  const HealthOptions options{.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms), .threads = threads};
+  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt};
   if (subject.run) add_run(report);
   return report;
 }
@@ -323,7 +322,7 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   }
   for (const Subject& subject : subjects) {
     attempt(subject.name, [&] {
-      const Report report = examine(subject, args, progress);
+      const Report report = examine(subject, args, common.threads, progress);
       recordings.push_back(json_of(report, args));
       text += (text.empty() ? "" : "\n") + text_of(report, args);
       if (report.health.healthy() || !args.check) return;
