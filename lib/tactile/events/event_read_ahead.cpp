@@ -33,8 +33,15 @@ bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content,
     size = packet.payload_size;
     return true;
   }
-  const std::span<const std::byte> bytes = stored(packet);
-  const Decompressed result = decompressor_.decompress(compression_, bytes, content, largest_content(compression_, bytes.size()));
+  Decompressed result;
+  const std::size_t limit = largest_content(compression_, packet.payload_size);
+  const auto decompress = [&](std::span<const std::byte> bytes) {
+    result = decompressor_.decompress(compression_, bytes, content, limit);
+  };
+  if (!window_->use(file_->descriptor(), packet.payload_offset, packet.payload_size, file_->size(), decompress)) {
+    decompressor_ = {};  // it may have been left in the middle
+    decompress(stored(packet));
+  }
   size = result.size;
   return result.whole;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/events/event.hpp"
+#include "tactile/events/file_window.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_index.hpp"
@@ -39,6 +40,7 @@ class EventPacketDecoder {
  private:
   const RecordingFile* file_;
   Compression compression_;
+  std::unique_ptr<FileWindow> window_ = std::make_unique<FileWindow>();
   PacketBuffer stored_;
   PacketDecompressor decompressor_;
 };

@@ -131,8 +131,10 @@ const Stream* PacketFinder::declared(std::int32_t id) const {
 std::span<const std::byte> PacketFinder::bytes_at(std::uint64_t at, std::uint64_t end, std::size_t most) {
   const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(most, end - at));
   if (at < window_at_ || at + wanted > window_at_ + window_size_) {
+    // Small packets stand close together: a step that is short is likely to be followed by others.
+    const bool near = at >= window_at_ && at - window_at_ < window_.size();
     window_size_ = 0;  // nothing, should the reading fail
-    const auto room = static_cast<std::size_t>(std::min<std::uint64_t>(window_.size(), size_ - at));
+    const auto room = static_cast<std::size_t>(std::min<std::uint64_t>(near ? window_.size() : longest_head, size_ - at));
     file_.read(at, std::span(window_).first(room));
     window_at_ = at;
     window_size_ = room;
@@ -329,16 +331,19 @@ std::optional<std::uint64_t> PacketFinder::go_on(Walk& walked, std::uint64_t at,
   // The size of the packet before may be what led here, so the search begins inside of it.
   PacketRecord* before = walked.packets.empty() ? nullptr : &walked.packets.back();
   const bool adjacent = before != nullptr && before->payload_offset + before->payload_size == at;
-  const std::uint64_t from = adjacent ? before->payload_offset : at;
-  const auto next = search(from + 1, end, walked.packets.size());
+  const std::uint64_t from = adjacent ? before->payload_offset : at + 1;
+  const auto next = search(from, end, walked.packets.size());
   if (!next) return std::nullopt;
   const auto as_long_as_that = [&] {
     PacketRecord packet = *before;
     packet.payload_size = static_cast<std::uint32_t>(*next - packet.payload_offset);
     return packet;
   };
-  if (*next < at || (adjacent && *next - from <= std::numeric_limits<std::int32_t>::max() && !is_whole(*before) &&
-                     is_whole(as_long_as_that()))) {
+  if (adjacent && *next == from) {  // it was no packet at all
+    walked.skipped += packet_header_size;
+    walked.packets.pop_back();
+  } else if (*next < at || (adjacent && *next - from <= std::numeric_limits<std::int32_t>::max() && !is_whole(*before) &&
+                            is_whole(as_long_as_that()))) {
     *before = as_long_as_that();
     ++walked.resized;
   } else {
@@ -357,6 +362,7 @@ std::optional<std::uint64_t> PacketFinder::go_on_by_table(Walk& walked, std::uin
   const auto is_sound = [&](const PacketRecord& hint) {
     if (declared(hint.stream_id) == nullptr || hint.payload_offset > end || hint.payload_size > end - hint.payload_offset)
       return false;
+    if (!must_be_payload(bytes_at(hint.payload_offset, end, 12), hint)) return false;
     const std::uint64_t behind = end_of(hint) + packet_header_size;
     const auto next = from_offset(behind);
     return end_of(hint) == end || header_at(end_of(hint), end).has_value() ||

@@ -20,6 +20,7 @@ class RecordingFile {
 
   const std::string& name() const { return name_; }  ///< for errors
   std::uint64_t size() const { return size_; }
+  int descriptor() const { return file_.number(); }
   /// Fills `bytes` from `offset` on. @throws Error if they cannot be read, or the file has become shorter
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
