@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/run_files.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_health.hpp"
 #include "text_table.hpp"
@@ -39,6 +41,7 @@ struct Report {
   Subject subject;
   RecordingHealth health;
   std::optional<RunInfo> run;
+  RunFiles files;
 };
 
 std::vector<Subject> subjects_in(const std::string& place) {
@@ -53,7 +56,7 @@ std::vector<Subject> subjects_in(const std::string& place) {
 }
 
 /// What the run's own account adds to the recording's health.
-void add_run(Report& report) {
+void add_run(Report& report, const InfoArguments& args, const ProgressCallback& progress) {
   const RunFolder& folder = *report.subject.run;
   RecordingHealth& health = report.health;
   try {
@@ -70,13 +73,21 @@ void add_run(Report& report) {
                                            size.height, stream.stream.id, stream.stream.size->width, stream.stream.size->height));
     }
   }
+  report.files = check_files(folder, *report.run, args.check ? FileComparison::contents : FileComparison::size, progress);
+  health.reasons.insert(health.reasons.end(), report.files.reasons.begin(), report.files.reasons.end());
+  if (!report.files.told && report.run->complete) {
+    health.notes.emplace_back("run.json lists no files: whether they have changed cannot be told");
+  } else if (report.files.told && !report.files.not_listed.empty()) {
+    health.notes.push_back(fmt::format("run.json does not list {}", fmt::join(report.files.not_listed, ", ")));
+  }
 }
 
 Report examine(const Subject& subject, const InfoArguments& args, const ProgressCallback& progress) {
   Report report{subject,
                 examine_recording(subject.file, {.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms)}, progress),
-                std::nullopt};
-  if (subject.run) add_run(report);
+                std::nullopt,
+                {}};
+  if (subject.run) add_run(report, args, progress);
   return report;
 }
 
@@ -171,6 +182,11 @@ nlohmann::json json_of(const Report& report, const InfoArguments& args) {
       {"notes", health.notes},
   };
   json["run"] = report.run ? json_of(*report.run) : nlohmann::json();
+  json["run_files"] = !report.run
+                          ? nlohmann::json()
+                          : nlohmann::json{{"listed", report.files.told},         {"compared", args.check ? "sha256" : "bytes"},
+                                           {"as_listed", report.files.as_listed}, {"missing", report.files.missing},
+                                           {"changed", report.files.changed},     {"not_listed", report.files.not_listed}};
   return json;
 }
 
@@ -190,6 +206,12 @@ std::string text_of(const RunInfo& run) {
                                  run.complete ? "complete" : "not completed");
   if (!run.session.empty()) text += ", session " + run.session;
   return text;
+}
+
+std::string files_text(const RunFiles& files, const InfoArguments& args) {
+  const std::size_t bad = files.missing.size() + files.changed.size();
+  std::string text = fmt::format("{} of {} as run.json lists them, by ", files.as_listed.size(), files.as_listed.size() + bad);
+  return text + (args.check ? "size and SHA-256" : "size alone (--check compares their SHA-256)");
 }
 
 std::string title_of(const Stream& stream) {
@@ -275,6 +297,7 @@ std::string text_of(const Report& report, const InfoArguments& args) {
   const RecordingHealth& health = report.health;
   Lines head("  ");
   if (report.run) head.add("run", text_of(*report.run));
+  if (report.run && report.files.told) head.add("files", files_text(report.files, args));
   if (const StreamHealth* camera = main_stream(health)) {
     const auto& size = camera->stream.size;
     head.add("camera", fmt::format("{}, {}", camera->stream.source.empty() ? "not named" : camera->stream.source,
@@ -351,7 +374,7 @@ void add_info_command(CLI::App& app) {
   command->add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{3'600'000}))
       ->capture_default_str();
-  command->add_flag("--check", args->check, "End with 2 if a recording is sick, and log why");
+  command->add_flag("--check", args->check, "Compare a run's files with their SHA-256; end with 2 if one is sick, and log why");
 }
 
 }  // namespace tactile

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/run_files.hpp"
 #include "tactile/core/run_folder.hpp"
 
 namespace tactile {
@@ -204,6 +206,35 @@ TEST_F(InfoOfARun, TellsWhatRunJsonSays) {
   EXPECT_NE(result.out.find("fan/03, real, complete, session monday"), std::string::npos) << result.out;
   const nlohmann::json json = nlohmann::json::parse(run_tactile("info --json data", folder.path()).out);
   EXPECT_EQ(json.at("recordings").at(0).at("run").at("session"), "monday");
+}
+
+TEST_F(InfoOfARun, ComparesItsFilesWithWhatRunJsonLists) {
+  write_whole(run.robot(), "timestamp\n1\n");
+  RunInfo info{.object = "fan", .run = "03", .session = {}, .simulated = false, .complete = true, .width = 160, .height = 120};
+  info.extra["files"] = files_json(std::array{run.events(), run.robot()});
+  write_run_info(run, info);
+  const test::CommandResult sound = run_tactile("info --check data/fan/03", folder.path());
+  EXPECT_EQ(sound.exit_code, 0) << sound.err;
+  EXPECT_NE(sound.out.find("2 of 2 as run.json lists them, by size and SHA-256"), std::string::npos) << sound.out;
+
+  write_whole(run.robot(), "timestamp\n2\n");
+  write_whole(run.video(), "film");
+  const nlohmann::json cheap = info_of("'" + run.folder.string() + "'").at(0).at("run_files");
+  EXPECT_EQ(cheap.at("compared"), "bytes");
+  EXPECT_TRUE(cheap.at("changed").empty()) << "its size is the same";
+  const test::CommandResult changed = run_tactile("info --check --json data/fan/03", folder.path());
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_NE(changed.err.find("robot.csv: has changed"), std::string::npos) << changed.err;
+  const nlohmann::json files = nlohmann::json::parse(changed.out).at("recordings").at(0).at("run_files");
+  EXPECT_EQ(files.at("compared"), "sha256");
+  EXPECT_EQ(files.at("as_listed"), nlohmann::json{"events.aedat4"});
+  EXPECT_EQ(files.at("changed"), nlohmann::json{"robot.csv"});
+  EXPECT_EQ(files.at("not_listed"), nlohmann::json{"video.mp4"});
+
+  fs::remove(run.robot());
+  const test::CommandResult missing = run_tactile("info data/fan/03", folder.path());
+  EXPECT_EQ(missing.exit_code, 0) << "without --check it only tells";
+  EXPECT_NE(missing.out.find("robot.csv: is missing"), std::string::npos) << missing.out;
 }
 
 TEST_F(InfoOfARun, IsSickWhereTheRunWasNotCompleted) {

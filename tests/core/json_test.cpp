@@ -34,6 +34,29 @@ TEST(Json, MemberNamesFileAndKeyWhenItIsMissingOrOfAnotherType) {
   }
 }
 
+TEST(Json, WholeNumbersMustBeWholeAndFit) {
+  const auto json = nlohmann::json::parse(R"({"a": 6.5, "b": 1e300, "c": 4294967296, "d": -1, "e": true, "f": 7})");
+  for (const char* key : {"a", "b", "c", "e"}) EXPECT_THROW(member<int>(json, key, "run.json"), Error) << key;
+  EXPECT_THROW(member<std::uint64_t>(json, "d", "run.json"), Error);
+  EXPECT_EQ(member<std::int64_t>(json, "c", "run.json"), 4'294'967'296);
+  EXPECT_EQ(member<int>(json, "d", "run.json"), -1);
+  EXPECT_EQ(member<int>(json, "f", "run.json"), 7);
+}
+
+TEST(Json, NestedTooDeepIsRefusedBeforeTheStackEnds) {
+  const test::TemporaryFolder folder;
+  const auto write_nested = [&](std::size_t depth) {
+    std::ofstream(folder / "deep.json") << "{\"text\": \"[[\\\"[\", \"a\": " << std::string(depth - 1, '[')
+                                        << std::string(depth - 1, ']') << "}";
+  };
+  write_nested(100);
+  EXPECT_NO_THROW(read_json(folder / "deep.json"));
+  write_nested(101);
+  EXPECT_THROW(read_json(folder / "deep.json"), Error);
+  write_nested(2'000'000);
+  EXPECT_THROW(read_json(folder / "deep.json"), Error);
+}
+
 TEST(Json, BrokenFileIsAnErrorThatNamesIt) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "broken.json") << "{\"a\": ";

@@ -27,7 +27,20 @@ TEST(VideoTimes, PassOverFurtherColumnsAndWindowsLineEnds) {
   EXPECT_EQ(read("index,host_time_us,pts_us\r\n0,99,5\r\n1,98,6\r\n"), (std::vector<VideoTime>{VideoTime{5us}, VideoTime{6us}}));
 }
 
+TEST(VideoTimes, EndBeforeARowThatAKillHasCut) {
+  const std::vector<VideoTime> whole{VideoTime{0us}, VideoTime{33'000us}};
+  EXPECT_EQ(read("index,pts_us,host_time_us\n0,0,7\n1,33000,8\n2,660"), whole);
+  EXPECT_EQ(read("index,pts_us,host_time_us\n0,0,7\n1,33000,8\n2,66000,9"), whole) << "9 of how many digits?";
+  EXPECT_EQ(read("index,pts_us\n0,0\n1,33000\n"), whole);
+  EXPECT_EQ(read("index,pts_us\n0,0\n1,33000\n" + std::string(100'000, '\0')), whole) << "as a power cut may leave it";
+  EXPECT_TRUE(read("index,pts_us").empty());
+}
+
 TEST(VideoTimes, AreReadStrictly) {
+  EXPECT_THROW(read(""), Error);
+  EXPECT_THROW(read("index,pts_us\n0,0\n" + std::string(100'000, '1') + "\n2,5\n"), Error) << "a row without end";
+  EXPECT_THROW(read(std::string("index,pts_us\n0,0\0x\n", 20)), Error) << "a zero byte ends no value";
+
   EXPECT_THROW(read("index\n0\n"), Error) << "no pts_us";
   EXPECT_THROW(read("index,pts_us\n0,0\n2,5\n"), Error) << "a skipped index";
   EXPECT_THROW(read("index,pts_us\n0,5\n1,5\n"), Error) << "a time twice";

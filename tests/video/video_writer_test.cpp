@@ -77,11 +77,35 @@ TEST(VideoWriter, LeavesWholeFragmentsWhenItIsCutOff) {
   EXPECT_EQ(frames, 60);
 }
 
+TEST(VideoWriter, PutsEverySecondIntoTheFileWhereAskedTo) {
+  const test::TemporaryFolder folder;
+  VideoWriterOptions options{.width = 96, .height = 64};
+  options.fragment_span = 1s;
+  VideoWriter writer(folder / "video.mp4", options);
+  const auto frames_in_file = [&] {
+    cv::VideoCapture film((folder / "video.mp4").string(), cv::CAP_FFMPEG);
+    cv::Mat frame;
+    int frames = 0;
+    while (film.isOpened() && film.read(frame)) ++frames;
+    return frames;
+  };
+  // 10 frames a second: a fragment of 30 frames alone would be three seconds long.
+  for (int i = 0; i <= 30; ++i) {
+    writer.write(frame_with_square(i, CV_8UC1), VideoTime{100ms * i});
+    EXPECT_EQ(frames_in_file(), i / 10 * 10) << "after frame " << i;
+  }
+  writer.close();
+  EXPECT_EQ(frames_in_file(), 31);
+}
+
 TEST(VideoWriter, RefusesWhatItCannotWrite) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(VideoWriter(folder / "a.mp4", {.width = 95, .height = 64}), Error) << "an odd side";
   EXPECT_THROW(VideoWriter(folder / "a.mp4", {.quality = 52}), Error);
   EXPECT_THROW(VideoWriter("/nowhere/a.mp4", {}), Error);
+  VideoWriterOptions backwards;
+  backwards.fragment_span = -1us;
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", backwards), Error);
   VideoWriter writer(folder / "b.mp4", {.width = 96, .height = 64});
   EXPECT_THROW(writer.write(cv::Mat(64, 95, CV_8UC1), VideoTime{0us}), Error) << "another size";
   EXPECT_THROW(writer.write(cv::Mat(64, 96, CV_32FC1), VideoTime{0us}), Error) << "another type";

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "tactile/core/json.hpp"
+
 namespace tactile {
 
 CameraTime ClockRelation::camera_from(std::int64_t clock_us) const {
@@ -23,9 +25,9 @@ void to_json(nlohmann::json& json, const ClockRelation& relation) {
 }
 
 void from_json(const nlohmann::json& json, ClockRelation& relation) {
-  json.at("offset_us").get_to(relation.offset_us);
-  json.at("drift_ppm").get_to(relation.drift_ppm);
-  json.at("reference_us").get_to(relation.reference_us);
+  relation.offset_us = member<std::int64_t>(json, "offset_us", "is no clock");
+  relation.drift_ppm = member<double>(json, "drift_ppm", "is no clock");
+  relation.reference_us = member<std::int64_t>(json, "reference_us", "is no clock");
 }
 
 }  // namespace tactile

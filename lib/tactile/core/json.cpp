@@ -24,11 +24,36 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// How many lists and objects lie within each other at the deepest; brackets inside texts do not count.
+std::size_t depth_of(std::string_view text) {
+  std::size_t depth = 0, deepest = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text) {
+      if (c == '\\') ++i;
+      if (c == '"') in_text = false;
+    } else if (c == '"') {
+      in_text = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
 }  // namespace
 
 nlohmann::json read_json(const std::filesystem::path& file) {
+  constexpr std::size_t deepest = 100;  // copying and printing go down level by level, and the stack ends
+  const std::string text = read_text(file, std::size_t{8} << 20);
+  if (depth_of(text) > deepest)
+    throw Error(file.string() + ": nests values " + std::to_string(depth_of(text)) + " deep; expected at most " +
+                std::to_string(deepest));
   try {
-    return nlohmann::json::parse(read_text(file, std::size_t{64} << 20));
+    return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
     throw Error(file.string() + ": no valid JSON (" + e.what() + "); expected one JSON value");
   }

@@ -1,14 +1,20 @@
 #pragma once
 
+#include <cstdint>
+#include <exception>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tactile {
 
-/// @throws Error  if the file cannot be read or is no JSON
+/// @throws Error  if the file cannot be read, is larger than 8 MiB, is no JSON, or nests values more than 100 deep: the bounds
+///                keep what hostile bytes can cost below 256 MiB, and within the stack
 nlohmann::json read_json(const std::filesystem::path& file);
 
 /// Two-space indented, a newline at the end, whole or not at all. @throws Error if it cannot be written
@@ -17,7 +23,8 @@ void write_json(const std::filesystem::path& file, const nlohmann::json& json);
 /// SHA-256 of the canonical JSON: keys sorted, no white space, numbers in their shortest form that reads back the same.
 std::string hash_of(const nlohmann::json& json);
 
-/// The member `key` of `json` as a T. @throws Error that names `where`, the key and what is wrong
+/// The member `key` of `json` as a T. @throws Error that names `where`, the key and what is wrong: for an integral T also a
+/// number that is not whole or out of T's range
 template <class T>
 T member(const nlohmann::json& json, std::string_view key, std::string_view where);
 
@@ -30,9 +37,19 @@ template <class T>
 T member(const nlohmann::json& json, std::string_view key, std::string_view where) {
   const auto found = json.is_object() ? json.find(std::string(key)) : json.end();
   if (found == json.end()) throw_bad_member(key, where, "is missing");
+  if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+    const bool fits = found->is_number_unsigned()  ? std::in_range<T>(found->template get<std::uint64_t>())
+                      : found->is_number_integer() ? std::in_range<T>(found->template get<std::int64_t>())
+                                                   : false;
+    if (!fits) {
+      throw_bad_member(key, where,
+                       "is no whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
+                           std::to_string(std::numeric_limits<T>::max()));
+    }
+  }
   try {
     return found->template get<T>();
-  } catch (const nlohmann::json::exception& e) {
+  } catch (const std::exception& e) {
     throw_bad_member(key, where, e.what());
   }
 }

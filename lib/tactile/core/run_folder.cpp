@@ -50,7 +50,7 @@ RunInfo read_run_info(const RunFolder& run) {
   RunInfo info{
       .object = member<std::string>(json, "object", where),
       .run = member<std::string>(json, "run", where),
-      .session = json.is_object() ? json.value("session", std::string()) : std::string(),
+      .session = json.contains("session") ? member<std::string>(json, "session", where) : std::string(),
       .simulated = member<bool>(json, "simulated", where),
       .complete = member<bool>(json, "complete", where),
   };

@@ -12,10 +12,10 @@ using nlohmann::json;
 
 json json_of(const std::optional<CameraTime>& t) { return t ? json(us_of(*t)) : json(nullptr); }
 
-std::optional<CameraTime> time_in(const json& object, const char* key) {
+std::optional<CameraTime> time_in(const json& object, const char* key, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end() || found->is_null()) return std::nullopt;
-  return camera_time(found->get<std::int64_t>());
+  return camera_time(member<std::int64_t>(object, key, where));
 }
 
 void add_time(json& object, const std::string& name, const UncertainTime& time) {
@@ -61,8 +61,8 @@ LabelledInterval interval_in(const json& object, const std::string& where) {
                             .evidence = {},
                             .confirmed = member<bool>(object, "confirmed", where)};
   const auto evidence = member<json>(object, "evidence", where);
-  interval.evidence = {time_in(evidence, "events_us"), time_in(evidence, "robot_us"), time_in(evidence, "video_us"),
-                       time_in(evidence, "imu_us")};
+  interval.evidence = {time_in(evidence, "events_us", where), time_in(evidence, "robot_us", where),
+                       time_in(evidence, "video_us", where), time_in(evidence, "imu_us", where)};
   return interval;
 }
 

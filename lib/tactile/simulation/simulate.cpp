@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
-#include "tactile/core/sha256.hpp"
+#include "tactile/core/run_files.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -209,10 +209,6 @@ SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const
   truth.parameters = {{"object", object}, {"plan", plan}, {"camera_start_us", clocks.camera_start_us}, {"settings", settings}};
   write_truth(run.truth(), truth);
 
-  nlohmann::json files;
-  for (const fs::path& file : {run.events(), run.robot(), run.video(), run.video_times(), run.truth()}) {
-    files[file.filename().string()] = {{"sha256", sha256_of_file(file)}, {"bytes", fs::file_size(file)}};
-  }
   write_run_info(
       run,
       {.object = run.object,
@@ -231,7 +227,7 @@ SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const
             {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
              {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
            {"dropped", {{"events", 0}, {"robot_packages", robot.dropped_packages}, {"frames", 0}}},
-           {"files", files}}});
+           {"files", files_json(std::array{run.events(), run.robot(), run.video(), run.video_times(), run.truth()})}}});
   return {.run = run,
           .kind = SimulatedRun::Kind::made,
           .events = filmed.events,

@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,9 +35,14 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected the times of a video's frames");
-  std::string line;
-  std::getline(in, line);
-  const std::vector<std::string> names = cells_of(line);
+  constexpr std::size_t longest_row = 4096;  // what a power cut left may be zeros for gigabytes
+  std::array<char, longest_row> row{};
+  // What lies before the newline, or the end of the file.
+  const auto read_row = [&] {
+    in.getline(row.data(), row.size());
+    return std::string_view(row.data(), static_cast<std::size_t>(std::max<std::streamsize>(in.gcount() - (in.eof() ? 0 : 1), 0)));
+  };
+  const std::vector<std::string> names = cells_of(read_row());
   const auto column_of = [&](std::string_view name) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) throw Error(fmt::format("{}: no column '{}'; expected a header row with index,pts_us", file, name));
@@ -44,8 +51,16 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
   const std::size_t index_column = column_of("index"), time_column = column_of("pts_us");
 
   std::vector<VideoTime> times;
-  for (std::size_t number = 2; std::getline(in, line); ++number) {
-    const std::vector<std::string> cells = cells_of(line);
+  for (std::size_t number = 2;; ++number) {
+    const std::string_view text = read_row();
+    if (in.fail() && !in.eof()) {
+      in.clear();
+      in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+      if (!in.eof())
+        throw Error(fmt::format("{}: row {} is longer than {} bytes; expected index,pts_us", file, number, longest_row - 1));
+    }
+    if (in.eof()) return times;
+    const std::vector<std::string> cells = cells_of(text);
     if (cells.size() == 1 && cells[0].empty()) continue;
     if (cells.size() != names.size()) {
       throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file, number, cells.size(), names.size()));
@@ -68,7 +83,6 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
     }
     times.push_back(t);
   }
-  return times;
 }
 
 void write_video_times(const std::filesystem::path& file, std::span<const VideoTime> times) {

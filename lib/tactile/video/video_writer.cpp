@@ -41,6 +41,7 @@ struct VideoWriter::State {
   SwsContext* scaler = nullptr;
   int scaler_type = -1;  ///< OpenCV's type that `scaler` converts from
   std::int64_t last_us = -1;
+  std::int64_t fragment_us = 0;  ///< time of the present fragment's first frame
   std::int64_t last_duration_us = 33'333;
   bool begun = false;
 
@@ -85,6 +86,7 @@ struct VideoWriter::State {
     av_opt_set(codec->priv_data, "preset", "veryfast", 0);
     av_opt_set(codec->priv_data, "tune", "zerolatency", 0);
     av_opt_set_int(codec->priv_data, "crf", options.quality, 0);
+    if (options.fragment_span.count() > 0) av_opt_set(codec->priv_data, "forced-idr", "1", 0);  // a fragment begins anew
     check(avcodec_open2(codec, encoder, nullptr), "opening the encoder");
 
     AVStream* stream = avformat_new_stream(format, nullptr);
@@ -100,6 +102,7 @@ struct VideoWriter::State {
     const int result = avformat_write_header(format, &settings);
     av_dict_free(&settings);
     check(result, "writing the header");
+    avio_flush(format->pb);
     begun = true;
 
     picture->format = codec->pix_fmt;
@@ -131,8 +134,15 @@ struct VideoWriter::State {
       if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
       check(result, "encoding a frame");
       write_waiting(packet->pts);
+      if ((packet->flags & AV_PKT_FLAG_KEY) != 0) begin_fragment(packet->pts);
       av_packet_move_ref(waiting, packet);
     }
+  }
+
+  void begin_fragment(std::int64_t us) {
+    // Left alone, the fragment before this one is written only with the frame after this one.
+    if (options.fragment_span.count() > 0 && us > 0) check(av_write_frame(format, nullptr), "writing a fragment");
+    fragment_us = us;
   }
 
   void write_waiting(std::int64_t until_us) {
@@ -162,6 +172,9 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const VideoWriterOpt
   if (options.frames_per_fragment < 1) {
     throw Error(fmt::format("{}: {} frames per fragment; expected at least 1", state_->file, options.frames_per_fragment));
   }
+  if (options.fragment_span.count() < 0) {
+    throw Error(fmt::format("{}: fragments of {} us; expected at least 0", state_->file, options.fragment_span.count()));
+  }
   state_->open();
 }
 
@@ -187,6 +200,8 @@ void VideoWriter::write(const cv::Mat& frame, VideoTime t) {
   }
   state_->convert(frame);
   state_->picture->pts = us;
+  const bool begins_fragment = options.fragment_span.count() > 0 && us - state_->fragment_us >= options.fragment_span.count();
+  state_->picture->pict_type = begins_fragment ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
   state_->encode(state_->picture);
   state_->last_us = us;
 }

@@ -9,15 +9,17 @@
 namespace tactile {
 
 struct VideoWriterOptions {
-  int width = 320;               ///< [px], even, > 0
-  int height = 240;              ///< [px], even, > 0
-  int quality = 28;              ///< constant rate factor of H.264: 0 loses nothing, 51 the most
-  int frames_per_fragment = 30;  ///< a fragment begins with a key frame, and is on the disk once the next has begun; > 0
+  int width = 320;                ///< [px], even, > 0
+  int height = 240;               ///< [px], even, > 0
+  int quality = 28;               ///< constant rate factor of H.264: 0 loses nothing, 51 the most
+  int frames_per_fragment = 30;   ///< a fragment begins with a key frame, and is in the file once the next has begun; > 0
+  microseconds fragment_span{0};  ///< the frame that comes this long after a fragment's first begins the next; 0: none does, >= 0
 };
 
 /// Writes H.264 in fragmented MP4 with every frame's own time, in microseconds: what a reader of the file gets back is what was
-/// given, whatever the frame rate did. Whole fragments survive a kill. Encodes in the calling thread, so the same frames always
-/// give the same bytes.
+/// given, whatever the frame rate did. Whole fragments survive a kill: with a `fragment_span` the frame that begins a fragment
+/// puts the one before it into the file, so that a kill loses no more than the span and a frame. Encodes in the calling thread,
+/// so the same frames always give the same bytes.
 class VideoWriter {
  public:
   /// @throws Error  if the options are out of range, the file cannot be made, or libavcodec has no encoder for H.264

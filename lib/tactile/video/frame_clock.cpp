@@ -1,0 +1,47 @@
+#include "tactile/video/frame_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+constexpr microseconds ahead_of_host = 5s;
+constexpr microseconds longest_step = 1h;
+constexpr double new_beginning_us = -1e6;
+
+}  // namespace
+
+std::optional<microseconds> FrameClock::time_of(double told_ms, HostTime came) {
+  if (!begun_) {
+    begun_ = true;
+    told_ms_ = told_ms;
+    came_ = came;
+    return t_;
+  }
+  // Beyond a day or so a step is damage anyway, and the conversion must not overflow.
+  const double told_step_us = std::round(1000.0 * (told_ms - told_ms_));
+  const bool is_step = std::isfinite(told_step_us) && std::abs(told_step_us) < 1e11;
+  const microseconds told_step{is_step ? static_cast<std::int64_t>(told_step_us) : 0};
+  const microseconds came_step = std::max(came - came_, microseconds{1});
+  const bool ascends = std::isfinite(told_step_us) && told_step_us >= 1;
+
+  microseconds step = told_step;
+  if (live_) {
+    if (!ascends || !is_step || told_step > came_step + ahead_of_host) step = came_step;
+  } else if (told_step_us < new_beginning_us) {
+    step = frame_;
+  } else if (!ascends) {
+    if (ascended_ || ++standing_ < 2)
+      return std::nullopt;  // `told_ms_` stays: what follows is measured from the last with a place
+    step = frame_;
+  } else {
+    ascended_ = true;
+    if (!is_step || told_step > longest_step) step = frame_;
+  }
+  told_ms_ = told_ms;
+  came_ = came;
+  return t_ += step;
+}
+
+}  // namespace tactile

@@ -1,0 +1,45 @@
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bytes_as_file.hpp"
+#include "command.hpp"
+#include "tactile/core/error.hpp"
+
+/// Whatever --config holds, a command with an option of each kind runs with values in range, or an error says why not.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tactile;
+  const test::BytesAsFile file(data, size);
+  CLI::App app("", "tactile");
+  double window_ms = 500;
+  std::int64_t guard_us = 0;
+  std::uint64_t seed = 1;
+  bool mix = false;
+  std::string denoise = "mean";
+  std::vector<int> th{40};
+  std::vector<std::string> held_out;
+  std::optional<double> speed;
+  CLI::App* command = add_command(app, "windows", "", [&](const CommonArguments& common) {
+    const bool in_range = window_ms > 0 && guard_us >= -5 && guard_us <= 5 && common.threads >= 1 && common.threads <= 1024;
+    if (!in_range) std::abort();
+  });
+  command->add_option("--window-ms", window_ms)->check(CLI::PositiveNumber);
+  command->add_option("--guard-us", guard_us)->check(CLI::Range(std::int64_t{-5}, std::int64_t{5}));
+  command->add_option("--seed", seed)->check(is_seed());
+  command->add_flag("--mix", mix);
+  command->add_option("--denoise", denoise)->check(CLI::IsMember({"mean", "literal", "none"}));
+  command->add_option("--th", th)->delimiter(',')->check(CLI::Range(1, 1000));
+  command->add_option("--held-out", held_out)->delimiter(',');
+  command->add_option("--speed", speed)->check(CLI::NonNegativeNumber);
+  const std::string path = file.path();
+  const std::array<const char*, 4> arguments{"tactile", "windows", "--config", path.c_str()};
+  try {
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
+  } catch (const CLI::ParseError&) {
+  } catch (const Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,17 @@
+#include "bytes_as_file.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/video/video_times.hpp"
+
+/// Whatever the bytes, the times that are read ascend.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tactile;
+  const test::BytesAsFile file(data, size);
+  try {
+    const std::vector<VideoTime> times = read_video_times(file.path());
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      if (times[i] <= times[i - 1]) std::abort();
+    }
+  } catch (const Error&) {
+  }
+  return 0;
+}
