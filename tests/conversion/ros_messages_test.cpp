@@ -112,9 +112,9 @@ TEST(DecodeEventPacket, NamesAnEncodingThatItDoesNotKnow) {
 TEST(DecodeEventPacket, GivesNothingOfAMessageWithMoreEventsThanAnyDriverSends) {
   RosEvents events;
   std::string masks;
-  for (std::size_t i = 0; i < 2'200'000; ++i) masks += u16(0x4000) + u16(0x50FF);  // 8 events each
+  for (std::size_t i = 0; i < 1'100'000; ++i) masks += u16(0x4000) + u16(0x50FF);  // 8 events each
   EXPECT_EQ(decode_event_packet(bytes_of(event_packet("libcaer_cmp", 0, masks)), events), PacketDecoding::broken);
-  EXPECT_LE(events.events.size(), (std::size_t{16} << 20) + 8);
+  EXPECT_LE(events.events.size(), (std::size_t{8} << 20) + 8);
 }
 
 TEST(DecodeJointState, GoesByNameNotByOrder) {

@@ -17,6 +17,7 @@
 
 #include "tactile/conversion/ros_messages.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/run_files.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -592,10 +593,8 @@ nlohmann::json run_json_extra(const fs::path& bag, const Choice& choice, const S
   for (const KindNames& kind : kinds) {
     if (choice.contains(kind.kind)) topics[std::string(kind.use)] = choice.at(kind.kind);
   }
-  nlohmann::json files;
-  for (const fs::path& file : {written.events(), written.robot(), written.video(), written.video_times()}) {
-    if (fs::exists(file)) files[file.filename().string()] = {{"sha256", sha256_of_file(file)}, {"bytes", fs::file_size(file)}};
-  }
+  std::vector<fs::path> files{written.events(), written.robot(), written.video(), written.video_times()};
+  std::erase_if(files, [](const fs::path& file) { return !fs::exists(file); });
   const BagImportDrops& drops = summary.drops;
   nlohmann::json extra = {
       {"camera", camera},
@@ -608,7 +607,7 @@ nlohmann::json run_json_extra(const fs::path& bag, const Choice& choice, const S
         {"frames", drops.frames},
         {"imu_samples", drops.imu_samples},
         {"broken_messages", drops.broken_messages}}},
-      {"files", files},
+      {"files", files_json(files)},
       {"bag",
        {{"file", bag.filename().string()}, {"bytes", fs::file_size(bag)}, {"sha256", sha256_of_file(bag)}, {"topics", topics}}}};
   if (choice.contains(Kind::pose)) {
@@ -653,6 +652,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
     }
   }
 
+  remove_leftovers(summary.run.folder);
   WholeFile whole(summary.run.folder);
   fs::create_directory(whole.path());
   const RunFolder written{whole.path(), summary.run.object, summary.run.run};

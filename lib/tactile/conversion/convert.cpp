@@ -429,6 +429,7 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   check_options(options, summary.from, summary.to);
   if (!fs::is_regular_file(in)) throw Error(in.string() + ": no such file; expected a recording");
   check_target(out, in, options.replace);
+  remove_leftovers(out);
   switch (summary.from) {
     case RecordingFormat::csv:
       convert_from_csv(in, out, options, summary, progress);

@@ -19,10 +19,10 @@ constexpr std::pair<std::string_view, RosMessage> known_messages[] = {
     {"060021388200f6f0f447d0fcd9c64743", RosMessage::image},       {"6a62c6daae103f4ff57a132d6f95cec2", RosMessage::imu}};
 
 constexpr int most_pixels = std::numeric_limits<std::int16_t>::max();
-constexpr std::size_t most_events = std::size_t{16} << 20;  // of a message; those of drivers hold less than a hundredth of it
-constexpr std::size_t event_bytes = 13;                     // x, y, seconds, nanoseconds, polarity
-constexpr std::size_t libcaer_event_bytes = 8;              // place and polarity, microseconds
-constexpr double standard_gravity = 9.80665;                // [m/s^2]
+constexpr std::size_t most_events = std::size_t{8} << 20;  // of a message; those of drivers hold less than a hundredth of it
+constexpr std::size_t event_bytes = 13;                    // x, y, seconds, nanoseconds, polarity
+constexpr std::size_t libcaer_event_bytes = 8;             // place and polarity, microseconds
+constexpr double standard_gravity = 9.80665;               // [m/s^2]
 
 /// Reads a message from front to back. What lies beyond its end reads as 0 and leaves the cursor failed.
 class Cursor {

@@ -15,7 +15,7 @@
 #include "tactile/events/other_streams.hpp"
 
 // The messages that a run is made of, in ROS 1's serialisation. Each decoder checks every length before it uses it, and gives
-// nothing where the bytes are not such a message, or hold more than 16 million events.
+// nothing where the bytes are not such a message, or hold more than 8 million events.
 namespace tactile {
 
 /// What a topic is to us. One type's definition has one MD5 sum, whatever its name: tf/tfMessage is tf2_msgs/TFMessage.
