@@ -347,11 +347,15 @@ bool RecordingReader::was_put_right(const PacketRecord& packet) const {
 }
 
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice) {
+  return event_stream(recording.streams(), recording.file().string(), choice);
+}
+
+const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice) {
   std::vector<const Stream*> all;
-  for (const Stream& stream : recording.streams()) {
+  for (const Stream& stream : streams) {
     if (stream.type == StreamType::events) all.push_back(&stream);
   }
-  const std::string name = recording.file().string();
+  const std::string name(where);
   if (all.empty()) throw Error(name + ": no event stream; expected an EVTS stream");
   std::vector<const Stream*> chosen = all;
   if (!choice.empty()) {

@@ -99,6 +99,9 @@ class RecordingReader {
 /// than one left
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice = {});
 
+/// Likewise of streams wherever they come from; `where` names them in an error.
+const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice = {});
+
 /// Hands every event with `begin <= t < end` of the stream to `use`, packet by packet in file order; reads only packets that
 /// overlap.
 void for_events_between(RecordingReader& recording, std::int32_t stream_id, CameraTime begin, CameraTime end,

@@ -12,7 +12,6 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/events/convert.hpp"
 #include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -205,10 +204,11 @@ std::uint64_t RepairSummary::bytes_lost() const {
 
 RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool replace, unsigned threads,
                                const ProgressCallback& progress) {
-  if (recording_format_of(out) != RecordingFormat::aedat4)
+  if (out.extension() != ".aedat4")
     throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
   RecordingReader recording(in, threads);
   check_target(out, in, replace);
+  remove_leftovers(out);
   WholeFile whole(out);
   PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());
   Repair repair(recording, writer);
