@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -54,13 +56,30 @@ class RunningCommand {
   void signal(int number) const { ::kill(pid_, number); }
   std::string err() const { return text_of(err_file()); }
 
+  /// What stands behind `begin` on the first whole line of the log that has it. @throws std::runtime_error if none comes
+  std::string logged_behind(const std::string& begin) const {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < deadline) {
+      std::istringstream lines(err());
+      for (std::string line; std::getline(lines, line) && !lines.eof();) {
+        if (const std::size_t at = line.find(begin); at != std::string::npos) return line.substr(at + begin.size());
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    throw std::runtime_error("no line with '" + begin + "' in: " + err());
+  }
+
   bool has_ended() {
     if (pid_ > 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = 0;
     return pid_ == 0;
   }
+  /// Waits until it has ended by itself. @throws std::runtime_error after two minutes
   CommandResult wait() {
-    if (pid_ > 0) ::waitpid(pid_, &status_, 0);
-    pid_ = 0;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    while (!has_ended()) {
+      if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("it does not end: " + err());
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), text_of(out_file()), text_of(err_file())};
   }
 
