@@ -3,10 +3,13 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -275,6 +278,46 @@ TEST_F(VideoCaptureTest, KeepsWhatIsFilmedWhenItGoesWithoutBeingStopped) {
   EXPECT_EQ(test::decoded_times(mp4), read_video_times(csv));
 }
 
+/// For its lifetime no file grows beyond `bytes`: what a full disk looks like to a writer.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(VideoCaptureTest, KeepsWhatADiskTookBeforeItWasFull) {
+  test::write_film(folder / "source.mp4", test::uneven_times(2000, 33ms));
+  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 30, .quality = 10, .log = keeper()});
+  {
+    const FullDisk full(60'000);
+    capture.start_film(mp4, csv);
+    wait_until(capture, [](const VideoCaptureState& state) { return !state.error.empty() && state.dropped > 5; });
+    EXPECT_TRUE(capture.state().running) << "the source is still there";
+    EXPECT_THROW(capture.stop_film(), Error);
+  }
+  ASSERT_EQ(logged.size(), 1U);
+  EXPECT_NE(logged[0].find("video.mp4"), std::string::npos) << logged[0];
+  const std::vector<VideoTime> rows = read_video_times(csv), frames = test::decoded_times(mp4);
+  EXPECT_GT(frames.size(), 30U) << "at least a fragment";
+  EXPECT_LE(rows.size() - frames.size(), 62U) << "no more than two fragments are lost";
+  EXPECT_TRUE(std::equal(frames.begin(), frames.end(), rows.begin()));
+
+  capture.start_film(folder / "next.mp4", folder / "next.csv");
+  EXPECT_TRUE(capture.state().error.empty());
+  wait_until(capture, [](const VideoCaptureState& state) { return state.frames > 5; });
+  EXPECT_NO_THROW(capture.stop_film());
+}
+
 TEST_F(VideoCaptureTest, GoesWithoutEverHavingFilmed) {
   test::write_film(folder / "source.mp4", test::uneven_times(40, 33ms));
   for (const double speed : {0.0, 1.0}) {
@@ -284,18 +327,66 @@ TEST_F(VideoCaptureTest, GoesWithoutEverHavingFilmed) {
   EXPECT_TRUE(logged.empty()) << "it was asked to end";
 }
 
+/// An HTTP server on a loopback port that sends `answer` to whoever connects, and then nothing more.
+class StallingServer {
+ public:
+  explicit StallingServer(std::string answer) : answer_(std::move(answer)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    auto* plain = reinterpret_cast<sockaddr*>(&address);
+    if (bind(listener_, plain, length) != 0 || listen(listener_, 8) != 0 || getsockname(listener_, plain, &length) != 0)
+      throw Error("no loopback port; expected a free one");
+    port_ = ntohs(address.sin_port);
+    thread_ = std::thread([this] {
+      for (int client = 0; (client = accept(listener_, nullptr, nullptr)) >= 0; clients_.push_back(client)) {
+        for (std::size_t sent = 0; sent < answer_.size();) {
+          const ssize_t now = send(client, answer_.data() + sent, answer_.size() - sent, MSG_NOSIGNAL);
+          if (now <= 0) break;
+          sent += static_cast<std::size_t>(now);
+        }
+      }
+    });
+  }
+  ~StallingServer() {
+    shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    for (const int client : clients_) close(client);
+    close(listener_);
+  }
+  StallingServer(const StallingServer&) = delete;
+  StallingServer& operator=(const StallingServer&) = delete;
+
+  std::string url(const std::string& path) const { return "http://127.0.0.1:" + std::to_string(port_) + path; }
+
+ private:
+  std::string answer_;
+  int listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  int port_ = 0;
+  std::vector<int> clients_;
+  std::thread thread_;
+};
+
 TEST_F(VideoCaptureTest, GivesUpAServerThatNeverAnswers) {
-  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(listen(listener, 8), 0);
-  ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &length), 0);
-  EXPECT_THROW(VideoCapture({.source = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/film.mp4", .log = {}}),
-               Error);
-  close(listener);
+  const StallingServer server("");
+  EXPECT_THROW(VideoCapture({.source = server.url("/film.mp4"), .log = {}}), Error);
+}
+
+TEST_F(VideoCaptureTest, EndsTheFilmOfAServerThatStopsSending) {
+  test::write_film(folder / "source.mp4", test::uneven_times(200, 33ms));
+  const std::string whole = read_text(folder / "source.mp4");
+  const StallingServer server("HTTP/1.0 200 OK\r\nContent-Type: video/mp4\r\n\r\n" + whole.substr(0, whole.size() / 2));
+  VideoCapture capture({.source = server.url("/film.mp4"), .speed = 20, .log = keeper()});
+  capture.start_film(mp4, csv);
+  wait_until(capture, has_ended);
+  capture.stop_film();
+  EXPECT_GT(capture.state().frames, 0U);
+  EXPECT_EQ(test::decoded_times(mp4), read_video_times(csv));
+  EXPECT_EQ(logged.size(), 1U);
+
+  VideoCapture other({.source = server.url("/film.mp4"), .log = {}});  // goes while its server is silent
+  other.start_film(folder / "other.mp4", folder / "other.csv");
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ void choose_streams(const RecordingReader& recording, const ConvertOptions& opti
 void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
                          const ProgressCallback& progress) {
   const Cut cut(options);
-  RecordingReader recording(in);
+  RecordingReader recording(in, options.threads);
   choose_streams(recording, options, summary);
   const bool to_csv = summary.to == RecordingFormat::csv;
 

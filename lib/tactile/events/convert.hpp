@@ -31,6 +31,7 @@ struct ConvertOptions {
   std::optional<SensorSize> size{};
   std::optional<std::string> source{};  ///< of a CSV input: the camera to declare; else "csv"
   bool replace = false;                 ///< whether an output that exists already may be replaced
+  unsigned threads = 1;                 ///< to read an AEDAT4 input on, > 0
 };
 
 struct ConvertedStream {
