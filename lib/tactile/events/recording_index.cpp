@@ -240,7 +240,7 @@ std::vector<PacketRecord> PacketFinder::hints_from(std::vector<PacketRecord> ent
     }
     return count;
   };
-  if (agree(0) > agree(packet_header_size)) {
+  if (agree(packet_header_size) == 0 && agree(0) > 0) {
     for (PacketRecord& entry : entries) entry.payload_offset += packet_header_size;
   }
   const bool ascending = std::is_sorted(entries.begin(), entries.end(), [](const PacketRecord& a, const PacketRecord& b) {
