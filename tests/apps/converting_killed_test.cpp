@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -58,13 +59,27 @@ class KilledCommand : public testing::Test {
     writer.close();
   }
 
-  /// Kills the command at 20 moments drawn over what it takes undisturbed: each leaves nothing or the whole file, and the input
-  /// as it was; another run then does its work and clears away what the killed ones left.
+  std::ptrdiff_t files() const { return std::distance(fs::directory_iterator(folder.path()), {}); }
+
+  /// Waits until the command begins to write, or ends; its status if it ended.
+  std::optional<int> wait_for_output(pid_t process) const {
+    for (int status = 0;; std::this_thread::sleep_for(200us)) {
+      if (::waitpid(process, &status, WNOHANG) == process) return status;
+      if (files() > 1) return std::nullopt;
+    }
+  }
+
+  /// Kills the command at 20 moments, half of them drawn over what it takes undisturbed, half over what it takes from the first
+  /// byte on that it writes: each leaves nothing or the whole file, and the input as it was. Another run then does its work and
+  /// clears away what the killed ones left.
   void expect_all_or_nothing(const std::vector<std::string>& arguments, const std::string& out) {
     const std::string input = sha256_of_file(in);
     const Clock::time_point begin = Clock::now();
-    ASSERT_EQ(status_of(start(folder.path(), arguments)), 0);
-    const auto duration = Clock::now() - begin;
+    const pid_t undisturbed = start(folder.path(), arguments);
+    ASSERT_FALSE(wait_for_output(undisturbed).has_value());
+    const Clock::time_point first_byte = Clock::now();
+    ASSERT_EQ(status_of(undisturbed), 0);
+    const Clock::time_point end = Clock::now();
     const std::string whole = sha256_of_file(folder / out);
     fs::remove(folder / out);
 
@@ -72,22 +87,32 @@ class KilledCommand : public testing::Test {
     std::uniform_real_distribution<double> share(0, 1);
     int cut_short = 0;
     for (int i = 0; i < 20; ++i) {
+      for (const fs::directory_entry& file : fs::directory_iterator(folder.path())) {
+        if (file.path() != in) fs::remove(file.path());
+      }
       const pid_t process = start(folder.path(), arguments);
-      std::this_thread::sleep_for(share(random) * duration);
-      ::kill(process, SIGKILL);
-      const int status = status_of(process);
-      const auto files = std::distance(fs::directory_iterator(folder.path()), {});
-      if (WIFSIGNALED(status) && files == 2 && !fs::exists(folder / out)) ++cut_short;  // the input, and what it had written
+      const std::optional<int> ended = i % 2 == 0 ? std::nullopt : wait_for_output(process);
+      std::this_thread::sleep_for(share(random) * (i % 2 == 0 ? end - begin : end - first_byte));
+      if (!ended) ::kill(process, SIGKILL);
+      const int status = ended ? *ended : status_of(process);
       if (fs::exists(folder / out)) {
         EXPECT_EQ(sha256_of_file(folder / out), whole);
+      } else if (WIFSIGNALED(status) && files() == 2) {
+        ++cut_short;
       }
-      fs::remove(folder / out);
       EXPECT_EQ(sha256_of_file(in), input);
     }
     EXPECT_GT(cut_short, 0) << "no kill came amid the writing";
+
+    fs::remove(folder / out);
+    const pid_t killed = start(folder.path(), arguments);
+    ASSERT_FALSE(wait_for_output(killed).has_value());
+    ::kill(killed, SIGKILL);
+    status_of(killed);
+    fs::remove(folder / out);  // it may have come to its end
     ASSERT_EQ(status_of(start(folder.path(), arguments)), 0);
     EXPECT_EQ(sha256_of_file(folder / out), whole);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2);
+    EXPECT_EQ(files(), 2) << "what the killed run left is still there";
   }
 
   test::TemporaryFolder folder;
