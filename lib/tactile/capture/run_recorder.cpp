@@ -547,7 +547,7 @@ struct RunRecorder::State {
   std::vector<std::unique_ptr<Receiver>> receivers;
   std::unique_ptr<OpenRun> open;
 
-  explicit State(RunRecorderOptions given) : options(std::move(given)), queue(options.queue_bytes) {}
+  explicit State(const RunRecorderOptions& given) : options(given), queue(options.queue_bytes) {}
 
   bool none_is_live() const {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
@@ -614,7 +614,7 @@ RunInfo RunRecorder::State::info(bool complete) const {
 
 RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<RobotMonitor> robot,
                          std::unique_ptr<VideoCapture> video, RunRecorderOptions options)
-    : state_(std::make_unique<State>(std::move(options))) {
+    : state_(std::make_unique<State>(options)) {
   state_->file_streams = streams_of(sources);
   const auto says_simulated = [](const Stream& stream) {
     return std::find(stream.info.begin(), stream.info.end(), std::pair<std::string, std::string>("simulated", "true")) !=
@@ -632,7 +632,11 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
 }
 
 RunRecorder::~RunRecorder() {
-  if (state_->open) end("stopped");
+  try {
+    if (state_->open) end("stopped");
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was recorded is readable all the same.
+  }
 }
 
 const std::vector<Stream>& RunRecorder::streams() const { return state_->declared; }
@@ -644,7 +648,7 @@ void RunRecorder::discard() {
 
 std::string RunRecorder::gone() const {
   const State& state = *state_;
-  if (const std::string error = state.source_error(); !error.empty()) return error;
+  if (std::string error = state.source_error(); !error.empty()) return error;
   const bool again = std::any_of(state.receivers.begin(), state.receivers.end(),
                                  [](const auto& receiver) { return receiver->source->begins_again(); });
   return !again && state.sources_ended() ? "source ended" : "";
