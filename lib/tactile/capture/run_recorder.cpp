@@ -21,6 +21,7 @@
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/event_checks.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -86,19 +87,6 @@ std::vector<FileStream> streams_of(const std::vector<std::unique_ptr<CameraSourc
     if (stream.type == StreamType::frames && !stream.size) stream.size = events.size;
   }
   return all;
-}
-
-/// Whether every event may be written. It is all that stands between a camera and its file, so it has no branch per event.
-bool all_fit(std::span<const Event> events, CameraTime newest, SensorSize size) {
-  const auto width = static_cast<unsigned>(size.width);
-  const auto height = static_cast<unsigned>(size.height);
-  unsigned misfits = 0;
-  for (const Event& e : events) {
-    misfits |= static_cast<unsigned>(e.t < newest) | static_cast<unsigned>(static_cast<std::uint16_t>(e.x) >= width) |
-               static_cast<unsigned>(static_cast<std::uint16_t>(e.y) >= height) | static_cast<unsigned>(e.on > 1);
-    newest = e.t;
-  }
-  return misfits == 0;
 }
 
 bool is_sound(const Frame& frame) {
@@ -409,7 +397,9 @@ void OpenRun::leave_out_misfits(FileStream& stream, CameraPacket& packet, RunDro
   switch (stream.stream.type) {
     case StreamType::events: {
       const SensorSize size = *stream.stream.size;
-      if (all_fit(packet.events, newest, size)) break;
+      const EventsCheck check = check_events(packet.events, size);
+      const bool goes_on = packet.events.empty() || packet.events.front().t >= newest;
+      if (check.inside && check.ascending && goes_on) break;
       drops.outside.events += static_cast<std::uint64_t>(std::erase_if(packet.events, [&](const Event& e) {
         return e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height || e.on > 1;
       }));
@@ -557,7 +547,7 @@ struct RunRecorder::State {
   std::vector<std::unique_ptr<Receiver>> receivers;
   std::unique_ptr<OpenRun> open;
 
-  explicit State(RunRecorderOptions given) : options(std::move(given)), queue(options.queue_bytes) {}
+  explicit State(const RunRecorderOptions& given) : options(given), queue(options.queue_bytes) {}
 
   bool none_is_live() const {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
@@ -624,7 +614,7 @@ RunInfo RunRecorder::State::info(bool complete) const {
 
 RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<RobotMonitor> robot,
                          std::unique_ptr<VideoCapture> video, RunRecorderOptions options)
-    : state_(std::make_unique<State>(std::move(options))) {
+    : state_(std::make_unique<State>(options)) {
   state_->file_streams = streams_of(sources);
   const auto says_simulated = [](const Stream& stream) {
     return std::find(stream.info.begin(), stream.info.end(), std::pair<std::string, std::string>("simulated", "true")) !=
@@ -642,7 +632,11 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
 }
 
 RunRecorder::~RunRecorder() {
-  if (state_->open) end("stopped");
+  try {
+    if (state_->open) end("stopped");
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was recorded is readable all the same.
+  }
 }
 
 const std::vector<Stream>& RunRecorder::streams() const { return state_->declared; }
@@ -654,7 +648,7 @@ void RunRecorder::discard() {
 
 std::string RunRecorder::gone() const {
   const State& state = *state_;
-  if (const std::string error = state.source_error(); !error.empty()) return error;
+  if (std::string error = state.source_error(); !error.empty()) return error;
   const bool again = std::any_of(state.receivers.begin(), state.receivers.end(),
                                  [](const auto& receiver) { return receiver->source->begins_again(); });
   return !again && state.sources_ended() ? "source ended" : "";
