@@ -11,9 +11,10 @@
 #include "commands.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
+#include "tactile/conversion/bag_import.hpp"
+#include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/events/convert.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -21,8 +22,10 @@ namespace {
 
 struct ConvertArguments {
   std::string in, out;
-  std::string compression, stream, size, source;
+  std::string compression, size, source, crop;
+  std::vector<std::string> streams;
   std::optional<std::int64_t> from_us, to_us;
+  BagImportOptions bag;
   bool force = false;
 };
 
@@ -41,17 +44,32 @@ std::string check_size(const std::string& text) {
                        : fmt::format("'{}' is no sensor size; expected WxH, such as 640x480, each from 1 to 32767", text);
 }
 
-std::string_view name_of(RecordingFormat format) { return format == RecordingFormat::csv ? "CSV" : "AEDAT4"; }
+std::optional<PixelRegion> region_in(std::string_view text) {
+  const std::size_t first = text.find(','), second = first == text.npos ? text.npos : text.find(',', first + 1);
+  if (second == text.npos) return std::nullopt;
+  const auto x = whole_number_in(text.substr(0, first)), y = whole_number_in(text.substr(first + 1, second - first - 1));
+  const auto size = size_in(text.substr(second + 1));
+  constexpr int most = std::numeric_limits<std::int16_t>::max();
+  if (!x || !y || !size || *x < 0 || *y < 0 || *x > most || *y > most) return std::nullopt;
+  return PixelRegion{static_cast<int>(*x), static_cast<int>(*y), size->width, size->height};
+}
 
-ConvertOptions options_of(const ConvertArguments& args) {
+std::string check_region(const std::string& text) {
+  return region_in(text) ? std::string()
+                         : fmt::format("'{}' is no region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
+}
+
+ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
   ConvertOptions options;
   if (!args.compression.empty()) options.compression = compression_named(args.compression);
   if (args.from_us) options.from = camera_time(*args.from_us);
   if (args.to_us) options.to = camera_time(*args.to_us);
-  options.stream = args.stream;
+  options.streams = args.streams;
+  if (!args.crop.empty()) options.crop = region_in(args.crop);
   if (!args.size.empty()) options.size = size_in(args.size);
   if (!args.source.empty()) options.source = args.source;
   options.replace = args.force;
+  options.threads = threads;
   return options;
 }
 
@@ -66,9 +84,15 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
   const std::uint64_t packets = problems.broken_packets + problems.mismatched_packets + problems.undeclared_packets;
   if (problems.truncated_bytes > 0)
     spdlog::warn("{}: cut off, {} behind the last whole packet are lost", args.in, counted(problems.truncated_bytes, "byte"));
+  if (problems.skipped_bytes > 0)
+    spdlog::warn("{}: damaged, {} between packets are lost", args.in, counted(problems.skipped_bytes, "byte"));
   if (packets > 0) spdlog::warn("{}: {} could not be read and left nothing in the output", args.in, counted(packets, "packet"));
   if (problems.out_of_range_events > 0)
     spdlog::warn("{}: {} outside the sensor dropped", args.in, counted(problems.out_of_range_events, "event"));
+  if (summary.cropped_events + summary.cropped_frames > 0) {
+    spdlog::info("{}: {} and {} outside the crop left out", args.in, counted(summary.cropped_events, "event"),
+                 counted(summary.cropped_frames, "frame"));
+  }
   if (summary.steps_back > 0)
     spdlog::warn("{}: time steps back {}; written as it is", args.out, counted(summary.steps_back, "time"));
 }
@@ -96,6 +120,8 @@ nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summa
           {"size_guessed", summary.size_guessed},
           {"first_us", summary.first ? nlohmann::json(us_of(*summary.first)) : nlohmann::json()},
           {"last_us", summary.last ? nlohmann::json(us_of(*summary.last)) : nlohmann::json()},
+          {"cropped_events", summary.cropped_events},
+          {"cropped_frames", summary.cropped_frames},
           {"steps_back", summary.steps_back},
           {"problems", json_of(summary.problems)}};
 }
@@ -119,8 +145,107 @@ std::string text_of(const ConvertArguments& args, const ConvertSummary& summary)
   return text;
 }
 
+nlohmann::json json_of(const ConvertArguments& args, const BagImportSummary& summary) {
+  nlohmann::json topics = nlohmann::json::array();
+  for (const BagTopic& topic : summary.topics) {
+    topics.push_back({{"name", topic.name},
+                      {"type", topic.type},
+                      {"messages", topic.messages},
+                      {"use", topic.use.empty() ? nlohmann::json() : nlohmann::json(topic.use)}});
+  }
+  const BagImportDrops& drops = summary.drops;
+  const BagProblems& problems = summary.problems;
+  return {{"in", args.in},
+          {"out", args.out},
+          {"run", summary.run.name()},
+          {"bytes_in", summary.bytes_in},
+          {"bytes_out", summary.bytes_out},
+          {"topics", topics},
+          {"width", summary.size.width},
+          {"height", summary.size.height},
+          {"events", summary.events},
+          {"sorted_events", summary.sorted_events},
+          {"imu_samples", summary.imu_samples},
+          {"robot_states", summary.robot_states},
+          {"has_joints", summary.has_joints},
+          {"frames", summary.frames},
+          {"first_us", us_of(summary.first)},
+          {"last_us", us_of(summary.last)},
+          {"dropped",
+           {{"events", drops.events},
+            {"late_events", drops.late_events},
+            {"event_packets", drops.event_packets},
+            {"broken_messages", drops.broken_messages},
+            {"robot_states", drops.robot_states},
+            {"frames", drops.frames},
+            {"imu_samples", drops.imu_samples}}},
+          {"problems",
+           {{"truncated_bytes", problems.truncated_bytes},
+            {"broken_chunks", problems.broken_chunks},
+            {"broken_records", problems.broken_records},
+            {"unknown_messages", problems.unknown_messages}}}};
+}
+
+std::string text_of(const ConvertArguments& args, const BagImportSummary& summary) {
+  const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
+  std::string text = args.out + "\n";
+  text += line("from", fmt::format("{}, ROS 1 bag, {}", args.in, bytes_text(summary.bytes_in)));
+  text += line("to", fmt::format("run {}, {}", summary.run.name(), bytes_text(summary.bytes_out)));
+  text += line("begin", fmt::format("{} ({} us)", moment_text(summary.first), us_of(summary.first)));
+  text += line("duration", duration_text(between(summary.first, summary.last)));
+  text += line("events", fmt::format("{}, {}x{}", summary.events, summary.size.width, summary.size.height));
+  if (summary.imu_samples > 0) text += line("imu", fmt::format("{}", summary.imu_samples));
+  if (summary.robot_states > 0)
+    text += line("robot", fmt::format("{}, {}", summary.robot_states, summary.has_joints ? "pose and joints" : "pose"));
+  if (summary.frames > 0) text += line("video", counted(summary.frames, "frame"));
+  for (const BagTopic& topic : summary.topics) {
+    text += line(&topic == &summary.topics.front() ? "topics" : "",
+                 fmt::format("{:<8}{}  {}  {}", topic.use.empty() ? "-" : topic.use, topic.name, topic.type, topic.messages));
+  }
+  return text;
+}
+
+void warn(const ConvertArguments& args, const BagImportSummary& summary) {
+  for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
+  const auto say = [&](std::uint64_t count, const char* what, const char* happened) {
+    if (count > 0) spdlog::warn("{}: {} {}", args.in, counted(count, what), happened);
+  };
+  const BagImportDrops& drops = summary.drops;
+  say(drops.events, "event", "outside the sensor dropped");
+  say(drops.late_events, "event", "too far out of order dropped");
+  say(drops.event_packets, "packet of events", "never reached the bag");
+  say(drops.broken_messages, "message", "could not be decoded and left nothing in the run");
+  say(drops.robot_states, "state of the robot", "dropped: no pose, or not later than the one before");
+  say(drops.frames, "frame", "dropped: of another size, or not later than the one before");
+  say(drops.imu_samples, "sample of the IMU", "dropped: not later than the one before");
+  say(summary.problems.truncated_bytes, "byte", "behind the last whole record lost: the bag is cut off");
+  say(summary.problems.broken_chunks, "chunk", "could not be read");
+  say(summary.problems.broken_records, "record", "could not be read");
+  say(summary.problems.unknown_messages, "message", "of unknown topics passed over");
+}
+
+/// A bag becomes a run folder; the options of recordings mean nothing to it.
+void import(const ConvertArguments& args, const CommonArguments& common) {
+  if (args.from_us || args.to_us || !args.crop.empty() || !args.streams.empty() || !args.size.empty() || !args.source.empty()) {
+    throw Error(args.in +
+                ": a bag is taken whole; expected --from-us, --to-us, --crop, --stream, --size and --source left out: the " +
+                "run's events.aedat4 can be cut and cropped afterwards");
+  }
+  BagImportOptions options = args.bag;
+  if (!args.compression.empty()) options.compression = compression_named(args.compression);
+  const BagImportSummary summary = import_bag(args.in, args.out, options, progress_line(common));
+  warn(args, summary);
+  print_result(common, json_of(args, summary), text_of(args, summary));
+}
+
 void convert(const ConvertArguments& args, const CommonArguments& common) {
-  const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args), progress_line(common));
+  refuse_ros2_bag(args.in);
+  if (is_ros_bag(args.in)) return import(args, common);
+  const BagImportOptions& bag = args.bag;
+  for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
+    if (!topic->empty()) throw Error(args.in + ": is no bag; expected the options for its topics left out");
+  }
+  const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
   warn(args, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
@@ -129,22 +254,38 @@ void convert(const ConvertArguments& args, const CommonArguments& common) {
 
 void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
-  CLI::App* command =
-      add_command(app, "convert", "Convert recordings between AEDAT4 and CSV, compress them anew, cut them by time",
-                  [args](const CommonArguments& common) { convert(*args, common); });
-  command->add_option("in", args->in, "Recording to read: .aedat4 or .csv")->type_name("IN")->required();
-  command->add_option("out", args->out, "Recording to write: .aedat4 or .csv")->type_name("OUT")->required();
-  command->add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 from CSV]")
+  CLI::App* command = add_command(
+      app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; ROS 1 bags into run folders",
+      [args](const CommonArguments& common) { convert(*args, common); });
+  command->add_option("in", args->in, "To read: .aedat4, .csv, .h5 or a ROS 1 .bag")->type_name("IN")->required();
+  command->add_option("out", args->out, "To write: .aedat4, .csv, .h5 or .npz; of a bag the run folder DATA/OBJECT/NN")
+      ->type_name("OUT")
+      ->required();
+  command->add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
       ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
   command->add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time]")->type_name("US");
   command->add_option("--to-us", args->to_us, "Leave out what is at this time or later [us of camera time]")->type_name("US");
-  command->add_option("--stream", args->stream, "Keep this event stream, by id or source, and the rest of its camera's")
-      ->type_name("ID|SOURCE");
-  command->add_option("--size", args->size, "Sensor of a CSV's events [px] [the smallest usual one that holds them]")
+  command->add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")
+      ->type_name("X,Y,WxH")
+      ->check(CLI::Validator(check_region, ""));
+  command
+      ->add_option("--stream", args->streams, "Keep this event stream, by id or source, and the rest of its camera's; may repeat")
+      ->type_name("ID|SOURCE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      ->add_option("--size", args->size,
+                   "Sensor of a CSV's events, or an HDF5's that does not say it [px] [of a CSV: the smallest usual one]")
       ->type_name("WxH")
       ->check(CLI::Validator(check_size, ""));
-  command->add_option("--source", args->source, "Camera to name for a CSV's events [csv]")->type_name("NAME");
-  command->add_flag("--force", args->force, "Replace OUT if it exists; never IN");
+  command->add_option("--source", args->source, "Camera to name for such events [csv, hdf5]")->type_name("NAME");
+  command->add_option("--events-topic", args->bag.events_topic, "Of a bag with several of the kind: the one to take")
+      ->type_name("TOPIC");
+  command->add_option("--joints-topic", args->bag.joints_topic, "Likewise; 'none' leaves them out")->type_name("TOPIC");
+  command->add_option("--pose-topic", args->bag.pose_topic, "Likewise: transforms with the robot's tool")->type_name("TOPIC");
+  command->add_option("--video-topic", args->bag.video_topic, "Likewise")->type_name("TOPIC");
+  command->add_option("--imu-topic", args->bag.imu_topic, "Likewise")->type_name("TOPIC");
+  command->add_flag("--force", args->force, "Replace OUT if it exists; never IN, never a run");
 }
 
 }  // namespace tactile

@@ -178,6 +178,7 @@ Walk::Answer Walk::wait_to_begin() {
   } else {
     line_.inform("waits for " + plan_.start_on->text());
   }
+  recorder_.discard();
   RisingEdge edge;
   for (;;) {
     if (interrupted()) return Answer::end;

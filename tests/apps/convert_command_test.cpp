@@ -60,7 +60,7 @@ TEST(ConvertCommand, SaysInOneLineWhatIsWrong) {
     return result.err;
   };
   EXPECT_NE(error_of("bad.csv out.aedat4").find("bad.csv:3: time goes back from 5 to 4"), std::string::npos);
-  EXPECT_NE(error_of(vendor_file + " out.npy").find(".aedat4 or .csv"), std::string::npos);
+  EXPECT_NE(error_of(vendor_file + " out.npy").find(".aedat4, .csv, .h5 or .npz"), std::string::npos);
   EXPECT_NE(error_of(vendor_file + " out.csv --to-us 5").find("leaves nothing"), std::string::npos);
   EXPECT_NE(error_of("missing.aedat4 out.csv").find("missing.aedat4"), std::string::npos);
   EXPECT_NE(error_of(vendor_file + " " + vendor_file + " --force").find("never written over"), std::string::npos);
@@ -70,11 +70,52 @@ TEST(ConvertCommand, SaysInOneLineWhatIsWrong) {
 TEST(ConvertCommand, RefusesValuesOutOfRangeAsAUsageError) {
   const test::TemporaryFolder folder;
   write_whole(folder / "a.csv", "t_us,x,y,on\n0,1,1,1\n");
-  for (const char* option : {"--size 640", "--size 0x480", "--size 640x40000", "--compression gzip", "--from-us soon"}) {
+  for (const char* option : {"--size 640", "--size 0x480", "--size 640x40000", "--compression gzip", "--from-us soon",
+                             "--crop 5,5", "--crop=-1,0,5x5", "--crop 0,0,5x0"}) {
     const test::CommandResult result = run_tactile(std::string("convert a.csv b.aedat4 ") + option, folder.path());
     EXPECT_GT(result.exit_code, 2) << option;
     EXPECT_FALSE(fs::exists(folder / "b.aedat4"));
   }
+}
+
+TEST(ConvertCommand, CropsIntoEveryFormat) {
+  const test::TemporaryFolder folder;
+  for (const char* out : {"a.aedat4", "a.csv", "a.h5", "a.npz"}) {
+    const test::CommandResult result =
+        run_tactile("convert --json --crop 40,30,80x60 --stream 0 " + vendor_file + " " + out, folder.path());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("width"), 80);
+    EXPECT_EQ(json.at("height"), 60);
+    EXPECT_GT(json.at("cropped_events"), 0);
+    EXPECT_EQ(json.at("cropped_events").get<int>() + json.at("streams").at(0).at("elements").get<int>(), 6'000) << out;
+  }
+}
+
+TEST(ConvertCommand, MakesARunOfABag) {
+  const test::TemporaryFolder folder;
+  const std::string bags = TACTILE_TEST_DATA "/bags/";
+  const test::CommandResult result = run_tactile("convert --json " + bags + "run-lz4.bag data/mug/01", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("events"), 3'000);
+  EXPECT_EQ(json.at("robot_states"), 126);
+  EXPECT_EQ(json.at("frames"), 6);
+  EXPECT_EQ(json.at("topics").size(), 6U);
+  EXPECT_EQ(run_tactile("info --check data/mug/01", folder.path()).exit_code, 0);
+  const auto error_of = [&](const std::string& arguments) {
+    const test::CommandResult refused = run_tactile("convert " + arguments, folder.path());
+    EXPECT_EQ(refused.exit_code, 1) << arguments;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    return refused.err;
+  };
+  EXPECT_NE(error_of(bags + "run.bag data/mug/01 --force").find("never written over"), std::string::npos);
+  EXPECT_NE(error_of(bags + "run.bag out.aedat4").find("is no run folder"), std::string::npos);
+  EXPECT_NE(error_of(bags + "run.bag data/mug/02 --crop 0,0,5x5").find("a bag is taken whole"), std::string::npos);
+  EXPECT_NE(error_of(vendor_file + " out.csv --events-topic /a").find("is no bag"), std::string::npos);
+  write_whole(folder / "trip.mcap", "x");
+  EXPECT_NE(error_of("trip.mcap data/mug/02").find("rosbags-convert --src trip.mcap --dst trip.bag"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "data/mug/02"));
 }
 
 }  // namespace

@@ -34,7 +34,14 @@ std::vector<Event> events_of(const std::string& file) {
   return all;
 }
 
-NetworkAddress events_address(const RunningTactile& serving) {
+/// As a shell takes them.
+std::string words(std::initializer_list<std::string> arguments) {
+  std::string text;
+  for (const std::string& argument : arguments) text += "'" + argument + "' ";
+  return text;
+}
+
+NetworkAddress events_address(const RunningCommand& serving) {
   const std::string line = serving.logged_behind("serving events of ");
   return network_address(line.substr(line.rfind(" on ") + 4));
 }
@@ -67,7 +74,7 @@ std::optional<std::string> attribute(const Stream& stream, const std::string& ke
 }
 
 TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
-  RunningTactile serving({"serve", recording, "--port", "0", "--speed", "0", "--json"});
+  RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--json"}));
   const NetworkAddress address = events_address(serving);
   EXPECT_EQ(address.host, "127.0.0.1");
   DvStreamClient client(address);
@@ -90,7 +97,7 @@ TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
 
 TEST(ServeCommand, CutsPacketsByTheirSpan) {
   for (const std::int64_t span : {200, 1000, 5000}) {
-    RunningTactile serving({"serve", recording, "--port", "0", "--speed", "0", "--packet-us", std::to_string(span)});
+    RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--packet-us", std::to_string(span)}));
     DvStreamClient client(events_address(serving));
     const Heard heard = hear(client);
     for (const auto& packet : heard.packets) EXPECT_LT(us_of(packet.back().t) - us_of(packet.front().t), span);
@@ -101,7 +108,7 @@ TEST(ServeCommand, CutsPacketsByTheirSpan) {
 
 TEST(ServeCommand, ServesEveryCompression) {
   for (const std::string compression : {"none", "lz4", "lz4-high", "zstd", "zstd-high"}) {
-    RunningTactile serving({"serve", recording, "--port", "0", "--speed", "0", "--compression", compression});
+    RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--compression", compression}));
     DvStreamClient client(events_address(serving));
     EXPECT_EQ(name_of(client.compression()), compression);
     EXPECT_EQ(hear(client).events, events_of(recording));
@@ -110,7 +117,7 @@ TEST(ServeCommand, ServesEveryCompression) {
 }
 
 TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
-  RunningTactile serving({"serve", recording, "--port", "0", "--imu-port", "0", "--triggers-port", "0", "--speed", "0"});
+  RunningCommand serving(words({"serve", recording, "--port", "0", "--imu-port", "0", "--triggers-port", "0", "--speed", "0"}));
   const auto address_of = [&](const std::string& type) {
     const std::string line = serving.logged_behind("serving " + type + " of ");
     return network_address(line.substr(line.rfind(" on ") + 4));
@@ -126,7 +133,7 @@ TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
 
 TEST(ServeCommand, EndsWith0OnTerminationAndOnCtrlC) {
   for (const int signal : {SIGTERM, SIGINT}) {
-    RunningTactile serving({"serve", "sim:fan", "--port", "0", "--json"});
+    RunningCommand serving(words({"serve", "sim:fan", "--port", "0", "--json"}));
     DvStreamClient client(events_address(serving));
     EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
     EXPECT_EQ(attribute(client.stream(), "readoutMode"), "constant");
@@ -143,7 +150,7 @@ TEST(ServeCommand, EndsWith0OnTerminationAndOnCtrlC) {
 }
 
 TEST(ServeCommand, EndsWith0WhileItWaitsForAClient) {
-  RunningTactile serving({"serve", recording, "--port", "0", "--json"});
+  RunningCommand serving(words({"serve", recording, "--port", "0", "--json"}));
   events_address(serving);
   serving.signal(SIGTERM);
   const CommandResult result = serving.wait();
@@ -163,7 +170,7 @@ TEST(ServeCommand, TakesNoLessTimeThanTheRecordingOverTheSpeed) {
 }
 
 TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
-  RunningTactile serving({"serve", recording, "--port", "0", "--speed", "0", "--loop"});
+  RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--loop"}));
   DvStreamClient client(events_address(serving));
   const std::vector<Event> once = events_of(recording);
   std::vector<Event> heard;
@@ -197,7 +204,7 @@ TEST(ServeCommand, DropsNoClientThatIsSlowerThanTheDisk) {
     }
     writer.close();
   }
-  RunningTactile serving({"serve", "large.aedat4", "--port", "0", "--speed", "0", "--json"}, folder.path());
+  RunningCommand serving(words({"serve", "large.aedat4", "--port", "0", "--speed", "0", "--json"}), folder.path());
   DvStreamClient client(events_address(serving));
   std::this_thread::sleep_for(500ms);  // the server runs far ahead
   std::size_t heard = 0;
@@ -211,7 +218,7 @@ TEST(ServeCommand, DropsNoClientThatIsSlowerThanTheDisk) {
 TEST(ServeCommand, ServesAUnixSocketAndRemovesItAtTheEnd) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "events.socket";
-  RunningTactile serving({"serve", recording, "--loop", "--unix", path.string()});
+  RunningCommand serving(words({"serve", recording, "--loop", "--unix", path.string()}));
   DvStreamClient client(events_address(serving));
   EXPECT_EQ(client.address().path, path);
   EXPECT_EQ(run_tactile("serve '" + recording + "' --unix '" + path.string() + "'").exit_code, 1);
@@ -228,7 +235,7 @@ TEST(ServeCommand, SaysOfASimulatedRunThatItIs) {
   RunInfo info{.object = "fan", .run = "01", .session = {}, .simulated = true, .complete = true, .width = 160, .height = 120};
   info.extra["camera"] = {{"readout_mode", "variable-5000"}};
   write_run_info(run, info);
-  RunningTactile serving({"serve", "fan/01", "--port", "0", "--speed", "0"}, folder.path());
+  RunningCommand serving(words({"serve", "fan/01", "--port", "0", "--speed", "0"}), folder.path());
   DvStreamClient client(events_address(serving));
   EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
   EXPECT_EQ(attribute(client.stream(), "readoutMode"), "variable-5000");
@@ -249,7 +256,7 @@ TEST(ServeCommand, ServesTheStreamThatIsChosen) {
     writer.close();
   }
   for (const std::string choice : {"1", "RIGHT"}) {
-    RunningTactile serving({"serve", file.string(), "--port", "0", "--speed", "0", "--stream", choice});
+    RunningCommand serving(words({"serve", file.string(), "--port", "0", "--speed", "0", "--stream", choice}));
     DvStreamClient client(events_address(serving));
     EXPECT_EQ(client.stream().source, "RIGHT");
     EXPECT_EQ(hear(client).events.size(), 20U);

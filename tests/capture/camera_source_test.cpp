@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "support/temporary_folder.hpp"
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/capture/readout_mode.hpp"
@@ -18,6 +20,18 @@ std::string refusal_of(const std::string& text, const CameraSourceOptions& optio
     return error.what();
   }
   return "opened";
+}
+
+CameraSourceOptions at_speed(double speed) {
+  CameraSourceOptions options;
+  options.speed = speed;
+  return options;
+}
+
+CameraSourceOptions in_mode(const std::string& mode) {
+  CameraSourceOptions options;
+  options.readout_mode = mode;
+  return options;
 }
 
 TEST(OpenCameraSource, SaysWhatASourceLooksLikeWhenItIsGivenNone) {
@@ -52,13 +66,13 @@ TEST(OpenCameraSource, NamesWhatIsNotThere) {
 }
 
 TEST(OpenCameraSource, TakesNoSpeedOutOfRange) {
-  EXPECT_NE(refusal_of("sim", {.speed = -1}).find("speed"), std::string::npos);
-  EXPECT_NE(refusal_of("sim", {.speed = std::numeric_limits<double>::quiet_NaN()}).find("speed"), std::string::npos);
+  EXPECT_NE(refusal_of("sim", at_speed(-1)).find("speed"), std::string::npos);
+  EXPECT_NE(refusal_of("sim", at_speed(std::numeric_limits<double>::quiet_NaN())).find("speed"), std::string::npos);
 }
 
 TEST(OpenCameraSource, SetsAReadOutModeOnlyOnACamera) {
-  EXPECT_NE(refusal_of("sim", {.readout_mode = "variable-5000"}).find("cannot be set"), std::string::npos);
-  const std::string refusal = refusal_of("camera", {.readout_mode = "fast"});
+  EXPECT_NE(refusal_of("sim", in_mode("variable-5000")).find("cannot be set"), std::string::npos);
+  const std::string refusal = refusal_of("camera", in_mode("fast"));
   EXPECT_NE(refusal.find("'fast'"), std::string::npos);
   EXPECT_NE(refusal.find("variable-15000"), std::string::npos);
 }

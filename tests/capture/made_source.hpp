@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "events/made_recording.hpp"
+#include "support/comes_true.hpp"
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile::test {
 
-/// A camera that does what a test tells it to, on the recorder's thread; before the first run it is silent.
+/// A camera that does what a test tells it to, on the recorder's thread.
 class MadeSource : public CameraSource {
  public:
   using Step = std::function<Received(CameraPacket& packet, std::chrono::milliseconds patience)>;
@@ -25,10 +26,7 @@ class MadeSource : public CameraSource {
   std::span<const Stream> streams() const override { return streams_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return {{"source", streams_.front().source}, {"readout_mode", "made"}}; }
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
-    return begun_ ? step_(packet, patience) : silent_for(patience);
-  }
-  void begin_run(const RunFolder& /*run*/) override { begun_ = true; }
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override { return step_(packet, patience); }
   SourceDrops drops() const override { return lost; }
 
   static Received silent_for(std::chrono::milliseconds patience) {
@@ -39,7 +37,6 @@ class MadeSource : public CameraSource {
   SourceDrops lost;
 
  private:
-  bool begun_ = false;
   std::string name_;
   std::vector<Stream> streams_;
   Step step_;
@@ -57,17 +54,6 @@ inline MadeSource::Step packets_of_events(std::vector<Event> events, std::size_t
     next = end;
     return CameraSource::Received::packet;
   };
-}
-
-/// Waits until `holds`; false if it does not for a minute.
-template <class Condition>
-bool comes_true(const Condition& holds) {
-  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > patience) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
 }
 
 }  // namespace tactile::test

@@ -49,7 +49,9 @@ TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamSaysOfItsCamera) {
   Stream stream = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   set_info(stream, readout_mode_attribute, "constant-500");
   set_info(stream, simulated_attribute, "true");
-  DvStreamServer server(any_port(), stream, {.compression = GetParam()});
+  DvStreamServerOptions options;
+  options.compression = GetParam();
+  DvStreamServer server(any_port(), stream, options);
   const auto source = open_network_source(server.address().text());
   wait_for_client(server);
   EXPECT_EQ(source->name(), server.address().text());

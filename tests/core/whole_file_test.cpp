@@ -1,8 +1,12 @@
 #include "tactile/core/whole_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <fstream>
+#include <string>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -29,6 +33,44 @@ TEST(WholeFile, LeavesTheOldFileAndNoRubbishWhenItIsGivenUp) {
   }
   EXPECT_EQ(read_text(folder / "result.txt"), "old");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+/// Dies before it commits, as a killed process does.
+std::filesystem::path left_by_a_dead_process(const std::filesystem::path& target) {
+  std::array<int, 2> pipe{};
+  EXPECT_EQ(::pipe(pipe.data()), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    WholeFile whole(target);
+    std::ofstream(whole.path()) << "half";
+    const std::string path = whole.path().string();
+    static_cast<void>(::write(pipe[1], path.data(), path.size()));
+    ::_exit(0);
+  }
+  std::array<char, 4096> path{};
+  EXPECT_GT(::read(pipe[0], path.data(), path.size() - 1), 0);
+  ::waitpid(child, nullptr, 0);
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+  return path.data();
+}
+
+TEST(RemoveLeftovers, TakesWhatTheDeadLeftOfThisTargetAlone) {
+  const test::TemporaryFolder folder;
+  const auto of_this = left_by_a_dead_process(folder / "result.txt"), of_another = left_by_a_dead_process(folder / "other.txt");
+  WholeFile alive(folder / "result.txt");
+  std::ofstream(alive.path()) << "half";
+  const std::string elsewhere = of_this.string().replace(of_this.string().find('@'), 1, "@elsewhere-");
+  std::ofstream(elsewhere) << "half";
+  write_whole(folder / ".result.mine.part.txt", "not one of ours");
+  ASSERT_TRUE(std::filesystem::exists(of_this));
+  remove_leftovers(folder / "result.txt");
+  EXPECT_FALSE(std::filesystem::exists(of_this));
+  EXPECT_TRUE(std::filesystem::exists(of_another));
+  EXPECT_TRUE(std::filesystem::exists(alive.path()));
+  EXPECT_TRUE(std::filesystem::exists(elsewhere));
+  EXPECT_TRUE(std::filesystem::exists(folder / ".result.mine.part.txt"));
+  remove_leftovers(folder / "no-such-folder/result.txt");
 }
 
 TEST(ReadText, RefusesAFileThatIsMissingOrTooLong) {

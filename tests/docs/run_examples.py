@@ -31,6 +31,7 @@ def main():
     folder = tempfile.mkdtemp(prefix="tactile-docs-")
     try:
         shutil.copytree(os.path.join(test_data, "aedat4"), os.path.join(folder, "recordings"))
+        shutil.copy(os.path.join(test_data, "bags", "run.bag"), os.path.join(folder, "recordings"))
         environment = dict(os.environ, PATH=os.path.dirname(binary) + os.pathsep + os.environ["PATH"])
         count = 0
         for number, line, expected in examples(page):

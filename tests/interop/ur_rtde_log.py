@@ -1,15 +1,13 @@
 #!/usr/bin/env python3
 """ur_rtde_log.py HOST SECONDS OUT.csv: logs a UR controller with the ur-rtde package, as its users do.
 
-ur-rtde takes no port: the controller listens on HOST:30004. Prints the rows' count.
+ur-rtde takes no port: the controller must listen on HOST:30004, and no other port is asked for. Ends with 1 if the controller
+closes the connection meanwhile.
 """
 import sys
 import time
 
 import rtde_receive
-
-FIELDS = ["timestamp", "target_q", "actual_q", "actual_qd", "actual_TCP_pose", "actual_TCP_speed", "actual_TCP_force",
-          "actual_digital_output_bits", "runtime_state", "robot_mode", "output_int_register_2"]
 
 
 def main():

@@ -233,6 +233,11 @@ struct Shared {
     const double seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
     return static_cast<std::int64_t>(seconds * options.highest_hz * (1 + options.skew_ppm * 1e-6));
   }
+  /// The same for every client, so that two logs can be compared.
+  bool is_dropped(std::int64_t tick) const {
+    if (options.drop_share <= 0) return false;
+    return Random(options.seed ^ static_cast<std::uint64_t>(tick) << 8).uniform() < options.drop_share;
+  }
   double timestamp_of(std::int64_t tick) const {
     return clock_base + static_cast<double>(tick - clock_begin) / options.highest_hz;
   }
@@ -362,7 +367,7 @@ class Client : public std::enable_shared_from_this<Client> {
       shared_.clock_base = 0;
       shared_.clock_begin = tick_;
     }
-    if (!shared_.stalled && !(shared_.random.uniform() < shared_.options.drop_share)) send_data();
+    if (!shared_.stalled && !shared_.is_dropped(tick_)) send_data();
     tick_ += step_;
     wait_for_tick();
   }
@@ -433,6 +438,7 @@ class Client : public std::enable_shared_from_this<Client> {
 struct FakeController::State {
   Shared shared;
   asio::io_context context;
+  asio::executor_work_guard<asio::io_context::executor_type> stays_up = asio::make_work_guard(context);  // with no client too
   tcp::acceptor acceptor{context};
   std::vector<std::weak_ptr<Client>> clients;
   std::uint16_t port = 0;
@@ -493,6 +499,7 @@ FakeController::~FakeController() {
     std::error_code ignored;
     state_->acceptor.close(ignored);
     state_->for_clients([](Client& client) { client.close(); });
+    state_->stays_up.reset();
   });
   state_->thread.join();
 }

@@ -158,12 +158,12 @@ TEST(RobotMonitor, WritesWhatTheRobotSentByItsNames) {
   std::int64_t last_host_time = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     const double script_s = number_in(columns.at("timestamp")[i]).value() - 100.1;
-    // Between the rows an edge may fall on either side of the rounded moment.
+    // The moment is rounded: an edge may fall on either side of it.
     const auto is_as_scripted = [&](const std::string& column, const RtdeField& field, std::size_t index) {
       const double logged = number_in(columns.at(column)[i]).value();
-      return logged == as_double(test::fake_output_at(field, script_s)[index]) ||
-             std::abs(logged - as_double(test::fake_output_at(field, std::max(0.0, script_s - 1e-6))[index])) < 1e-6 ||
-             std::abs(logged - as_double(test::fake_output_at(field, script_s + 1e-6)[index])) < 1e-6;
+      return std::abs(logged - as_double(test::fake_output_at(field, script_s)[index])) < 1e-5 ||
+             std::abs(logged - as_double(test::fake_output_at(field, std::max(0.0, script_s - 1e-6))[index])) < 1e-5 ||
+             std::abs(logged - as_double(test::fake_output_at(field, script_s + 1e-6)[index])) < 1e-5;
     };
     ASSERT_TRUE(is_as_scripted("actual_TCP_pose_2", {"actual_TCP_pose", RtdeFieldType::vector6}, 2)) << "row " << i;
     ASSERT_TRUE(is_as_scripted("actual_TCP_speed_2", {"actual_TCP_speed", RtdeFieldType::vector6}, 2)) << "row " << i;
@@ -311,19 +311,19 @@ TEST(RobotMonitor, TakesAShortSilenceAsAGapAndALongOneAsALoss) {
   const test::TemporaryFolder folder;
   Told told;
   auto options = options_for(controller, &told);
-  options.patience = 1s;
+  options.patience = 2s;
   RobotMonitor monitor(options);
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 20));
   controller.stall(true);
-  ASSERT_TRUE(comes([&] { return told.has("nothing came for 1 s"); })) << told.all();
+  ASSERT_TRUE(comes([&] { return told.has("nothing came for 2 s"); })) << told.all();
   controller.stall(false);
   ASSERT_TRUE(comes([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << told.all();
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20));
   monitor.stop_log();
   EXPECT_GE(monitor.state().reconnects, 1U);
-  EXPECT_GE(monitor.state().missing, 400U) << "a second of packages, less what a busy machine sent late";
-  EXPECT_EQ(read_robot_log(folder / "robot.csv").gaps.size(), 1U);
+  EXPECT_GE(monitor.state().missing, 800U) << "two seconds of packages, less what a busy machine sent late";
+  EXPECT_GE(read_robot_log(folder / "robot.csv").gaps.size(), 1U);
 }
 
 TEST(RobotMonitor, AsksForTheControllersHighestFrequency) {

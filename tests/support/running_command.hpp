@@ -1,54 +1,60 @@
 #pragma once
 
 #include <fcntl.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace tactile::test {
 
-/// The built `tactile`, running beside the test; killed if the test leaves it behind.
-class RunningTactile {
+/// The built `tactile` at work, with a pipe as its standard input; killed if it still runs when this goes.
+class RunningCommand {
  public:
-  explicit RunningTactile(std::vector<std::string> arguments, const std::filesystem::path& in = ".") {
-    arguments.insert(arguments.begin(), TACTILE_BINARY);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    const std::string out = (folder_ / "out").string(), err = (folder_ / "err").string(), where = in.string();
-    pid_ = ::fork();
-    if (pid_ < 0) throw std::runtime_error("fork");
-    if (pid_ > 0) return;
-    const int none = ::open("/dev/null", O_RDONLY);
-    const int out_file = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600), err_file = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
-    if (none >= 0 && out_file >= 0 && err_file >= 0 && ::dup2(none, 0) == 0 && ::dup2(out_file, 1) == 1 &&
-        ::dup2(err_file, 2) == 2 && ::chdir(where.c_str()) == 0) {
-      ::execv(argv.front(), argv.data());
+  explicit RunningCommand(const std::string& arguments, const std::filesystem::path& in = ".") {
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) std::abort();
+    input_ = pipe[1];
+    const std::string command = "cd '" + in.string() + "' && exec '" + TACTILE_BINARY + "' " + arguments + " >'" + out_file() +
+                                "' 2>'" + err_file() + "'";
+    std::array<std::string, 3> words{"sh", "-c", command};
+    const std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, pipe[0], STDIN_FILENO);
+    if (::posix_spawn(&pid_, "/bin/sh", &actions, nullptr, argv.data(), environ) != 0) std::abort();
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(pipe[0]);
+  }
+  ~RunningCommand() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
     }
-    ::_exit(127);
+    close_input();
   }
-  ~RunningTactile() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  RunningTactile(const RunningTactile&) = delete;
-  RunningTactile& operator=(const RunningTactile&) = delete;
+  RunningCommand(const RunningCommand&) = delete;
+  RunningCommand& operator=(const RunningCommand&) = delete;
 
-  std::string out() const { return text_of("out"); }
-  std::string err() const { return text_of("err"); }
+  void type(const std::string& text) const {
+    if (::write(input_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) std::abort();
+  }
+  void close_input() {
+    if (input_ >= 0) ::close(input_);
+    input_ = -1;
+  }
+  void signal(int number) const { ::kill(pid_, number); }
+  std::string err() const { return text_of(err_file()); }
 
   /// What stands behind `begin` on the first whole line of the log that has it. @throws std::runtime_error if none comes
   std::string logged_behind(const std::string& begin) const {
@@ -63,29 +69,33 @@ class RunningTactile {
     throw std::runtime_error("no line with '" + begin + "' in: " + err());
   }
 
-  void signal(int number) const { ::kill(pid_, number); }
-
+  bool has_ended() {
+    if (pid_ > 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = 0;
+    return pid_ == 0;
+  }
   /// Waits until it has ended by itself. @throws std::runtime_error after two minutes
   CommandResult wait() {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-    int status = 0;
-    while (::waitpid(pid_, &status, WNOHANG) == 0) {
+    while (!has_ended()) {
       if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("it does not end: " + err());
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    pid_ = -1;
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out(), err()};
+    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), text_of(out_file()), text_of(err_file())};
   }
 
  private:
-  std::string text_of(const std::string& name) const {
+  static std::string text_of(const std::string& file) {
     std::ostringstream text;
-    text << std::ifstream(folder_ / name).rdbuf();
+    text << std::ifstream(file).rdbuf();
     return text.str();
   }
+  std::string out_file() const { return (folder_ / "out").string(); }
+  std::string err_file() const { return (folder_ / "err").string(); }
 
   TemporaryFolder folder_;
-  pid_t pid_ = -1;
+  pid_t pid_ = 0;
+  int input_ = -1;
+  int status_ = 0;
 };
 
 }  // namespace tactile::test

@@ -327,18 +327,66 @@ TEST_F(VideoCaptureTest, GoesWithoutEverHavingFilmed) {
   EXPECT_TRUE(logged.empty()) << "it was asked to end";
 }
 
+/// An HTTP server on a loopback port that sends `answer` to whoever connects, and then nothing more.
+class StallingServer {
+ public:
+  explicit StallingServer(std::string answer) : answer_(std::move(answer)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    auto* plain = reinterpret_cast<sockaddr*>(&address);
+    if (bind(listener_, plain, length) != 0 || listen(listener_, 8) != 0 || getsockname(listener_, plain, &length) != 0)
+      throw Error("no loopback port; expected a free one");
+    port_ = ntohs(address.sin_port);
+    thread_ = std::thread([this] {
+      for (int client = 0; (client = accept(listener_, nullptr, nullptr)) >= 0; clients_.push_back(client)) {
+        for (std::size_t sent = 0; sent < answer_.size();) {
+          const ssize_t now = send(client, answer_.data() + sent, answer_.size() - sent, MSG_NOSIGNAL);
+          if (now <= 0) break;
+          sent += static_cast<std::size_t>(now);
+        }
+      }
+    });
+  }
+  ~StallingServer() {
+    shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    for (const int client : clients_) close(client);
+    close(listener_);
+  }
+  StallingServer(const StallingServer&) = delete;
+  StallingServer& operator=(const StallingServer&) = delete;
+
+  std::string url(const std::string& path) const { return "http://127.0.0.1:" + std::to_string(port_) + path; }
+
+ private:
+  std::string answer_;
+  int listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  int port_ = 0;
+  std::vector<int> clients_;
+  std::thread thread_;
+};
+
 TEST_F(VideoCaptureTest, GivesUpAServerThatNeverAnswers) {
-  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(listen(listener, 8), 0);
-  ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &length), 0);
-  EXPECT_THROW(VideoCapture({.source = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/film.mp4", .log = {}}),
-               Error);
-  close(listener);
+  const StallingServer server("");
+  EXPECT_THROW(VideoCapture({.source = server.url("/film.mp4"), .log = {}}), Error);
+}
+
+TEST_F(VideoCaptureTest, EndsTheFilmOfAServerThatStopsSending) {
+  test::write_film(folder / "source.mp4", test::uneven_times(200, 33ms));
+  const std::string whole = read_text(folder / "source.mp4");
+  const StallingServer server("HTTP/1.0 200 OK\r\nContent-Type: video/mp4\r\n\r\n" + whole.substr(0, whole.size() / 2));
+  VideoCapture capture({.source = server.url("/film.mp4"), .speed = 20, .log = keeper()});
+  capture.start_film(mp4, csv);
+  wait_until(capture, has_ended);
+  capture.stop_film();
+  EXPECT_GT(capture.state().frames, 0U);
+  EXPECT_EQ(test::decoded_times(mp4), read_video_times(csv));
+  EXPECT_EQ(logged.size(), 1U);
+
+  VideoCapture other({.source = server.url("/film.mp4"), .log = {}});  // goes while its server is silent
+  other.start_film(folder / "other.mp4", folder / "other.csv");
 }
 
 }  // namespace

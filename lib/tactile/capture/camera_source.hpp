@@ -76,7 +76,7 @@ class CameraSource {
 struct CameraSourceOptions {
   double speed = 1;                               ///< of files and the simulator: 1 real time, 0 as fast as it goes, >= 0
   std::uint64_t seed = 1;                         ///< of the simulator
-  std::string readout_mode;                       ///< of a camera, such as "variable-5000"; empty: the default
+  std::string readout_mode = {};                  ///< of a camera, such as "variable-5000"; empty: the default
   std::string stream = {};                        ///< of a file with several event streams: the one to play, by id or source
   std::chrono::microseconds packet_span{10'000};  ///< of a file: a packet's elements lie less than this apart, > 0
 };

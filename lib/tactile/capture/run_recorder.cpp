@@ -178,7 +178,13 @@ class Receiver {
       hands_over_ = true;
     });
   }
-  void pause() { hands_over_ = false; }
+  void pause() {
+    discards_ = true;
+    hands_over_ = false;
+  }
+  void discard() {
+    ask([this] { discards_ = true; });
+  }
   nlohmann::json camera() {
     nlohmann::json camera;
     ask([&] { camera = source->camera(); });
@@ -203,6 +209,8 @@ class Receiver {
   const std::unique_ptr<CameraSource> source;
 
  private:
+  /// Before it is asked for anything a source keeps what it has; between two runs only one that can.
+  bool rests() const { return !hands_over_ && !(live_ && discards_); }
   void receive_all();
   bool do_what_is_asked();
   void hand_over(PacketQueue::Packet& packet);
@@ -216,11 +224,11 @@ class Receiver {
   std::size_t index_;
   bool live_;
   PacketQueue& queue_;
-  std::atomic<bool> hands_over_{false}, has_task_{false};
+  std::atomic<bool> hands_over_{false}, discards_{false};
   mutable std::mutex guard_;
   std::condition_variable wake_;
   std::packaged_task<void()> task_;
-  bool stops_ = false;
+  bool has_task_ = false, stops_ = false;
   std::optional<Steady::time_point> ended_at_;
   std::string error_;
   LostElements queue_full_;
@@ -231,7 +239,7 @@ class Receiver {
 /// False once the thread shall end. Without anything to receive it waits to be asked.
 bool Receiver::do_what_is_asked() {
   std::unique_lock lock(guard_);
-  if (ended_at_ || (!live_ && !hands_over_)) wake_.wait(lock, [this] { return stops_ || has_task_; });
+  if (ended_at_ || rests()) wake_.wait(lock, [this] { return stops_ || has_task_; });
   if (has_task_) {
     std::packaged_task<void()> task = std::move(task_);
     has_task_ = false;
@@ -245,7 +253,7 @@ bool Receiver::do_what_is_asked() {
 void Receiver::receive_all() {
   PacketQueue::Packet packet = queue_.take();
   while (do_what_is_asked()) {
-    if (ended_at() || (!live_ && !hands_over_)) continue;
+    if (ended_at() || rests()) continue;
     CameraPacket& elements = packet.front().elements;
     elements.clear();
     try {
@@ -640,6 +648,10 @@ RunRecorder::~RunRecorder() {
 const std::vector<Stream>& RunRecorder::streams() const { return state_->declared; }
 bool RunRecorder::simulated() const { return state_->is_simulated; }
 const RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
+void RunRecorder::discard() {
+  for (const auto& receiver : state_->receivers) receiver->discard();
+}
+
 std::string RunRecorder::gone() const {
   const State& state = *state_;
   if (const std::string error = state.source_error(); !error.empty()) return error;
@@ -771,6 +783,8 @@ RunSummary RunRecorder::end(const std::string& why) {
     files = files_json(made);
   });
   summary.ended = summary.errors.empty() ? why : summary.errors.front();
+  // A replay may have ended before its last packets were written, and the duration with them.
+  if (summary.errors.empty() && run.by_camera_time && written.reached_duration) summary.ended = "duration";
 
   RunInfo info = state.info(whole);
   info.extra["host_time_us"]["end"] = us_of(ended);

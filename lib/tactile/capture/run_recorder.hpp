@@ -106,6 +106,10 @@ class RunRecorder {
   bool simulated() const;
   const RobotMonitor* robot() const;  ///< null if there is none
 
+  /// From now on what live sources send is discarded until a run begins, as it is between two runs. Without it the first run has
+  /// everything from the sources' first moment on.
+  void discard();
+
   /// @throws Error  if a file cannot be made; what was made of the run is then removed
   void begin(const RunRequest& request);
   RunState state() const;  ///< of the run that was begun

@@ -1,25 +1,50 @@
 #include "tactile/core/whole_file.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 
+#include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
+namespace {
+
+fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
+
+/// This machine's name, for a folder may be shared by several whose processes' numbers mean nothing to each other.
+const std::string& machine() {
+  static const std::string name = [] {
+    std::array<char, 256> text{};
+    ::gethostname(text.data(), text.size() - 1);
+    std::string plain;
+    for (const char c : std::string_view(text.data())) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '-';
+    return plain.substr(0, 64);
+  }();
+  return name;
+}
+
+/// A temporary name is the hidden stem, a process's number at a machine, and `.part` with the extension.
+std::string name_before(const fs::path& target) { return "." + target.stem().string() + "."; }
+std::string name_behind(const fs::path& target) { return "@" + machine() + ".part" + target.extension().string(); }
+
+}  // namespace
 
 WholeFile::WholeFile(fs::path target) : target_(std::move(target)) {
-  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+  const fs::path folder = folder_of(target_);
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
-  temporary_ =
-      folder / ("." + target_.stem().string() + "." + std::to_string(::getpid()) + ".part" + target_.extension().string());
+  temporary_ = folder / (name_before(target_) + std::to_string(::getpid()) + name_behind(target_));
   fs::remove_all(temporary_, failed);
 }
 
@@ -34,7 +59,23 @@ void WholeFile::commit() {
   fs::rename(temporary_, target_, failed);
   if (failed) throw Error(target_.string() + ": cannot be put in place (" + failed.message() + "); expected a writable folder");
   committed_ = true;
-  sync_to_disk(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
+  sync_to_disk(folder_of(target_));
+}
+
+void remove_leftovers(const fs::path& target) {
+  const std::string before = name_before(target), behind = name_behind(target);
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder_of(target), failed); !failed && entry != fs::directory_iterator();
+       entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (name.size() <= before.size() + behind.size() || !name.starts_with(before) || !name.ends_with(behind)) continue;
+    const auto process =
+        whole_number_in(std::string_view(name).substr(before.size(), name.size() - before.size() - behind.size()));
+    const bool is_process = process && *process > 0 && *process <= std::numeric_limits<pid_t>::max();
+    if (!is_process || ::kill(static_cast<pid_t>(*process), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    fs::remove_all(entry->path(), ignored);
+  }
 }
 
 void write_whole(const fs::path& file, std::string_view text) {

@@ -25,6 +25,10 @@ class WholeFile {
   bool committed_ = false;
 };
 
+/// Removes what processes that were killed on this machine left of a `WholeFile` of this name. @throws nothing: what cannot be
+/// removed stays
+void remove_leftovers(const std::filesystem::path& target);
+
 /// Writes `text` to `file`, whole or not at all. @throws Error if it cannot be written
 void write_whole(const std::filesystem::path& file, std::string_view text);
 

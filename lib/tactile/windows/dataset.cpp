@@ -13,7 +13,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset_layout.hpp"
-#include "tactile/windows/hdf5_objects.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;

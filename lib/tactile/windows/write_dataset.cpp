@@ -18,7 +18,7 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
-#include "tactile/windows/hdf5_objects.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;

@@ -1,4 +1,4 @@
-#include "tactile/windows/hdf5_objects.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,7 @@ constexpr unsigned deflate_level = 4;
 constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to 1032 times its size at the most
 constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // a last chunk may be all but empty
 constexpr std::size_t longest_text = std::size_t{1} << 16;
+constexpr std::uint64_t largest_chunk = std::uint64_t{64} << 20;  // HDF5 holds one in memory
 
 /// Properties under which an object keeps no times, so that the same content is the same bytes.
 Id untimed(hid_t of_class) {
@@ -103,6 +104,14 @@ Id open_table(hid_t parent, const std::string& name, const std::string& where) {
   return id;
 }
 
+Id open_group(hid_t parent, const std::string& name, const std::string& where) {
+  Id id(H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose);
+  if (id < 0) fail(where, "group '" + name + "' cannot be opened");
+  return id;
+}
+
+bool is_group(hid_t parent, const std::string& name) { return Id(H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose) >= 0; }
+
 bool has_member(hid_t parent, const std::string& name) { return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0; }
 
 std::vector<std::string> members_of(hid_t group) {
@@ -179,7 +188,9 @@ std::vector<hsize_t> shape_of(hid_t table, const std::string& where) {
 
 void read_rows(hid_t table, hid_t in_memory, void* rows, hsize_t first, hsize_t count, const std::string& where) {
   const Id type(H5Dget_type(table), H5Tclose);
-  if (H5Tget_class(type) != H5Tget_class(in_memory)) throw Error(where + ": of another type; expected a file that tactile made");
+  const H5T_class_t stored = H5Tget_class(type), wanted_class = H5Tget_class(in_memory);
+  if (stored != wanted_class && !(stored == H5T_ENUM && wanted_class == H5T_INTEGER))
+    throw Error(where + ": of another type; expected a file that tactile made");
   std::vector<hsize_t> shape = shape_of(table, where), begin(shape.size(), 0);
   if (first > shape[0] || count > shape[0] - first) {
     throw Error(where + ": has " + std::to_string(shape[0]) + " rows; expected at least " + std::to_string(first + count));
@@ -193,6 +204,24 @@ void read_rows(hid_t table, hid_t in_memory, void* rows, hsize_t first, hsize_t 
       H5Dread(table, in_memory, wanted, in_file, H5P_DEFAULT, rows) < 0) {
     fail(where, "cannot be read");
   }
+}
+
+hsize_t rows_per_chunk(hid_t table, const std::string& where) {
+  const Id properties(H5Dget_create_plist(table), H5Pclose);
+  const H5D_layout_t layout = properties < 0 ? H5D_LAYOUT_ERROR : H5Pget_layout(properties);
+  const bool is_here = layout == H5D_CHUNKED || layout == H5D_CONTIGUOUS || layout == H5D_COMPACT;
+  if (!is_here || H5Pget_external_count(properties) > 0)
+    throw Error(where + ": its values lie in other files; expected them in this one");
+  if (layout != H5D_CHUNKED) return 0;
+  std::vector<hsize_t> chunk(shape_of(table, where).size());
+  if (H5Pget_chunk(properties, static_cast<int>(chunk.size()), chunk.data()) < 0) fail(where, "its chunks cannot be read");
+  const Id type(H5Dget_type(table), H5Tclose);
+  std::uint64_t size = H5Tget_size(type);
+  for (const hsize_t along : chunk) {
+    if (__builtin_mul_overflow(size, along, &size)) size = largest_chunk + 1;
+    if (size > largest_chunk) throw Error(where + ": has chunks of more than 64 MiB; expected smaller ones");
+  }
+  return chunk[0];
 }
 
 void check_stored_size(hid_t table, const std::string& where) {
@@ -258,9 +287,15 @@ std::int64_t read_number(hid_t object, const std::string& name, const std::strin
 std::string read_text_attribute(hid_t object, const std::string& name, const std::string& where) {
   const Id attribute = open_attribute(object, name, H5T_STRING, where);
   const Id type(H5Aget_type(attribute), H5Tclose);
+  if (H5Tis_variable_str(type) > 0) {
+    char* text = nullptr;
+    if (H5Aread(attribute, type, &text) < 0) fail(where, "attribute '" + name + "' cannot be read");
+    const std::string copy = text == nullptr ? "" : text;
+    H5free_memory(text);
+    return copy;
+  }
   const std::size_t size = H5Tget_size(type);
-  if (H5Tis_variable_str(type) > 0 || size > longest_text)
-    throw Error(where + ": attribute '" + name + "' is of another type; expected a fixed-length text");
+  if (size > longest_text) throw Error(where + ": attribute '" + name + "' is too long; expected at most 65536 bytes");
   std::string bytes(size, '\0');
   if (H5Aread(attribute, type, bytes.data()) < 0) fail(where, "attribute '" + name + "' cannot be read");
   return text_at(bytes.data(), size);

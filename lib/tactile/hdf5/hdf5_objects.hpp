@@ -13,7 +13,7 @@
 
 #include "tactile/core/error.hpp"
 
-// HDF5 as the dataset's files use it: identifiers that close themselves, and errors as `Error`. Only sources include this header.
+// HDF5 as tactile's files use it: identifiers that close themselves, and errors as `Error`. Only sources include this header.
 namespace tactile::hdf5 {
 
 /// Held around everything below: one thread at a time is in HDF5, which then prints nothing of its own.
@@ -67,17 +67,22 @@ std::vector<std::string> members_of(hid_t group);  ///< the names of its links, 
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
                   const std::string& where);
 
+/// Opens a group. @throws Error if there is none of this name
+Id open_group(hid_t parent, const std::string& name, const std::string& where);
+bool is_group(hid_t parent, const std::string& name);
 std::string linked_file(hid_t parent, const std::string& name);  ///< of an external link; empty if it is none
 
 /// The type of T in a file: little-endian, of T's own width; and in memory.
 template <class T>
 hid_t file_type() {
-  static_assert(std::is_integral_v<T>);
+  static_assert(std::is_arithmetic_v<T>);
   if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_STD_U8LE;
   if constexpr (std::is_same_v<T, std::uint16_t>) return H5T_STD_U16LE;
   if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_STD_U32LE;
   if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_STD_U64LE;
+  if constexpr (std::is_same_v<T, std::int8_t>) return H5T_STD_I8LE;
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
+  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
 }
 template <class T>
 hid_t memory_type() {
@@ -85,7 +90,10 @@ hid_t memory_type() {
   if constexpr (std::is_same_v<T, std::uint16_t>) return H5T_NATIVE_UINT16;
   if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_NATIVE_UINT32;
   if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_NATIVE_UINT64;
+  if constexpr (std::is_same_v<T, std::int8_t>) return H5T_NATIVE_INT8;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
 }
 
 /// A table that grows along its first axis, in compressed chunks that any HDF5 reads.
@@ -95,8 +103,12 @@ void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count
 
 /// [rows, ...]
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where);
-/// Reads `count` rows from `first` on into memory that holds them. @throws Error also if the table holds no whole numbers
+/// Reads `count` rows from `first` on into memory that holds them, numbers beyond the range of its type as the nearest within.
+/// @throws Error also if the table holds another kind of values; truth values (h5py's bool) count as whole numbers
 void read_rows(hid_t table, hid_t memory_type, void* rows, hsize_t first, hsize_t count, const std::string& where);
+/// How many rows HDF5 reads at once: those of a chunk, 0 where the table has none. @throws Error if the table's values lie in
+/// other files, or a chunk claims more than 64 MiB
+hsize_t rows_per_chunk(hid_t table, const std::string& where);
 /// @throws Error  if a table claims to hold more than what it takes of its file can expand to
 void check_stored_size(hid_t table, const std::string& where);
 
@@ -124,6 +136,7 @@ void write_attribute(hid_t object, const std::string& name, double value, const 
 void write_attribute(hid_t object, const std::string& name, const std::string& value, const std::string& where);
 bool has_attribute(hid_t object, const std::string& name);
 std::int64_t read_number(hid_t object, const std::string& name, const std::string& where);
+/// Of fixed length, or of variable length as h5py writes them.
 std::string read_text_attribute(hid_t object, const std::string& name, const std::string& where);
 
 }  // namespace tactile::hdf5

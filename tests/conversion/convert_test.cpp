@@ -1,4 +1,4 @@
-#include "tactile/events/convert.hpp"
+#include "tactile/conversion/convert.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,6 +23,9 @@ std::size_t files_in(const fs::path& folder) {
 TEST(RecordingFormatOf, GoesByTheExtension) {
   EXPECT_EQ(recording_format_of("a/b.aedat4"), RecordingFormat::aedat4);
   EXPECT_EQ(recording_format_of("a/b.CSV"), RecordingFormat::csv);
+  EXPECT_EQ(recording_format_of("a/b.h5"), RecordingFormat::hdf5);
+  EXPECT_EQ(recording_format_of("a/b.HDF5"), RecordingFormat::hdf5);
+  EXPECT_EQ(recording_format_of("a/b.npz"), RecordingFormat::npz);
   EXPECT_THROW(recording_format_of("a/b.txt"), Error);
   EXPECT_THROW(recording_format_of("a/b"), Error);
 }
@@ -211,7 +214,7 @@ fs::path two_cameras(const test::TemporaryFolder& folder) {
 TEST(Convert, KeepsTheChosenCameraWithItsOtherStreams) {
   const test::TemporaryFolder folder;
   const fs::path two = two_cameras(folder);
-  convert_recording(two, folder / "b.aedat4", {.stream = "B"});
+  convert_recording(two, folder / "b.aedat4", {.streams = {"B"}});
   const RecordingReader kept(folder / "b.aedat4");
   ASSERT_EQ(kept.streams().size(), 2U);
   EXPECT_EQ(kept.streams()[0].id, 4);
@@ -220,11 +223,102 @@ TEST(Convert, KeepsTheChosenCameraWithItsOtherStreams) {
   EXPECT_EQ(convert_recording(two, folder / "all.aedat4").streams.size(), 4U);
 }
 
+TEST(Convert, KeepsSeveralChosenStreamsApart) {
+  const test::TemporaryFolder folder;
+  const fs::path two = two_cameras(folder);
+  EXPECT_EQ(convert_recording(two, folder / "both.aedat4", {.streams = {"B", "0"}}).streams.size(), 4U);
+  const RecordingReader both(folder / "both.aedat4");
+  EXPECT_EQ(both.stream(0).size, (SensorSize{64, 48}));
+  EXPECT_EQ(both.stream(4).size, (SensorSize{32, 24}));
+  EXPECT_THROW(convert_recording(two, folder / "out.csv", {.streams = {"A", "B"}}), Error);
+  EXPECT_THROW(convert_recording(two, folder / "out.npz", {.streams = {"A", "B"}}), Error);
+  EXPECT_THROW(convert_recording(two, folder / "out.npz"), Error);
+  EXPECT_EQ(convert_recording(two, folder / "out.npz", {.streams = {"B"}}).streams.at(0).elements, 20U);
+}
+
+TEST(Convert, CropsEventsAndCountsThemFromTheCorner) {
+  const test::TemporaryFolder folder;
+  const test::RecordingContents all = test::contents_of(vendor_files / "dv-lz4.aedat4");
+  const SensorSize size = *event_stream(RecordingReader(vendor_files / "dv-lz4.aedat4")).size;
+  const PixelRegion crop{size.width / 4, size.height / 3, size.width / 2, size.height / 3};
+  std::vector<Event> expected;
+  for (const Event& e : all.events) {
+    if (e.x < crop.x || e.y < crop.y || e.x >= crop.x + crop.width || e.y >= crop.y + crop.height) continue;
+    Event moved = e;
+    moved.x = static_cast<std::int16_t>(e.x - crop.x);
+    moved.y = static_cast<std::int16_t>(e.y - crop.y);
+    expected.push_back(moved);
+  }
+  ASSERT_GT(expected.size(), 100U);
+  std::optional<std::string> csv;
+  for (const char* out : {"out.aedat4", "out.h5", "out.csv", "out.npz"}) {
+    const ConvertSummary summary = convert_recording(vendor_files / "dv-lz4.aedat4", folder / out, {.crop = crop});
+    EXPECT_EQ(summary.streams.at(0).elements, expected.size()) << out;
+    EXPECT_EQ(summary.cropped_events, all.events.size() - expected.size()) << out;
+    EXPECT_EQ(summary.size, (SensorSize{crop.width, crop.height}));
+  }
+  convert_recording(folder / "out.h5", folder / "back.aedat4");
+  for (const char* made : {"out.aedat4", "back.aedat4"}) {
+    EXPECT_EQ(test::contents_of(folder / made).events, expected);
+    EXPECT_EQ(event_stream(RecordingReader(folder / made)).size, (SensorSize{crop.width, crop.height}));
+    EXPECT_EQ(test::contents_of(folder / made).imu.size(), all.imu.size());
+  }
+  convert_recording(folder / "out.aedat4", folder / "again.csv");
+  EXPECT_EQ(read_text(folder / "again.csv"), read_text(folder / "out.csv"));
+}
+
+TEST(Convert, CropsFramesWhereverTheyLieOnTheSensor) {
+  const test::TemporaryFolder folder;
+  Frame frame;
+  frame.format = 16;  // BGR
+  frame.width = 4;
+  frame.height = 3;
+  frame.position_x = 2;
+  frame.position_y = 1;
+  for (int i = 0; i < 4 * 3 * 3; ++i) frame.pixels.push_back(static_cast<std::uint8_t>(i));
+  Stream stream = test::stream_of(1, StreamType::frames, "FRME");
+  stream.size = SensorSize{10, 8};
+  {
+    RecordingWriter writer(folder / "in.aedat4", {stream});
+    writer.write_frame(1, frame);
+    frame.t = camera_time(5);
+    frame.position_x = 6;
+    writer.write_frame(1, frame);
+    writer.close();
+  }
+  const ConvertSummary summary =
+      convert_recording(folder / "in.aedat4", folder / "out.aedat4", {.crop = PixelRegion{3, 2, 2, 4}});
+  EXPECT_EQ(summary.cropped_frames, 1U);
+  const test::RecordingContents out = test::contents_of(folder / "out.aedat4");
+  ASSERT_EQ(out.frames.size(), 1U);
+  EXPECT_EQ(out.frames[0].width, 2);
+  EXPECT_EQ(out.frames[0].height, 2);
+  EXPECT_EQ(out.frames[0].position_x, 0);
+  EXPECT_EQ(out.frames[0].position_y, 0);
+  EXPECT_EQ(out.frames[0].pixels, (std::vector<std::uint8_t>{15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 32}));
+}
+
+TEST(Convert, RefusesACropThatReachesOutOrLeavesNothing) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "in.csv", "t_us,x,y,on\n0,10,10,1\n10,20,20,0\n");
+  const auto crop = [&](const PixelRegion& region) {
+    convert_recording(folder / "in.csv", folder / "out.aedat4", {.crop = region, .size = SensorSize{64, 48}});
+    fs::remove(folder / "out.aedat4");
+  };
+  EXPECT_NO_THROW(crop({10, 10, 54, 38}));
+  EXPECT_THROW(crop({11, 10, 54, 38}), Error);
+  EXPECT_THROW(crop({10, 10, 54, 39}), Error);
+  EXPECT_THROW(crop({11, 11, 5, 5}), Error);
+  EXPECT_THROW(crop({0, 0, 0, 5}), Error);
+  EXPECT_THROW(crop({-1, 0, 5, 5}), Error);
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
 TEST(Convert, NeverMergesTwoCamerasIntoOneCsv) {
   const test::TemporaryFolder folder;
   const fs::path two = two_cameras(folder);
   EXPECT_THROW(convert_recording(two, folder / "out.csv"), Error);
-  const ConvertSummary summary = convert_recording(two, folder / "out.csv", {.stream = "0"});
+  const ConvertSummary summary = convert_recording(two, folder / "out.csv", {.streams = {"0"}});
   EXPECT_EQ(summary.streams.at(0).elements, 30U);
   EXPECT_EQ(summary.left_out.size(), 3U);
 }
@@ -236,7 +330,7 @@ TEST(Convert, RefusesOptionsThatDoNotApply) {
   EXPECT_THROW(convert_recording(recording, folder / "out.csv", {.compression = Compression::lz4}), Error);
   EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.size = SensorSize{64, 48}}), Error);
   EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.source = "camera"}), Error);
-  EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4", {.stream = "0"}), Error);
+  EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4", {.streams = {"0"}}), Error);
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.csv"), Error);
   EXPECT_THROW(convert_recording(recording, folder / "out.txt"), Error);
   EXPECT_THROW(convert_recording(folder / "none.aedat4", folder / "out.csv"), Error);

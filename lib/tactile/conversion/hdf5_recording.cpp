@@ -1,0 +1,495 @@
+#include "tactile/conversion/hdf5_recording.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace h5 = hdf5;
+namespace {
+
+constexpr std::int64_t layout_version = 1;
+constexpr hsize_t chunk_rows = 65'536;
+constexpr hsize_t most_chunk_rows = hsize_t{16} << 20;
+constexpr microseconds piece_span{10'000};  // pieces of several streams lie beside each other as finely as this
+constexpr std::int64_t most_pixels = std::numeric_limits<std::int16_t>::max();
+
+/// A stream's group in the file, in the order in which types are looked for.
+constexpr std::pair<StreamType, std::string_view> groups[] = {
+    {StreamType::events, "events"}, {StreamType::imu, "imu"}, {StreamType::triggers, "triggers"}};
+
+std::string_view group_of(StreamType type) {
+  const auto* found = std::find_if(std::begin(groups), std::end(groups), [type](const auto& g) { return g.first == type; });
+  return found == std::end(groups) ? std::string_view{} : found->second;
+}
+
+/// One column on its way to the file, gathered until a chunk is full.
+template <class T>
+struct ColumnOut {
+  h5::Id table;
+  std::string where;
+  hsize_t width = 1;  ///< values in a row
+  std::vector<T> waiting;
+
+  void create(hid_t group, const std::string& name, hsize_t row_width, const std::string& group_name) {
+    where = group_name + "/" + name;
+    width = row_width;
+    const std::vector<hsize_t> row = row_width == 1 ? std::vector<hsize_t>{} : std::vector<hsize_t>{row_width};
+    table = h5::create_table(group, name, h5::file_type<T>(), row, chunk_rows, where);
+  }
+  void put() {
+    if (!waiting.empty()) h5::append_rows(table, h5::memory_type<T>(), waiting.data(), waiting.size() / width, where);
+    waiting.clear();
+  }
+  void close() {
+    put();
+    table.close(where);
+  }
+};
+
+struct StreamOut {
+  Stream stream;
+  h5::Id group;
+  std::string where;
+  ColumnOut<std::int64_t> t;
+  ColumnOut<std::uint16_t> x, y;
+  ColumnOut<std::uint8_t> on;
+  ColumnOut<float> temperature, acceleration, angular_rate, magnetic_field;
+  ColumnOut<std::int8_t> type;
+  CameraTime previous = CameraTime::min();
+
+  template <class Use>
+  void for_columns(const Use& use) {
+    use(t);
+    if (stream.type == StreamType::events) use(x), use(y), use(on);
+    if (stream.type == StreamType::imu) use(temperature), use(acceleration), use(angular_rate), use(magnetic_field);
+    if (stream.type == StreamType::triggers) use(type);
+  }
+};
+
+}  // namespace
+
+struct Hdf5RecordingWriter::State {
+  fs::path path;
+  h5::Id file;
+  std::vector<StreamOut> streams;
+  std::uint64_t steps_back = 0;
+
+  ~State() {
+    const h5::Session session;
+    streams.clear();
+    file = h5::Id();
+  }
+
+  void open(std::span<const Stream> declared) {
+    const std::string name = path.string();
+    file = h5::create_file(path);
+    h5::write_attribute(file, "recording_format", layout_version, name);
+    const auto events =
+        std::find_if(declared.begin(), declared.end(), [](const Stream& s) { return s.type == StreamType::events; });
+    if (events != declared.end()) {
+      const SensorSize size = events->size.value_or(SensorSize{});
+      h5::write_attribute(file, "sensor_width", std::int64_t{size.width}, name);
+      h5::write_attribute(file, "sensor_height", std::int64_t{size.height}, name);
+      h5::write_attribute(file, "source", events->source, name);
+    }
+    streams.reserve(declared.size());
+    for (const Stream& stream : declared) add(stream);
+  }
+
+  void add(const Stream& stream) {
+    std::string name(group_of(stream.type));
+    if (name.empty()) {
+      throw Error(fmt::format("{}: stream {} holds {}; expected events, imu or triggers", path.string(), stream.id,
+                              name_of(stream.type)));
+    }
+    if (h5::has_member(file, name)) name += "_" + std::to_string(stream.id);
+    StreamOut& out = streams.emplace_back();
+    out.stream = stream;
+    out.where = path.string() + ": /" + name;
+    out.group = h5::create_group(file, name, path.string());
+    h5::write_attribute(out.group, "stream_id", std::int64_t{stream.id}, out.where);
+    h5::write_attribute(out.group, "name", stream.name, out.where);
+    h5::write_attribute(out.group, "source", stream.source, out.where);
+    if (stream.size) {
+      h5::write_attribute(out.group, "width", std::int64_t{stream.size->width}, out.where);
+      h5::write_attribute(out.group, "height", std::int64_t{stream.size->height}, out.where);
+    }
+    nlohmann::ordered_json info = nlohmann::ordered_json::object();
+    for (const auto& [key, value] : stream.info) info[key] = value;
+    h5::write_attribute(out.group, "info", info.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), out.where);
+
+    out.t.create(out.group, "t_us", 1, out.where);
+    if (stream.type == StreamType::events) {
+      out.x.create(out.group, "x", 1, out.where);
+      out.y.create(out.group, "y", 1, out.where);
+      out.on.create(out.group, "on", 1, out.where);
+    } else if (stream.type == StreamType::imu) {
+      out.temperature.create(out.group, "temperature_c", 1, out.where);
+      out.acceleration.create(out.group, "acceleration_g", 3, out.where);
+      out.angular_rate.create(out.group, "angular_rate_dps", 3, out.where);
+      out.magnetic_field.create(out.group, "magnetic_field_ut", 3, out.where);
+    } else {
+      out.type.create(out.group, "type", 1, out.where);
+    }
+  }
+
+  /// Hands each element to `append`, which adds it to every column but the time's.
+  template <class Element, class Append>
+  void write(std::int32_t id, std::span<const Element> elements, const Append& append) {
+    const h5::Session session;
+    const auto out = std::find_if(streams.begin(), streams.end(), [id](const StreamOut& s) { return s.stream.id == id; });
+    if (out == streams.end()) throw Error(fmt::format("{}: has no stream {}; expected one of its own", path.string(), id));
+    for (const Element& element : elements) {
+      if (element.t < out->previous) ++steps_back;
+      out->previous = element.t;
+      out->t.waiting.push_back(us_of(element.t));
+      append(*out, element);
+      if (out->t.waiting.size() == chunk_rows) out->for_columns([](auto& column) { column.put(); });
+    }
+  }
+};
+
+Hdf5RecordingWriter::Hdf5RecordingWriter(const fs::path& file, std::span<const Stream> streams)
+    : state_(std::make_unique<State>()) {
+  const h5::Session session;
+  state_->path = file;
+  state_->open(streams);
+}
+Hdf5RecordingWriter::~Hdf5RecordingWriter() = default;
+Hdf5RecordingWriter::Hdf5RecordingWriter(Hdf5RecordingWriter&&) noexcept = default;
+Hdf5RecordingWriter& Hdf5RecordingWriter::operator=(Hdf5RecordingWriter&&) noexcept = default;
+
+void Hdf5RecordingWriter::write_events(std::int32_t stream_id, std::span<const Event> events) {
+  state_->write(stream_id, events, [](StreamOut& out, const Event& event) {
+    out.x.waiting.push_back(static_cast<std::uint16_t>(event.x));
+    out.y.waiting.push_back(static_cast<std::uint16_t>(event.y));
+    out.on.waiting.push_back(event.on);
+  });
+}
+
+void Hdf5RecordingWriter::write_imu(std::int32_t stream_id, std::span<const ImuSample> samples) {
+  state_->write(stream_id, samples, [](StreamOut& out, const ImuSample& sample) {
+    const auto append = [](ColumnOut<float>& column, const auto& xyz) {
+      column.waiting.insert(column.waiting.end(), std::begin(xyz), std::end(xyz));
+    };
+    out.temperature.waiting.push_back(sample.temperature_c);
+    append(out.acceleration, sample.acceleration_g);
+    append(out.angular_rate, sample.angular_rate_dps);
+    append(out.magnetic_field, sample.magnetic_field_ut);
+  });
+}
+
+void Hdf5RecordingWriter::write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers) {
+  state_->write(stream_id, triggers, [](StreamOut& out, const Trigger& trigger) { out.type.waiting.push_back(trigger.type); });
+}
+
+std::uint64_t Hdf5RecordingWriter::steps_back() const { return state_->steps_back; }
+
+void Hdf5RecordingWriter::close() {
+  const h5::Session session;
+  for (StreamOut& out : state_->streams) {
+    out.for_columns([](auto& column) { column.close(); });
+    out.group.close(out.where);
+  }
+  state_->file.close(state_->path.string());
+}
+
+namespace {
+
+/// One column on its way from the file, a block of whole chunks at a time, so that no chunk is decompressed twice.
+template <class T>
+class ColumnIn {
+ public:
+  void open(hid_t group, const std::string& name, hsize_t row_width, const std::string& group_name) {
+    where_ = group_name + "/" + name;
+    width_ = row_width;
+    if (!h5::has_member(group, name)) throw Error(fmt::format("{}: is missing; expected a column of {}", where_, kind()));
+    if (!h5::linked_file(group, name).empty())
+      throw Error(where_ + ": lies in another file; expected a recording whole in one file");
+    table_ = h5::open_table(group, name, where_);
+    const h5::Id type(H5Dget_type(table_), H5Tclose);
+    const H5T_class_t stored = H5Tget_class(type);
+    const bool fits = std::is_floating_point_v<T> ? stored == H5T_FLOAT : stored == H5T_INTEGER || stored == H5T_ENUM;
+    if (!fits) throw Error(fmt::format("{}: holds another kind of values; expected {}", where_, kind()));
+    clamps_ = stored == H5T_INTEGER && H5Tget_size(type) >= 8 && H5Tget_sign(type) == H5T_SGN_NONE;
+    const std::vector<hsize_t> shape = h5::shape_of(table_, where_);
+    if (shape.size() != (width_ == 1 ? 1U : 2U) || (width_ > 1 && shape[1] != width_)) {
+      throw Error(
+          fmt::format("{}: has another shape; expected [rows{}]", where_, width_ == 1 ? "" : fmt::format(", {}", width_)));
+    }
+    rows_ = shape[0];
+    h5::check_stored_size(table_, where_);
+    const hsize_t chunk = h5::rows_per_chunk(table_, where_);
+    if (chunk > most_chunk_rows)
+      throw Error(fmt::format("{}: has {} rows in a chunk; expected at most {}", where_, chunk, most_chunk_rows));
+    block_ = chunk == 0 ? chunk_rows : chunk * std::max<hsize_t>(1, chunk_rows / chunk);
+  }
+
+  hsize_t rows() const { return rows_; }
+  const std::string& where() const { return where_; }
+
+  /// The row's values, until another is asked for; rows are asked for in ascending order.
+  const T* at(hsize_t row) {
+    if (row >= end_) load(row);
+    return &values_[(row - begin_) * width_];
+  }
+
+ private:
+  static std::string_view kind() { return std::is_floating_point_v<T> ? "floating-point numbers" : "whole numbers"; }
+
+  void load(hsize_t row) {
+    begin_ = row - row % block_;
+    end_ = std::min(rows_, begin_ + block_);
+    values_.resize((end_ - begin_) * width_);
+    h5::read_rows(table_, h5::memory_type<T>(), values_.data(), begin_, end_ - begin_, where_);
+    const auto beyond = clamps_ ? std::find(values_.begin(), values_.end(), std::numeric_limits<T>::max()) : values_.end();
+    if (beyond != values_.end()) {
+      throw Error(fmt::format("{}: row {} is beyond {}; expected numbers within", where_,
+                              begin_ + static_cast<hsize_t>(beyond - values_.begin()), std::numeric_limits<T>::max()));
+    }
+  }
+
+  h5::Id table_;
+  std::string where_;
+  hsize_t width_ = 1, rows_ = 0, block_ = 1;
+  hsize_t begin_ = 0, end_ = 0;  ///< of the block in memory
+  bool clamps_ = false;          ///< a value beyond T would be read as T's largest
+  std::vector<T> values_;
+};
+
+struct StreamIn {
+  Stream stream;
+  hsize_t rows = 0, next = 0;
+  CameraTime previous = CameraTime::min();
+  ColumnIn<std::int64_t> t;
+  ColumnIn<std::int32_t> x, y, on, type;
+  ColumnIn<float> temperature, acceleration, angular_rate, magnetic_field;
+
+  bool ended() const { return next == rows; }
+  CameraTime next_time() { return camera_time(*t.at(next)); }
+
+  /// The time of the row at `next`, which no earlier one exceeds.
+  CameraTime take_time() {
+    const CameraTime at = next_time();
+    if (at < previous) {
+      throw Error(fmt::format("{}: time goes back in row {}, from {} to {} us; expected times that never fall", t.where(), next,
+                              us_of(previous), us_of(at)));
+    }
+    previous = at;
+    return at;
+  }
+  std::int32_t take(ColumnIn<std::int32_t>& column, std::int32_t least, std::int32_t most) const {
+    const std::int32_t value = *column.at(next);
+    if (value < least || value > most)
+      throw Error(fmt::format("{}: row {} is {}; expected {} to {}", column.where(), next, value, least, most));
+    return value;
+  }
+};
+
+std::optional<std::int64_t> number_of(hid_t object, const std::string& name, const std::string& where) {
+  return h5::has_attribute(object, name) ? std::optional(h5::read_number(object, name, where)) : std::nullopt;
+}
+std::optional<std::string> text_of(hid_t object, const std::string& name, const std::string& where) {
+  return h5::has_attribute(object, name) ? std::optional(h5::read_text_attribute(object, name, where)) : std::nullopt;
+}
+
+void refuse_dataset(hid_t file, const std::string& name) {
+  const bool is_one =
+      h5::has_attribute(file, "manifest_sha256") || h5::has_member(file, "runs") ||
+      (h5::is_group(file, "events") && h5::has_attribute(h5::open_group(file, "events", name), "manifest_sha256"));
+  if (is_one) {
+    throw Error(name +
+                ": belongs to a dataset, with the events of many runs one after the other; expected a recording, such as " +
+                "the events.aedat4 of one of its runs");
+  }
+}
+
+}  // namespace
+
+struct Hdf5RecordingReader::State {
+  std::string name;
+  h5::Id file;
+  std::vector<StreamIn> inputs;
+  std::vector<Stream> streams;
+
+  ~State() {
+    const h5::Session session;
+    inputs.clear();
+    file = h5::Id();
+  }
+
+  SensorSize size_of_events(hid_t group, const std::string& where, std::optional<SensorSize> given) const {
+    std::optional<std::int64_t> width = number_of(group, "width", where), height = number_of(group, "height", where);
+    if (!width || !height) {
+      width = number_of(file, "sensor_width", name);
+      height = number_of(file, "sensor_height", name);
+    }
+    if (width && height && given)
+      throw Error(fmt::format("{}: says that its sensor has {}x{} pixels; expected --size left out", name, *width, *height));
+    if (given) return *given;
+    if (!width || !height) {
+      throw Error(name +
+                  ": does not say its sensor's size; expected the attributes sensor_width and sensor_height, or --size WxH");
+    }
+    if (*width < 1 || *height < 1 || *width > most_pixels || *height > most_pixels) {
+      throw Error(fmt::format("{}: says that its sensor has {}x{} pixels; expected 1 to {} each way", name, *width, *height,
+                              most_pixels));
+    }
+    return {static_cast<int>(*width), static_cast<int>(*height)};
+  }
+
+  void add(StreamType type, const std::string& member, std::optional<SensorSize> size, const std::optional<std::string>& source) {
+    const std::string where = name + ": /" + member;
+    if (!h5::linked_file(file, member).empty())
+      throw Error(where + ": lies in another file; expected a recording whole in one file");
+    if (!h5::is_group(file, member)) throw Error(where + ": is no group; expected one that holds a table for each column");
+    const h5::Id group = h5::open_group(file, member, name);
+    StreamIn& in = inputs.emplace_back();
+    in.stream.type = type;
+    in.stream.type_identifier = identifier_of(type);
+
+    const std::size_t cut = member.find('_');
+    const std::int64_t plain_id = type == StreamType::events ? 0 : type == StreamType::imu ? 2 : 3;  // as the vendor counts
+    const std::int64_t named_id = cut == std::string::npos ? plain_id : whole_number_in(member.substr(cut + 1)).value_or(-1);
+    const std::int64_t id = number_of(group, "stream_id", where).value_or(named_id);
+    if (id < 0 || id > std::numeric_limits<std::int32_t>::max())
+      throw Error(fmt::format("{}: is stream {}; expected a whole number from 0 on", where, id));
+    in.stream.id = static_cast<std::int32_t>(id);
+    for (const Stream& other : streams) {
+      if (other.id == in.stream.id)
+        throw Error(fmt::format("{}: is stream {}, and so is another; expected an id of its own for each", where, id));
+    }
+    in.stream.name = text_of(group, "name", where).value_or(std::string(name_of(type)));
+    std::optional<std::string> told = text_of(group, "source", where);
+    if (!told) told = text_of(file, "source", name);
+    if (told && source) throw Error(name + ": names its camera '" + *told + "'; expected --source left out");
+    in.stream.source = told ? *told : source.value_or("hdf5");
+    const nlohmann::ordered_json info =
+        nlohmann::ordered_json::parse(text_of(group, "info", where).value_or("{}"), nullptr, false);
+    if (info.is_object()) {
+      for (const auto& [key, value] : info.items())
+        in.stream.info.emplace_back(key, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    in.t.open(group, "t_us", 1, where);
+    in.rows = in.t.rows();
+    const auto open = [&](auto& column, const char* called, hsize_t width) {
+      column.open(group, called, width, where);
+      if (column.rows() != in.rows) {
+        throw Error(fmt::format("{}: has {} rows, and t_us has {}; expected columns of one length", column.where(), column.rows(),
+                                in.rows));
+      }
+    };
+    if (type == StreamType::events) {
+      in.stream.size = size_of_events(group, where, size);
+      open(in.x, "x", 1);
+      open(in.y, "y", 1);
+      open(in.on, "on", 1);
+    } else if (type == StreamType::imu) {
+      open(in.temperature, "temperature_c", 1);
+      open(in.acceleration, "acceleration_g", 3);
+      open(in.angular_rate, "angular_rate_dps", 3);
+      open(in.magnetic_field, "magnetic_field_ut", 3);
+    } else {
+      open(in.type, "type", 1);
+    }
+    streams.push_back(in.stream);
+  }
+
+  void open(const fs::path& path, std::optional<SensorSize> size, const std::optional<std::string>& source) {
+    name = path.string();
+    file = h5::open_file(path, false);
+    refuse_dataset(file, name);
+    const std::vector<std::string> members = h5::members_of(file);
+    inputs.reserve(members.size());  // columns stay where they are
+    for (const auto& [type, group] : groups) {
+      for (const std::string& member : members) {
+        const bool is_further = member.size() > group.size() && member.starts_with(group) && member[group.size()] == '_';
+        if (member == group || is_further) add(type, member, size, source);
+      }
+    }
+    if (inputs.empty()) {
+      std::string list;
+      for (const std::string& member : members) list += (list.empty() ? "" : ", ") + member.substr(0, 40);
+      throw Error(fmt::format("{}: holds no recording but {}; expected the group /events with t_us, x, y and on", name,
+                              list.empty() ? "nothing" : list.substr(0, 200)));
+    }
+  }
+};
+
+Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<SensorSize> size, std::optional<std::string> source)
+    : state_(std::make_unique<State>()) {
+  const h5::Session session;
+  state_->open(file, size, source);
+}
+Hdf5RecordingReader::~Hdf5RecordingReader() = default;
+Hdf5RecordingReader::Hdf5RecordingReader(Hdf5RecordingReader&&) noexcept = default;
+Hdf5RecordingReader& Hdf5RecordingReader::operator=(Hdf5RecordingReader&&) noexcept = default;
+
+std::span<const Stream> Hdf5RecordingReader::streams() const { return state_->streams; }
+
+void Hdf5RecordingReader::read(std::span<const std::int32_t> stream_ids, const Taker& taker, const ProgressCallback& progress) {
+  const h5::Session session;
+  std::vector<StreamIn*> open;
+  std::uint64_t total = 0, done = 0;
+  for (StreamIn& in : state_->inputs) {
+    if (std::find(stream_ids.begin(), stream_ids.end(), in.stream.id) == stream_ids.end()) continue;
+    in.next = 0;
+    in.previous = CameraTime::min();
+    open.push_back(&in);
+    total += in.rows;
+  }
+
+  std::vector<Event> events;
+  std::vector<ImuSample> samples;
+  std::vector<Trigger> triggers;
+  const auto xyz = [](ColumnIn<float>& column, hsize_t row, float(&into)[3]) { std::copy_n(column.at(row), 3, into); };
+  for (std::erase_if(open, [](const StreamIn* in) { return in->ended(); }); !open.empty();
+       std::erase_if(open, [](const StreamIn* in) { return in->ended(); })) {
+    std::sort(open.begin(), open.end(), [](StreamIn* a, StreamIn* b) { return a->next_time() < b->next_time(); });
+    StreamIn& in = *open.front();
+    const CameraTime until = open.size() > 1 ? after(open[1]->next_time(), piece_span) : CameraTime::max();
+    const hsize_t end = std::min(in.rows, in.next + chunk_rows);
+    const hsize_t begin = in.next;
+    events.clear();
+    samples.clear();
+    triggers.clear();
+    for (; in.next < end && in.next_time() <= until; ++in.next) {
+      const CameraTime t = in.take_time();
+      if (in.stream.type == StreamType::events) {
+        Event event{.t = t};
+        event.x = static_cast<std::int16_t>(in.take(in.x, 0, in.stream.size->width - 1));
+        event.y = static_cast<std::int16_t>(in.take(in.y, 0, in.stream.size->height - 1));
+        event.on = static_cast<std::uint8_t>(in.take(in.on, 0, 1));
+        events.push_back(event);
+      } else if (in.stream.type == StreamType::imu) {
+        ImuSample& sample = samples.emplace_back();
+        sample.t = t;
+        sample.temperature_c = *in.temperature.at(in.next);
+        xyz(in.acceleration, in.next, sample.acceleration_g);
+        xyz(in.angular_rate, in.next, sample.angular_rate_dps);
+        xyz(in.magnetic_field, in.next, sample.magnetic_field_ut);
+      } else {
+        triggers.push_back({.t = t, .type = static_cast<std::int8_t>(in.take(in.type, -128, 127))});
+      }
+    }
+    if (!events.empty()) taker.events(in.stream, events);
+    if (!samples.empty()) taker.imu(in.stream, samples);
+    if (!triggers.empty()) taker.triggers(in.stream, triggers);
+    done += in.next - begin;
+    tell(progress, done, total, fs::path(state_->name).filename().string());
+  }
+}
+
+}  // namespace tactile

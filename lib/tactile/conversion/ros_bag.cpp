@@ -1,0 +1,290 @@
+#include "tactile/conversion/ros_bag.hpp"
+
+#include <bzlib.h>
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_compression.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view magic = "#ROSBAG V2.0\n";
+constexpr std::uint32_t most_header = 1U << 20;
+constexpr std::uint64_t most_chunk = std::uint64_t{256} << 20;
+constexpr std::size_t most_connections = 65'536;
+constexpr std::size_t most_name = 4096;  // of a topic or type
+
+enum Operation : unsigned { message_data = 0x02, bag_header = 0x03, chunk = 0x05, connection = 0x07 };
+
+using Bytes = std::span<const std::byte>;
+
+template <class T>
+T number_at(Bytes bytes, std::size_t offset = 0) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+/// The value of a field in a record's header, which is a row of lengths and `name=value`s; nothing if it is not there, or what is
+/// in front of it is broken.
+std::optional<Bytes> field(Bytes header, std::string_view name) {
+  while (header.size() >= 4) {
+    const auto length = number_at<std::uint32_t>(header);
+    if (length > header.size() - 4) return std::nullopt;
+    const Bytes entry = header.subspan(4, length);
+    const std::string_view text(reinterpret_cast<const char*>(entry.data()), entry.size());
+    if (text.size() > name.size() && text.starts_with(name) && text[name.size()] == '=') return entry.subspan(name.size() + 1);
+    header = header.subspan(4 + length);
+  }
+  return std::nullopt;
+}
+
+template <class T>
+std::optional<T> number_field(Bytes header, std::string_view name) {
+  const std::optional<Bytes> value = field(header, name);
+  return value && value->size() == sizeof(T) ? std::optional(number_at<T>(*value)) : std::nullopt;
+}
+
+std::optional<std::string> text_field(Bytes header, std::string_view name) {
+  const std::optional<Bytes> value = field(header, name);
+  if (!value || value->size() > most_name) return std::nullopt;
+  return std::string(reinterpret_cast<const char*>(value->data()), value->size());
+}
+
+/// `stored` as bzip2 made it, into the front of `content`, which grows as it turns out; whether it gives exactly `size` bytes.
+bool decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t size) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return false;
+  struct End {
+    bz_stream& stream;
+    ~End() { BZ2_bzDecompressEnd(&stream); }
+  } const end{stream};
+  stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(stored.data()));
+  stream.avail_in = static_cast<unsigned>(stored.size());
+  std::size_t done = 0;
+  for (int result = BZ_OK; result == BZ_OK;) {
+    if (content.capacity() <= done)
+      content.grow(std::min(size + 1, std::max<std::size_t>({2 * done, 4 * stored.size(), 65'536})), done);
+    const std::size_t room = std::min(content.capacity(), size + 1) - done;  // one more than is right tells that it is too long
+    if (room == 0) return false;
+    stream.next_out = reinterpret_cast<char*>(content.data() + done);
+    stream.avail_out = static_cast<unsigned>(room);
+    const unsigned had_in = stream.avail_in;
+    result = BZ2_bzDecompress(&stream);
+    const std::size_t got = room - stream.avail_out;
+    done += got;
+    if (result == BZ_STREAM_END) return done == size;
+    if (result == BZ_OK && got == 0 && had_in == stream.avail_in) return false;  // cut off
+  }
+  return false;
+}
+
+}  // namespace
+
+struct RosBagReader::State {
+  std::string name;  ///< for errors
+  FileDescriptor file;
+  std::uint64_t size = 0;
+  std::uint64_t at = 0;  ///< the next record of the file
+  BagProblems problems;
+  std::map<std::uint32_t, BagConnection> connections;
+  std::vector<std::byte> header;
+  PacketBuffer stored, content;
+  PacketDecompressor decompressor;
+  Bytes rest;  ///< of the chunk being read
+
+  void open(const fs::path& path) {
+    name = path.string();
+    file = FileDescriptor(fs::is_directory(path) ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    struct stat status {};
+    if (!file.is_open() || ::fstat(file.number(), &status) != 0)
+      throw Error(fmt::format("{}: cannot be opened ({}); expected a readable bag", name,
+                              fs::is_directory(path) ? "a folder" : std::strerror(errno)));
+    size = static_cast<std::uint64_t>(status.st_size);
+    std::array<char, magic.size()> line{};
+    read(0, std::as_writable_bytes(std::span(line)));
+    if (std::string_view(line.data(), line.size()) != magic) {
+      throw Error(fmt::format("{}: does not begin with '{}'; expected a ROS 1 bag of version 2.0", name,
+                              magic.substr(0, magic.size() - 1)));
+    }
+    at = magic.size();
+  }
+
+  /// As far as the file goes.
+  void read(std::uint64_t offset, std::span<std::byte> bytes) const {
+    if (file.read_at(offset, bytes) >= 0) return;
+    throw Error(fmt::format("{}: reading it failed half-way ({}); expected a readable file", name, std::strerror(errno)));
+  }
+
+  struct Record {
+    Bytes header;
+    std::uint64_t data_at = 0;
+    std::uint32_t data_size = 0;
+  };
+
+  /// The next record of the file, its data not read yet; nothing where the file ends or is cut off.
+  std::optional<Record> next_record() {
+    const auto cut_off = [this] {
+      problems.truncated_bytes = size - at;
+      at = size;
+      return std::nullopt;
+    };
+    if (at >= size) return std::nullopt;
+    std::array<std::byte, 4> length{};
+    if (size - at < 8) return cut_off();
+    read(at, length);
+    const auto header_size = number_at<std::uint32_t>(length);
+    if (header_size > most_header || header_size > size - at - 8) return cut_off();
+    header.resize(header_size);
+    read(at + 4, header);
+    read(at + 4 + header_size, length);
+    Record record{.header = header, .data_at = at + 8 + header_size, .data_size = number_at<std::uint32_t>(length)};
+    if (record.data_size > size - record.data_at) return cut_off();
+    at = record.data_at + record.data_size;
+    return record;
+  }
+
+  /// A record's data, at the front of `into`.
+  Bytes data_of(const Record& record, PacketBuffer& into) const {
+    into.grow(record.data_size, 0);
+    const std::span<std::byte> bytes(into.data(), record.data_size);
+    read(record.data_at, bytes);
+    return bytes;
+  }
+
+  void keep_connection(Bytes record_header, Bytes data) {
+    const auto id = number_field<std::uint32_t>(record_header, "conn");
+    const auto topic = text_field(record_header, "topic"), type = text_field(data, "type"), md5sum = text_field(data, "md5sum");
+    if (!id || !topic || !type || !md5sum || connections.size() == most_connections) {
+      ++problems.broken_records;
+    } else {
+      connections.try_emplace(*id, BagConnection{*topic, *type, *md5sum});  // the index names them all once more
+    }
+  }
+
+  std::optional<BagMessage> message_of(Bytes record_header, Bytes data) {
+    const auto id = number_field<std::uint32_t>(record_header, "conn");
+    const auto time = number_field<std::uint64_t>(record_header, "time");
+    if (!id || !time) {
+      ++problems.broken_records;
+      return std::nullopt;
+    }
+    const auto found = connections.find(*id);
+    if (found == connections.end()) {
+      ++problems.unknown_messages;
+      return std::nullopt;
+    }
+    const auto seconds = static_cast<std::int64_t>(*time & 0xFFFFFFFF), nanoseconds = static_cast<std::int64_t>(*time >> 32);
+    return BagMessage{.connection = &found->second,
+                      .received = HostTime{microseconds{seconds * 1'000'000 + nanoseconds / 1'000}},
+                      .data = data};
+  }
+
+  /// Whether the chunk could be opened; `rest` is then what it holds.
+  bool open_chunk(const Record& record) {
+    const auto compression = text_field(record.header, "compression");
+    const auto claimed = number_field<std::uint32_t>(record.header, "size");
+    if (!compression || !claimed || *claimed > most_chunk || record.data_size > most_chunk) return false;
+    if (*compression == "none") {
+      rest = data_of(record, content);
+      return true;
+    }
+    const Bytes data = data_of(record, stored);
+    if (*compression == "lz4") {
+      const Decompressed made = decompressor.decompress(Compression::lz4, data, content, *claimed);
+      if (!made.whole || made.size != *claimed) return false;
+    } else if (*compression == "bz2") {
+      if (!decompress_bz2(data, content, *claimed)) return false;
+    } else {
+      return false;
+    }
+    rest = {content.data(), *claimed};
+    return true;
+  }
+
+  /// The next message of the open chunk; nothing once it ends.
+  std::optional<BagMessage> next_in_chunk() {
+    while (!rest.empty()) {
+      const auto part = [this]() -> std::optional<Bytes> {
+        if (rest.size() < 4) return std::nullopt;
+        const auto length = number_at<std::uint32_t>(rest);
+        if (length > rest.size() - 4) return std::nullopt;
+        const Bytes bytes = rest.subspan(4, length);
+        rest = rest.subspan(4 + length);
+        return bytes;
+      };
+      const std::optional<Bytes> record_header = part();
+      const std::optional<Bytes> data = record_header ? part() : std::nullopt;
+      if (!data) {
+        ++problems.broken_chunks;
+        rest = {};
+        return std::nullopt;
+      }
+      const auto operation = number_field<std::uint8_t>(*record_header, "op");
+      if (operation == Operation::connection) keep_connection(*record_header, *data);
+      if (operation != Operation::message_data) continue;
+      if (const auto message = message_of(*record_header, *data)) return message;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<BagMessage> next() {
+    for (;;) {
+      if (const auto message = next_in_chunk()) return message;
+      const std::optional<Record> record = next_record();
+      if (!record) return std::nullopt;
+      const auto operation = number_field<std::uint8_t>(record->header, "op");
+      if (!operation) ++problems.broken_records;
+      if (operation == Operation::bag_header) {
+        if (!text_field(record->header, "encryptor").value_or("").empty())
+          throw Error(name + ": is encrypted; expected a plain bag");
+      } else if (operation == Operation::chunk) {
+        if (!open_chunk(*record)) ++problems.broken_chunks;
+      } else if (operation == Operation::connection) {
+        if (record->data_size > most_header) {
+          ++problems.broken_records;
+        } else {
+          keep_connection(record->header, data_of(*record, content));
+        }
+      } else if (operation == Operation::message_data) {
+        if (record->data_size > most_chunk) {
+          ++problems.broken_records;
+        } else if (const auto message = message_of(record->header, data_of(*record, content))) {
+          return message;
+        }
+      }
+    }
+  }
+};
+
+RosBagReader::RosBagReader(const fs::path& file) : state_(std::make_unique<State>()) { state_->open(file); }
+RosBagReader::~RosBagReader() = default;
+RosBagReader::RosBagReader(RosBagReader&&) noexcept = default;
+RosBagReader& RosBagReader::operator=(RosBagReader&&) noexcept = default;
+
+std::optional<BagMessage> RosBagReader::next() { return state_->next(); }
+
+void RosBagReader::rewind() {
+  state_->at = magic.size();
+  state_->rest = {};
+  state_->problems = {};
+}
+
+std::uint64_t RosBagReader::bytes_read() const { return state_->at; }
+std::uint64_t RosBagReader::file_size() const { return state_->size; }
+const BagProblems& RosBagReader::problems() const { return state_->problems; }
+
+}  // namespace tactile

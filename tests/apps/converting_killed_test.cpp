@@ -1,0 +1,135 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "events/made_recording.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/sha256.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// Starts the built `tactile` in the folder, silent.
+pid_t start(const fs::path& folder, const std::vector<std::string>& arguments) {
+  std::vector<char*> words{const_cast<char*>(TACTILE_BINARY)};
+  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  const pid_t process = ::fork();
+  if (process == 0) {
+    const int nowhere = ::open("/dev/null", O_RDWR);
+    for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
+    if (::chdir(folder.c_str()) == 0) ::execv(TACTILE_BINARY, words.data());
+    ::_exit(127);
+  }
+  return process;
+}
+
+int status_of(pid_t process) {
+  int status = 0;
+  EXPECT_EQ(::waitpid(process, &status, 0), process);
+  return status;
+}
+
+/// A recording that takes a command long enough to be killed in the midst of it.
+class KilledCommand : public testing::Test {
+ protected:
+  KilledCommand() {
+    const SensorSize size{640, 480};
+    RecordingWriter writer(in, {event_stream_declaration(size, "DVXplorer_DXM00001")}, {.compression = Compression::none});
+    std::minstd_rand random(7);
+    std::vector<Event> events;
+    for (std::int64_t t = 0; t < 4'000'000; t += 2) {
+      events.push_back(
+          test::event_at(t, static_cast<int>(random() % 640), static_cast<int>(random() % 480), static_cast<int>(random() % 2)));
+    }
+    writer.write_events(0, events);
+    writer.close();
+  }
+
+  std::ptrdiff_t files() const { return std::distance(fs::directory_iterator(folder.path()), {}); }
+
+  /// Waits until the command begins to write, or ends; its status if it ended.
+  std::optional<int> wait_for_output(pid_t process) const {
+    for (int status = 0;; std::this_thread::sleep_for(200us)) {
+      if (::waitpid(process, &status, WNOHANG) == process) return status;
+      if (files() > 1) return std::nullopt;
+    }
+  }
+
+  /// Kills the command at 20 moments, half of them drawn over what it takes undisturbed, half over what it takes from the first
+  /// byte on that it writes: each leaves nothing or the whole file, and the input as it was. Another run then does its work and
+  /// clears away what the killed ones left.
+  void expect_all_or_nothing(const std::vector<std::string>& arguments, const std::string& out) {
+    const std::string input = sha256_of_file(in);
+    const Clock::time_point begin = Clock::now();
+    const pid_t undisturbed = start(folder.path(), arguments);
+    ASSERT_FALSE(wait_for_output(undisturbed).has_value());
+    const Clock::time_point first_byte = Clock::now();
+    ASSERT_EQ(status_of(undisturbed), 0);
+    const Clock::time_point end = Clock::now();
+    const std::string whole = sha256_of_file(folder / out);
+    fs::remove(folder / out);
+
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> share(0, 1);
+    int cut_short = 0;
+    for (int i = 0; i < 20; ++i) {
+      for (const fs::directory_entry& file : fs::directory_iterator(folder.path())) {
+        if (file.path() != in) fs::remove(file.path());
+      }
+      const pid_t process = start(folder.path(), arguments);
+      const std::optional<int> ended = i % 2 == 0 ? std::nullopt : wait_for_output(process);
+      std::this_thread::sleep_for(share(random) * (i % 2 == 0 ? end - begin : end - first_byte));
+      if (!ended) ::kill(process, SIGKILL);
+      const int status = ended ? *ended : status_of(process);
+      if (fs::exists(folder / out)) {
+        EXPECT_EQ(sha256_of_file(folder / out), whole);
+      } else if (WIFSIGNALED(status) && files() == 2) {
+        ++cut_short;
+      }
+      EXPECT_EQ(sha256_of_file(in), input);
+    }
+    EXPECT_GT(cut_short, 0) << "no kill came amid the writing";
+
+    fs::remove(folder / out);
+    const pid_t killed = start(folder.path(), arguments);
+    ASSERT_FALSE(wait_for_output(killed).has_value());
+    ::kill(killed, SIGKILL);
+    status_of(killed);
+    fs::remove(folder / out);  // it may have come to its end
+    ASSERT_EQ(status_of(start(folder.path(), arguments)), 0);
+    EXPECT_EQ(sha256_of_file(folder / out), whole);
+    EXPECT_EQ(files(), 2) << "what the killed run left is still there";
+  }
+
+  test::TemporaryFolder folder;
+  const fs::path in = folder / "in.aedat4";
+};
+
+TEST_F(KilledCommand, ConvertToAedat4LeavesAllOrNothing) {
+  expect_all_or_nothing({"convert", "in.aedat4", "out.aedat4", "--compression", "zstd"}, "out.aedat4");
+}
+
+TEST_F(KilledCommand, ConvertToHdf5LeavesAllOrNothing) { expect_all_or_nothing({"convert", "in.aedat4", "out.h5"}, "out.h5"); }
+
+TEST_F(KilledCommand, RepairLeavesAllOrNothing) {
+  // Without its table every packet must be read: it takes its time.
+  test::cut_off_table(in);
+  expect_all_or_nothing({"repair", "in.aedat4", "out.aedat4"}, "out.aedat4");
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,229 @@
+#include "tactile/conversion/hdf5_recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include "events/made_recording.hpp"
+#include "events/recording_contents.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/conversion/convert.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/events/recording_health.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path vendor_files = fs::path(TACTILE_TEST_DATA) / "aedat4";
+
+/// Runs Python lines in `folder`, with numpy as np and h5py; returns what they print.
+std::string python(const test::TemporaryFolder& folder, const std::string& lines) {
+  write_whole(folder / "script.py", "import json, hashlib, struct\nimport h5py\nimport numpy as np\n" + lines);
+  const test::CommandResult result = test::run_shell("/usr/bin/python3 script.py", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  fs::remove(folder / "script.py");
+  return result.out;
+}
+
+/// What refusing a file says.
+std::string refusal_of(const fs::path& file, const ConvertOptions& options = {}) {
+  const test::TemporaryFolder folder;
+  try {
+    convert_recording(file, folder / "out.aedat4", options);
+  } catch (const Error& e) {
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+    return e.what();
+  }
+  ADD_FAILURE() << file << " was taken";
+  return {};
+}
+
+TEST(Hdf5Recording, GivesEveryElementBack) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"dv-lz4", "dv-zstd-high", "dv-none"}) {
+    const fs::path in = vendor_files / (std::string(name) + ".aedat4"), middle = folder / (std::string(name) + ".h5");
+    const ConvertSummary there = convert_recording(in, middle);
+    convert_recording(middle, folder / (std::string(name) + ".aedat4"));
+    test::RecordingContents expected = test::contents_of(in);
+    EXPECT_EQ(there.left_out.size(), expected.frames.empty() ? 0U : 1U);
+    expected.frames.clear();
+    EXPECT_TRUE(same(test::contents_of(folder / (std::string(name) + ".aedat4")), expected)) << name;
+    EXPECT_TRUE(examine_recording(folder / (std::string(name) + ".aedat4")).healthy());
+    const RecordingReader before(in), after(folder / (std::string(name) + ".aedat4"));
+    for (const Stream& stream : after.streams()) {
+      const Stream& original = before.stream(stream.id);
+      EXPECT_EQ(stream.source, original.source);
+      EXPECT_EQ(stream.name, original.name);
+      EXPECT_EQ(stream.size, original.size);
+      EXPECT_EQ(stream.info, original.info);
+    }
+  }
+}
+
+TEST(Hdf5Recording, IsWhatPythonFindsTrue) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json truth = read_json(vendor_files / "truth.json");
+  for (const auto& [name, expected] : truth.items()) {
+    convert_recording(vendor_files / (name + ".aedat4"), folder / "made.h5");
+    const nlohmann::json sums = nlohmann::json::parse(python(
+        folder,
+        "f = h5py.File('made.h5')\n"
+        "t, x, y, on = (f['events/' + n][:] for n in ('t_us', 'x', 'y', 'on'))\n"
+        "assert [c.dtype.str for c in (t, x, y, on)] == ['<i8', '<u2', '<u2', '|u1']\n"
+        "rows = np.rec.fromarrays([t, x, y, on], dtype=[('t', '<i8'), ('x', '<u2'), ('y', '<u2'), ('on', 'u1')])\n"
+        "print(json.dumps(dict(events=len(t), on=int(on.sum()), sum_x=int(x.sum()), sum_y=int(y.sum()), first_us=int(t[0]),\n"
+        "    last_us=int(t[-1]), digest=hashlib.sha256(rows.tobytes()).hexdigest(),\n"
+        "    width=int(f.attrs['sensor_width']), source=f.attrs['source'].decode(), "
+        "compression=f['events/t_us'].compression)))\n"));
+    for (const char* key : {"events", "on", "sum_x", "sum_y", "first_us", "last_us", "digest"})
+      EXPECT_EQ(sums.at(key), expected.at(key)) << name << ": " << key;
+    const RecordingReader recording(vendor_files / (name + ".aedat4"));
+    EXPECT_EQ(sums.at("width"), event_stream(recording).size->width);
+    EXPECT_EQ(sums.at("source"), event_stream(recording).source);
+    EXPECT_EQ(sums.at("compression"), "gzip");
+    fs::remove(folder / "made.h5");
+  }
+}
+
+TEST(Hdf5Recording, GivesTheSameBytesForTheSameInput) {
+  const test::TemporaryFolder folder;
+  convert_recording(vendor_files / "dv-lz4.aedat4", folder / "a.h5");
+  convert_recording(vendor_files / "dv-lz4.aedat4", folder / "b.h5");
+  EXPECT_TRUE(read_text(folder / "a.h5") == read_text(folder / "b.h5"));
+}
+
+TEST(Hdf5Recording, KeepsSeveralStreamsApart) {
+  const test::TemporaryFolder folder;
+  const std::vector<Event> left = test::steady_events(150'000, 0, 10, {64, 48}),
+                           right = test::steady_events(50, 7, 100, {32, 24});
+  {
+    Stream second = test::stream_of(4, StreamType::events, "EVTS", "B");
+    second.size = SensorSize{32, 24};
+    RecordingWriter writer(folder / "two.aedat4", {event_stream_declaration({64, 48}, "A"), second});
+    writer.write_events(0, left);
+    writer.write_events(4, right);
+    writer.close();
+  }
+  convert_recording(folder / "two.aedat4", folder / "two.h5");
+  EXPECT_EQ(
+      python(folder,
+             "f = h5py.File('two.h5')\nprint(sorted(f), len(f['events/x']), len(f['events_4/x']), f['events_4'].attrs['width'])"),
+      "['events', 'events_4'] 150000 50 32\n");
+  convert_recording(folder / "two.h5", folder / "back.aedat4");
+  RecordingReader back(folder / "back.aedat4");
+  std::vector<Event> events;
+  const auto keep = [&](std::span<const Event> some) { events.insert(events.end(), some.begin(), some.end()); };
+  for_all_events(back, 0, keep);
+  EXPECT_EQ(events, left);
+  events.clear();
+  for_all_events(back, 4, keep);
+  EXPECT_EQ(events, right);
+  EXPECT_LT(back.packets()[1].first, camera_time(20'000));  // streams lie beside each other, not one behind the other
+  EXPECT_EQ(convert_recording(folder / "two.h5", folder / "b.csv", {.streams = {"B"}}).streams.at(0).elements, 50U);
+}
+
+TEST(Hdf5Recording, ReadsWhatAnotherProgramMade) {
+  const test::TemporaryFolder folder;
+  python(folder,
+         "with h5py.File('theirs.h5', 'w') as f:\n"
+         "    f['events/t_us'] = np.arange(100000, dtype='uint64')\n"
+         "    f['events/x'] = np.arange(100000, dtype='int32') % 640\n"
+         "    f.create_dataset('events/y', data=np.arange(100000) % 480, chunks=(777,), compression='gzip')\n"
+         "    f['events/on'] = np.arange(100000) % 2 == 0\n"
+         "    f.attrs['sensor_width'] = 640\n"
+         "    f.attrs['sensor_height'] = np.uint16(480)\n"
+         "    f.attrs['source'] = 'a text of variable length'\n");
+  convert_recording(folder / "theirs.h5", folder / "out.aedat4");
+  const test::RecordingContents contents = test::contents_of(folder / "out.aedat4");
+  ASSERT_EQ(contents.events.size(), 100'000U);
+  EXPECT_EQ(contents.events.at(99'999), test::event_at(99'999, 99'999 % 640, 99'999 % 480, 0));
+  EXPECT_EQ(contents.events.at(2), test::event_at(2, 2, 2, 1));
+  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().source, "a text of variable length");
+}
+
+TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
+  const test::TemporaryFolder folder;
+  python(folder,
+         "with h5py.File('theirs.h5', 'w') as f:\n"
+         "    for n in ('t_us', 'x', 'y', 'on'): f['events/' + n] = np.array([0, 1])\n");
+  EXPECT_NE(refusal_of(folder / "theirs.h5").find("--size WxH"), std::string::npos);
+  convert_recording(folder / "theirs.h5", folder / "out.aedat4", {.size = SensorSize{320, 240}, .source = "mine"});
+  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().size, (SensorSize{320, 240}));
+  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().source, "mine");
+  convert_recording(folder / "out.aedat4", folder / "out.h5");
+  EXPECT_NE(refusal_of(folder / "out.h5", {.size = SensorSize{64, 48}}).find("--size left out"), std::string::npos);
+}
+
+TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
+  const test::TemporaryFolder folder;
+  const auto refusal = [&](const std::string& change) {
+    python(folder,
+           "with h5py.File('bad.h5', 'w') as f:\n"
+           "    columns = dict(t_us=np.arange(5), x=np.arange(5), y=np.arange(5), on=np.ones(5, dtype='u1'))\n"
+           "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n" +
+               change + "\n    for n, v in columns.items(): f.create_dataset('events/' + n, data=v)\n");
+    return refusal_of(folder / "bad.h5");
+  };
+  const auto expect = [](const std::string& said, const std::string& part) {
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  };
+  expect(refusal("    columns['x'] = np.arange(4)"), "/events/x: has 4 rows, and t_us has 5");
+  expect(refusal("    del columns['on']"), "/events/on: is missing");
+  expect(refusal("    columns['t_us'] = np.arange(5) / 1e6"),
+         "/events/t_us: holds another kind of values; expected whole numbers");
+  expect(refusal("    columns['y'] = np.zeros((5, 2), dtype=int)"), "/events/y: has another shape; expected [rows]");
+  expect(refusal("    columns['x'] = np.array([0, 1, 64, 3, 4])"), "/events/x: row 2 is 64; expected 0 to 63");
+  expect(refusal("    columns['y'] = np.array([0, 1, 2, -1, 4])"), "/events/y: row 3 is -1; expected 0 to 47");
+  expect(refusal("    columns['y'] = np.array([0, 1, 2, 2**33, 4])"), "/events/y: row 3 is");
+  expect(refusal("    columns['on'] = np.array([0, 1, 2, 1, 1])"), "/events/on: row 2 is 2; expected 0 to 1");
+  expect(refusal("    columns['t_us'] = np.array([0, 5, 4, 6, 7])"), "/events/t_us: time goes back in row 2, from 5 to 4 us");
+  expect(refusal("    columns['t_us'] = np.array([0, 1, 2, 3, 2**63 + 5], dtype='uint64')"), "/events/t_us: row 4 is beyond");
+  expect(refusal("    f.attrs['sensor_width'] = 0"), "0x48 pixels");
+  expect(refusal("    columns = {}\n    f['other'] = 1"), "holds no recording but other");
+  expect(refusal("    columns = {}\n    f['events'] = np.zeros(3, dtype=[('t', 'i8'), ('x', 'u2')])"), "/events: is no group");
+  write_whole(folder / "bad.h5", "no HDF5 at all");
+  expect(refusal_of(folder / "bad.h5"), "cannot be opened");
+}
+
+TEST(Hdf5Recording, NeverAllocatesForWhatAFileMerelyClaims) {
+  const test::TemporaryFolder folder;
+  python(
+      folder,
+      "with h5py.File('huge.h5', 'w') as f:\n"
+      "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n"
+      "    for n in ('t_us', 'x', 'y', 'on'): f.create_dataset('events/' + n, shape=(2**40,), dtype='i8', chunks=(1024,))\n"
+      "with h5py.File('chunk.h5', 'w') as f:\n"
+      "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n"
+      "    for n in ('t_us', 'x', 'y', 'on'):\n"
+      "        f.create_dataset('events/' + n, shape=(5,), maxshape=(None,), dtype='i8', chunks=(2**28,), compression='gzip')\n");
+  EXPECT_NE(refusal_of(folder / "huge.h5").find("claims more values than its file can hold"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "chunk.h5").find("chunks of more than 64 MiB"), std::string::npos);
+}
+
+TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {
+  const test::TemporaryFolder folder;
+  python(folder,
+         "for name, attributes in (('dataset.h5', ()), ('dataset.events.h5', ('manifest_sha256',))):\n"
+         "    with h5py.File(name, 'w') as f:\n"
+         "        g = f.create_group('events')\n"
+         "        for a in attributes: g.attrs[a] = 'ab'\n"
+         "        if not attributes: f.create_group('runs')\n"
+         "with h5py.File('linked.h5', 'w') as f: f['events'] = h5py.ExternalLink('other.h5', '/events')\n");
+  for (const char* name : {"dataset.h5", "dataset.events.h5"})
+    EXPECT_NE(refusal_of(folder / name).find("belongs to a dataset"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "linked.h5").find("lies in another file"), std::string::npos);
+}
+
+TEST(Hdf5Recording, WritesTimesThatStepBackButMakesNoRecordingOfThem) {
+  const test::TemporaryFolder folder;
+  test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 1'000, 100, {64, 48}), {64, 48});
+  test::overwrite(folder / "in.aedat4", test::event_offset(test::packets_of(folder / "in.aedat4").front(), 4),
+                  std::int64_t{1'000});
+  EXPECT_EQ(convert_recording(folder / "in.aedat4", folder / "out.h5").steps_back, 1U);
+  EXPECT_NE(refusal_of(folder / "out.h5").find("time goes back in row 4"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,442 @@
+#!/usr/bin/env python3
+"""Shows, as one table, that files and streams of ours and of other libraries' are read by each other with equal contents.
+
+    interop.py TACTILE FAKE_CONTROLLER TEST_DATA [ROW…]
+
+Ends with 0 if every row is equal, 1 if one is not, 77 if a row could not run because its library is missing.
+"""
+
+import importlib.util
+import json
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+from pathlib import Path
+
+import numpy as np
+
+import contents as c
+
+HERE = Path(__file__).resolve().parent
+TACTILE, FAKE, DATA = (Path(argument).resolve() for argument in sys.argv[1:4])
+COMPRESSIONS = ("none", "lz4", "lz4-high", "zstd", "zstd-high")
+PATIENCE = 60  # seconds that anything may take before it counts as stuck
+ROWS = []
+
+
+class Differs(Exception):
+    pass
+
+
+def row(name, *needs):
+    def add(work):
+        ROWS.append((name, needs, work))
+        return work
+    return add
+
+
+def expect_equal(expected, found, what, parts=("events", "imu", "triggers", "frames")):
+    if why := c.difference(expected, found, parts):
+        raise Differs(f"{what}: {why}")
+
+
+def run(*command, cwd=None, expected=0):
+    result = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, timeout=5 * PATIENCE,
+                            stdin=subprocess.DEVNULL)
+    if result.returncode != expected:
+        raise Differs(f"{' '.join(map(str, command))}: ended with {result.returncode}: {result.stderr.strip()[-300:]}")
+    return result.stdout
+
+
+def tactile(*arguments, **options):
+    return run(TACTILE, *arguments, **options)
+
+
+class Process:
+    """A program that runs beside, ended at the latest when the block is left; its stderr is read all along."""
+
+    def __init__(self, *command):
+        self.command = [str(part) for part in command]
+        self.text = ""
+
+    def __enter__(self):
+        self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                        text=True)
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+        return self
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.text += line
+
+    def wait_for(self, pattern):
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            if found := re.search(pattern, self.text):
+                return found
+            if self.process.poll() is not None:
+                self.reader.join(PATIENCE)
+                if found := re.search(pattern, self.text):
+                    return found
+                break
+            time.sleep(0.02)
+        raise Differs(f"{' '.join(self.command)}: never said '{pattern}': {self.text.strip()[-300:]}")
+
+    def ended(self, expected=0):
+        code = self.process.wait(PATIENCE)
+        self.reader.join(PATIENCE)
+        if code != expected:
+            raise Differs(f"{' '.join(self.command)}: ended with {code}: {self.text.strip()[-300:]}")
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+def as_csv(recording, folder):
+    """What our own reader says, by way of text."""
+    csv = folder / (recording.stem + ".csv")
+    tactile("convert", recording, csv, "--force")
+    return c.read_csv(csv)
+
+
+def simulated_run(folder):
+    """A run of the simulator's, made once."""
+    data = folder.parent / "simulated"
+    if not data.exists():
+        tactile("simulate", data, "--preset", "tiny", "--objects", "fan", "--runs", "1")
+    return data / "fan" / "01"
+
+
+@row("the vendor's recordings, by our reader: digest of every event as it was written")
+def vendor_files(folder):
+    truth = json.loads((DATA / "truth.json").read_text())
+    text = json.dumps(truth)
+    for recording in sorted(DATA.glob("*.aedat4")):
+        digest = as_csv(recording, folder).digest()
+        if digest not in text:
+            raise Differs(f"{recording.name}: digest {digest} is not the truth's")
+
+
+def files_written_here(folder, read, parts):
+    for source in (DATA / "dv-zstd.aedat4", simulated_run(folder) / "events.aedat4"):
+        expected = read(source)
+        expected.events = as_csv(source, folder).events
+        for compression in COMPRESSIONS:
+            ours = folder / f"{source.stem}-{compression}.aedat4"
+            tactile("convert", source, ours, "--compression", compression)
+            expect_equal(expected, read(ours), f"{source.name}, {compression}", parts)
+
+
+@row("files written here, read by dv-processing, all compressions", "dv_processing")
+def ours_by_dv(folder):
+    files_written_here(folder, c.read_dv, ("events", "imu", "triggers", "frames"))
+
+
+@row("files written here, read by aedat, all compressions", "aedat")
+def ours_by_aedat(folder):
+    files_written_here(folder, c.read_aedat, ("events", "imu", "triggers", "frames"))
+
+
+@row("files written here, read by faery, all compressions", "faery")
+def ours_by_faery(folder):
+    files_written_here(folder, c.read_faery, ("events",))
+
+
+def made_events(count, step_us=7, first_us=1_700_000_000_000_000, size=(640, 480), seed=5):
+    random = np.random.default_rng(seed)
+    t = first_us + np.cumsum(random.integers(0, 2 * step_us, count))
+    return c.events_from(t, random.integers(0, size[0], count), random.integers(0, size[1], count), random.integers(0, 2, count))
+
+
+def store_of(events):
+    import dv_processing as dv
+    store = dv.EventStore()
+    for t, x, y, on in events.tolist():
+        store.push_back(t, x, y, bool(on))
+    return store
+
+
+def imu_of(t):
+    import dv_processing as dv
+    value = float(t % 1000) / 8
+    sample = dv.IMU(t, value, value + 1, value + 2, value + 3, value + 4, value + 5, value + 6, value + 7, value + 8, value + 9)
+    return sample
+
+
+@row("files of dv-processing's writer, read here, all compressions", "dv_processing")
+def dv_writes(folder):
+    import dv_processing as dv
+    events = made_events(20_000)
+    for name, compression in dv.CompressionType.__members__.items():
+        path = folder / f"dv-{name}.aedat4"
+        writer = dv.io.MonoCameraWriter(str(path), dv.io.MonoCameraWriter.DVSConfig("DVXplorer_DXA00007", (640, 480), compression))
+        writer.writeEvents(store_of(events))
+        samples = [imu_of(int(t)) for t in events["t"][::500]]
+        for sample in samples:
+            writer.writeImu(sample)
+        del writer
+        expected = c.Contents()
+        expected.events = events
+        expect_equal(expected, as_csv(path, folder), name, ("events",))
+        ours = folder / f"again-{name}.aedat4"
+        tactile("convert", path, ours)
+        expected = c.read_dv(path)
+        if len(expected.imu) != len(samples):
+            raise Differs(f"{name}: the writer lost IMU samples itself")
+        expect_equal(expected, c.read_dv(ours), f"{name}, written again")
+
+
+@row("files of faery's writer, read here", "faery")
+def faery_writes(folder):
+    import faery
+    events = made_events(20_000)
+    rows = np.zeros(len(events), faery.EVENTS_DTYPE)
+    for name in ("t", "x", "y", "on"):
+        rows[name] = events[name]
+    expected = c.Contents()
+    expected.events = events
+    for name, compression in (("none", None), ("lz4", ("lz4", 1)), ("zstd", ("zstd", 3))):
+        path = folder / f"faery-{name}.aedat4"
+        faery.events_stream_from_array(rows, (640, 480)).to_file(path, compression=compression)
+        expect_equal(expected, as_csv(path, folder), name, ("events",))
+
+
+@row("CSV, NPZ and HDF5 of ours, read by NumPy and h5py", "h5py")
+def other_formats(folder):
+    for source in (DATA / "dv-lz4.aedat4", simulated_run(folder) / "events.aedat4"):
+        expected = as_csv(source, folder)
+        npz, hdf5, back = (folder / (source.stem + end) for end in (".npz", ".h5", "-back.aedat4"))
+        tactile("convert", source, npz)
+        tactile("convert", source, hdf5)
+        expect_equal(expected, c.read_npz(npz), "NPZ", ("events",))
+        found = c.read_hdf5(hdf5)
+        expect_equal(expected, found, "HDF5", ("events",))
+        if importlib.util.find_spec("dv_processing"):
+            original = c.read_dv(source)
+            expect_equal(original, found, "HDF5", ("imu", "triggers"))
+            tactile("convert", hdf5, back)
+            expect_equal(original, c.read_dv(back), "HDF5 and back", ("events", "imu", "triggers"))
+
+
+def batches(count, events_each, gap_us):
+    """Packets of events laid end to end in time."""
+    events = made_events(count * events_each, step_us=max(1, gap_us // events_each))
+    return events, [events[i:i + events_each] for i in range(0, len(events), events_each)]
+
+
+def network_writers(folder, kind):
+    """dv-processing's servers for events and IMU of one camera, played to `tactile record`."""
+    import dv_processing as dv
+    events, packets = batches(200, 500, 5_000)
+    event_stream = dv.io.Stream.EventStream(0, "events", "DVXplorer_DXA00007", (640, 480))
+    imu_stream = dv.io.Stream.IMUStream(0, "imu", "DVXplorer_DXA00007")
+    event_stream.addMetadata("readoutMode", "variable-5000")
+    if kind == "unix":
+        places = [str(folder / name) for name in ("events.sock", "imu.sock")]
+        addresses = [f"unix:{place}" for place in places]
+        writers = [dv.io.NetworkWriter(place, stream) for place, stream in zip(places, (event_stream, imu_stream))]
+    else:
+        compression = dv.CompressionType.__members__[kind]
+        ports = [free_port(), free_port()]
+        addresses = [f"tcp://127.0.0.1:{port}" for port in ports]
+        for stream in (event_stream, imu_stream):
+            stream.setCompression(compression)
+        writers = [dv.io.NetworkWriter("127.0.0.1", port, stream) for port, stream in zip(ports, (event_stream, imu_stream))]
+
+    out = folder / "runs"
+    with Process(TACTILE, "record", "--from", addresses[0], "--from", addresses[1], "--out", out, "--object", "fan",
+                 "--run", "01") as record:
+        end = time.monotonic() + PATIENCE
+        while any(writer.getClientCount() == 0 for writer in writers):
+            if time.monotonic() > end:
+                raise Differs(f"record never connected: {record.text[-300:]}")
+            time.sleep(0.02)
+        imu = []
+        for packet in packets:
+            writers[0].writeEvents(store_of(packet))
+            samples = [imu_of(int(packet["t"][0])), imu_of(int(packet["t"][-1]))]
+            imu += [c.imu_row(sample) for sample in samples]
+            writers[1].writeImu(dv.IMUPacket(samples).elements)
+        while any(writer.getQueuedPacketCount() > 0 for writer in writers):
+            time.sleep(0.02)
+        time.sleep(0.3)  # the writer closes without emptying the socket's own buffer
+        writers.clear()
+        record.ended()
+    expected = c.Contents()
+    expected.events, expected.imu = events, np.array(imu, float)
+    expected.source, expected.size = "DVXplorer_DXA00007", (640, 480)
+    expect_equal(expected, c.read_dv(out / "fan" / "01" / "events.aedat4"), kind, ("events", "imu"))
+    told = json.loads((out / "fan" / "01" / "run.json").read_text())
+    if "variable-5000" not in json.dumps(told["camera"]):
+        raise Differs(f"run.json does not tell the read-out mode: {told['camera']}")
+    tactile("info", "--check", out / "fan" / "01")
+
+
+@row("dv-processing's NetworkWriter feeds record: events and IMU, over TCP in every compression, over a socket file", "dv_processing")
+def their_writer(folder):
+    for kind in ("NONE", "LZ4", "ZSTD", "unix"):
+        place = folder / kind
+        place.mkdir()
+        network_writers(place, kind)
+
+
+def read_network(reader, found, counted):
+    """Everything that comes until `counted` events are there."""
+    end = time.monotonic() + PATIENCE
+    count = 0
+    while count < counted and time.monotonic() < end:
+        batch = reader.getNextEventBatch()
+        if batch is None:
+            if not reader.isRunning():
+                return
+            time.sleep(0.001)
+            continue
+        found.append(c.events_of_store(batch))
+        count += len(found[-1])
+
+
+@row("serve feeds dv-processing's NetworkReader, two at once, in every compression", "dv_processing")
+def their_readers(folder):
+    import dv_processing as dv
+    recording = simulated_run(folder) / "events.aedat4"
+    expected = as_csv(recording, folder)
+    for compression in COMPRESSIONS:
+        with Process(TACTILE, "serve", recording, "--port", "0", "--compression", compression, "--no-wait", "--loop",
+                     "--packet-us", "10000") as serve:
+            port = int(serve.wait_for(r"tcp://127\.0\.0\.1:(\d+)").group(1))
+            readers = [dv.io.NetworkReader("127.0.0.1", port) for _ in range(2)]
+            for reader in readers:
+                if tuple(reader.getEventResolution()) != (640, 480):
+                    raise Differs(f"{compression}: the reader sees another resolution")
+            found = [[], []]
+            threads = [threading.Thread(target=read_network, args=(reader, part, 2 * len(expected.events)))
+                       for reader, part in zip(readers, found)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            del readers, reader
+            serve.interrupt()
+            serve.ended()
+        for parts in found:
+            check_looped(expected.events, c.joined(parts), compression)
+
+
+def check_looped(expected, found, what):
+    """`found` began anywhere in the recording that goes round: one whole round of it, from its first event on, must be there."""
+    key = expected[["x", "y", "on"]]
+    rounds = found[["x", "y", "on"]]
+    head = key[:2000]
+    for start in np.flatnonzero(rounds == key[0]):
+        if np.array_equal(rounds[start:start + len(head)], head):
+            whole = found[start:start + len(expected)]
+            if len(whole) < len(expected):
+                continue
+            if not np.array_equal(whole[["x", "y", "on"]], key):
+                raise Differs(f"{what}: a round differs from the recording")
+            if not np.array_equal(whole["t"] - whole["t"][0], expected["t"] - expected["t"][0]):
+                raise Differs(f"{what}: times of a round differ from the recording's")
+            if np.any(np.diff(found["t"]) < 0):
+                raise Differs(f"{what}: times go back from round to round")
+            return
+    raise Differs(f"{what}: no whole round among {len(found)} events")
+
+
+@row("a bag of rosbags' writer, made into a run and read by dv-processing", "rosbags", "dv_processing")
+def bags(folder):
+    script = DATA.parent / "bags" / "make_bags.py"
+    run(sys.executable, script, folder / "bags")
+    truth = json.loads((folder / "bags" / "truth.json").read_text())
+    for name, expected in truth.items():
+        place = folder / "runs" / "fan" / f"{1 + list(truth).index(name):02}"
+        tactile("convert", folder / "bags" / name, place)
+        found = c.read_dv(place / "events.aedat4")
+        for key, value in (("events", len(found.events)), ("on", int(found.events["on"].sum())),
+                           ("sum_x", int(found.events["x"].sum())), ("sum_y", int(found.events["y"].sum()))):
+            if expected[key] != value:
+                raise Differs(f"{name}: {key} {value}, expected {expected[key]}")
+
+
+@row("record of a controller beside ur-rtde's own log of it", "rtde_receive")
+def robot_log(folder):
+    with Process(FAKE, "--port", "30004", "--seconds", "12") as fake:
+        fake.wait_for(r"30004")
+        theirs = folder / "theirs.csv"
+        out = folder / "runs"
+        with Process(sys.executable, HERE / "ur_rtde_log.py", "127.0.0.1", "6", theirs) as log:
+            with Process(TACTILE, "record", "--from", f"file:{DATA / 'dv-lz4.aedat4'}", "--speed", "0.003", "--robot",
+                         "127.0.0.1:30004", "--out", out, "--object", "fan", "--run", "01", "--duration", "5") as record:
+                record.ended()
+            log.ended()
+    run(sys.executable, HERE / "compare_robot_logs.py", out / "fan" / "01" / "robot.csv", theirs)
+
+
+@row("dv-bridge feeds record, from a recording in the camera's place", "dv_processing")
+def bridge(folder):
+    recording = DATA / "dv-lz4.aedat4"
+    ports = free_port(), free_port()
+    out = folder / "runs"
+    with Process(sys.executable, HERE.parent.parent / "scripts" / "dv-bridge", "--file", recording, "--port", ports[0],
+                 "--imu-port", ports[1]) as source:
+        source.wait_for(str(ports[1]))
+        with Process(TACTILE, "record", "--from", f"tcp://127.0.0.1:{ports[0]}", "--from", f"tcp://127.0.0.1:{ports[1]}",
+                     "--out", out, "--object", "fan", "--run", "01") as record:
+            record.ended()
+    expect_equal(c.read_dv(recording), c.read_dv(out / "fan" / "01" / "events.aedat4"), "bridge", ("events", "imu"))
+
+
+def main():
+    wanted = sys.argv[4:]
+    folder = Path(tempfile.mkdtemp(prefix="tactile-interop-"))
+    outcomes = []
+    try:
+        for number, (name, needs, work) in enumerate(ROWS, 1):
+            if wanted and not any(word in name for word in wanted):
+                continue
+            missing = [need for need in needs if importlib.util.find_spec(need) is None]
+            if missing:
+                outcomes.append(("SKIPPED", name, f"no {', '.join(missing)} for this Python"))
+                continue
+            place = folder / f"{number:02}"
+            place.mkdir()
+            begun = time.monotonic()
+            try:
+                work(place)
+                outcomes.append(("equal", name, f"{time.monotonic() - begun:.1f} s"))
+            except Differs as why:
+                outcomes.append(("DIFFERS", name, str(why)))
+            except Exception as error:  # a library's own failure is a row that failed, not the end of the table
+                traceback.print_exc()
+                outcomes.append(("DIFFERS", name, f"{type(error).__name__}: {error}"))
+            print(f"{outcomes[-1][0]:8}{name}  {outcomes[-1][2]}", flush=True)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+    print(f"\n{'':-<100}")
+    for outcome, name, why in outcomes:
+        print(f"{outcome:8}{name}" + (f"\n        {why}" if outcome != "equal" else ""))
+    counts = {kind: sum(outcome == kind for outcome, _, _ in outcomes) for kind in ("equal", "DIFFERS", "SKIPPED")}
+    print(f"{counts['equal']} rows equal, {counts['DIFFERS']} differ, {counts['SKIPPED']} skipped")
+    return 1 if counts["DIFFERS"] else 77 if counts["SKIPPED"] else 0
+
+
+sys.exit(main())
