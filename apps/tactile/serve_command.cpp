@@ -30,6 +30,9 @@ using SteadyClock = std::chrono::steady_clock;
 /// How long a client may take nothing at all before one that goes as fast as its clients waits for it no more.
 constexpr std::chrono::milliseconds longest_stall = 10s;
 
+/// From the client that was waited for to the first packet.
+constexpr std::chrono::milliseconds settling = 500ms;
+
 struct ServeArguments {
   std::string source;
   std::string host = "127.0.0.1";
@@ -143,13 +146,16 @@ class ServeLine {
   std::uint64_t events_ = 0;
 };
 
-/// Until each server has had a client: then everyone who was waited for gets the whole.
+/// Until each server has had a client, and a moment longer, for a recorder begins its run once it is connected: then everyone who
+/// was waited for gets the whole.
 void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
   line.draw("waiting for a client");
   while (!interrupted() &&
          std::any_of(served.begin(), served.end(), [](const Served& one) { return one.server->joined_clients() == 0; })) {
     std::this_thread::sleep_for(10ms);
   }
+  const SteadyClock::time_point ready = SteadyClock::now() + settling;
+  while (!interrupted() && SteadyClock::now() < ready) std::this_thread::sleep_for(10ms);
   line.clear();
 }
 

@@ -7,6 +7,9 @@
 #include "tactile/core/error.hpp"
 #include "tactile/network/dv_stream_parser.hpp"
 
+/// What keeps the compiler from leaving out the reading.
+volatile std::int64_t seen = 0;
+
 /// Whatever a server sends, and however it is cut, the client's parser either reads it or says in an Error why it cannot. The
 /// first byte says how it is cut.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -29,8 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (parser.frame()) {
         for (const std::uint8_t pixel : parser.frame()->pixels) sum ^= pixel;
       }
-      static volatile std::int64_t sink;
-      sink = sum;
+      seen = sum;
     }
     parser.end();
   } catch (const Error&) {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/events/event_checks.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_header.hpp"
-#include "tactile/events/sound_events.hpp"
 
 namespace tactile {
 namespace {
@@ -21,6 +22,19 @@ std::uint32_t u32_at(const std::byte* bytes) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes, sizeof value);
   return value;
+}
+
+/// Drops, in place, what lies outside the sensor (at a negative place, where its size is unknown) or has a polarity above 1.
+std::span<Event> sound_events(std::span<Event> events, const std::optional<SensorSize>& size) {
+  constexpr int most = std::numeric_limits<std::int16_t>::max() + 1;
+  SensorSize sensor = size.value_or(SensorSize{.width = most, .height = most});
+  sensor = {.width = std::min(sensor.width, most), .height = std::min(sensor.height, most)};
+  if (check_events(events, sensor).inside) return events;
+  const auto is_outside = [=](const Event& e) {
+    return e.x < 0 || e.y < 0 || e.x >= sensor.width || e.y >= sensor.height || e.on > 1;
+  };
+  const auto kept_end = std::remove_if(events.begin(), events.end(), is_outside);
+  return events.first(static_cast<std::size_t>(kept_end - events.begin()));
 }
 
 }  // namespace
