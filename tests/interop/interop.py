@@ -275,7 +275,7 @@ def network_writers(folder, kind):
             writers[0].writeEvents(store_of(packet))
             samples = [imu_of(int(packet["t"][0])), imu_of(int(packet["t"][-1]))]
             imu += [c.imu_row(sample) for sample in samples]
-            writers[1].writeImu(dv.IMUPacket(samples).elements)
+            writers[1].writeImu(dv.IMUPacket.ImuVector(samples))
         while any(writer.getQueuedPacketCount() > 0 for writer in writers):
             time.sleep(0.02)
         time.sleep(0.3)  # the writer closes without emptying the socket's own buffer
