@@ -134,6 +134,7 @@ TEST_P(DamagedMiddle, GoesOnBehindASectorOfZerosOrOfNoise) {
         EXPECT_TRUE(std::equal(first, first + 300, all.begin() + static_cast<std::ptrdiff_t>(300 * p))) << p << " at " << begin;
       }
       EXPECT_EQ(recording.problems().truncated_bytes, 0U) << begin;
+      EXPECT_LT(recording.problems().empty_packets, 64U) << begin;
       if (compression() != 0) {  // events that are stored as they are look like events, whatever their bytes
         EXPECT_GT(recording.problems().skipped_bytes + recording.problems().broken_packets, 0U) << begin;
       }

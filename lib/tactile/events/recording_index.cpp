@@ -25,6 +25,8 @@ constexpr std::uint64_t packet_header_size = 8;
 constexpr std::size_t header_limit = std::size_t{16} << 20;  ///< no header we know has a hundredth of that [B]
 constexpr std::size_t longest_head = 20;                     ///< a packet's header and what its contents must begin with [B]
 
+constexpr std::uint64_t zero_sector = 512;  ///< so many zeros in a row are no packets without contents, but lost [B]
+
 constexpr std::uint32_t lz4_magic = 0x184D2204;
 constexpr std::uint32_t zstd_magic = 0xFD2FB528;
 constexpr std::string_view table_identifier = "FTAB";
@@ -265,6 +267,10 @@ Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>& hint
         ++walked.empty;
         ++empty_run;
       } else {
+        if (empty_run >= zero_sector / packet_header_size) {
+          walked.empty -= empty_run;
+          walked.skipped += empty_run * packet_header_size;
+        }
         empty_run = 0;
         walked.packets.push_back(*packet);
       }
