@@ -15,6 +15,13 @@ pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 
+# Asio is headers alone, used without Boost; it stays inside the stages that link this.
+find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)
+add_library(tactile_asio INTERFACE)
+target_include_directories(tactile_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
+target_compile_definitions(tactile_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
+target_link_libraries(tactile_asio INTERFACE Threads::Threads)
+
 # The compiler and the headers are all we need of FlatBuffers; its CMake package is named differently from one Debian to the next.
 find_program(FLATC flatc REQUIRED)
 find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
@@ -23,5 +30,5 @@ find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
 find_package(Torch REQUIRED)
 set(TACTILE_TORCH_VERSION "${Torch_VERSION}")
 
-# The camera driver is not in Debian: used where it is found.
-find_package(libcaer QUIET)
+# The camera driver is not in Debian: used where it is found. Earlier ones lack the DVXplorer Mini.
+find_package(libcaer 3.3.14 QUIET)

@@ -9,18 +9,16 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <thread>
 
+#include "interruption.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 
 namespace tactile {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
 
 std::vector<std::string> texts_of(const nlohmann::json& value, const std::string& where) {
   if (value.is_string()) return {value.get<std::string>()};
@@ -109,11 +107,7 @@ void print_result(const CommonArguments& common, const nlohmann::json& json, con
 
 ProgressCallback progress_line(const CommonArguments& common) {
   using Clock = std::chrono::steady_clock;
-  static bool handles_interrupts = false;
-  if (!handles_interrupts) {
-    std::signal(SIGINT, [](int) { interrupted = 1; });
-    handles_interrupts = true;
-  }
+  catch_ctrl_c();
   struct Line {
     Clock::time_point begun = Clock::now(), drawn = begun;
     bool visible = false;
@@ -123,7 +117,7 @@ ProgressCallback progress_line(const CommonArguments& common) {
   };
   const bool draws = !common.quiet && isatty(STDERR_FILENO) != 0;
   return [line = std::make_shared<Line>(), draws](const Progress& progress) {
-    if (interrupted != 0) throw Interrupted{};
+    if (interrupted()) throw Interrupted{};
     const auto now = Clock::now();
     if (!draws || now - line->begun < std::chrono::seconds(1) || now - line->drawn < std::chrono::milliseconds(100)) return;
     line->drawn = now;

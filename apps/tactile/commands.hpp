@@ -6,6 +6,8 @@ namespace tactile {
 
 // In the order they are run.
 void add_simulate_command(CLI::App& app);
+void add_record_command(CLI::App& app);
+void add_serve_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_repair_command(CLI::App& app);
 void add_convert_command(CLI::App& app);

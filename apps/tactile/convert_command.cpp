@@ -59,7 +59,7 @@ std::string check_region(const std::string& text) {
                          : fmt::format("'{}' is no region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
 }
 
-ConvertOptions options_of(const ConvertArguments& args) {
+ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
   ConvertOptions options;
   if (!args.compression.empty()) options.compression = compression_named(args.compression);
   if (args.from_us) options.from = camera_time(*args.from_us);
@@ -69,6 +69,7 @@ ConvertOptions options_of(const ConvertArguments& args) {
   if (!args.size.empty()) options.size = size_in(args.size);
   if (!args.source.empty()) options.source = args.source;
   options.replace = args.force;
+  options.threads = threads;
   return options;
 }
 
@@ -83,6 +84,8 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
   const std::uint64_t packets = problems.broken_packets + problems.mismatched_packets + problems.undeclared_packets;
   if (problems.truncated_bytes > 0)
     spdlog::warn("{}: cut off, {} behind the last whole packet are lost", args.in, counted(problems.truncated_bytes, "byte"));
+  if (problems.skipped_bytes > 0)
+    spdlog::warn("{}: damaged, {} between packets are lost", args.in, counted(problems.skipped_bytes, "byte"));
   if (packets > 0) spdlog::warn("{}: {} could not be read and left nothing in the output", args.in, counted(packets, "packet"));
   if (problems.out_of_range_events > 0)
     spdlog::warn("{}: {} outside the sensor dropped", args.in, counted(problems.out_of_range_events, "event"));
@@ -242,7 +245,7 @@ void convert(const ConvertArguments& args, const CommonArguments& common) {
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
     if (!topic->empty()) throw Error(args.in + ": is no bag; expected the options for its topics left out");
   }
-  const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args), progress_line(common));
+  const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
   warn(args, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }

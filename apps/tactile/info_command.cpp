@@ -82,11 +82,9 @@ void add_run(Report& report, const InfoArguments& args, const ProgressCallback& 
   }
 }
 
-Report examine(const Subject& subject, const InfoArguments& args, const ProgressCallback& progress) {
-  Report report{subject,
-                examine_recording(subject.file, {.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms)}, progress),
-                std::nullopt,
-                {}};
+Report examine(const Subject& subject, const InfoArguments& args, unsigned threads, const ProgressCallback& progress) {
+  const HealthOptions options{.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms), .threads = threads};
+  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}};
   if (subject.run) add_run(report, args, progress);
   return report;
 }
@@ -346,7 +344,7 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   }
   for (const Subject& subject : subjects) {
     attempt(subject.name, [&] {
-      const Report report = examine(subject, args, progress);
+      const Report report = examine(subject, args, common.threads, progress);
       recordings.push_back(json_of(report, args));
       text += (text.empty() ? "" : "\n") + text_of(report, args);
       if (report.health.healthy() || !args.check) return;

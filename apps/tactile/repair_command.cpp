@@ -27,6 +27,8 @@ std::vector<std::string> losses(const RepairSummary& summary) {
   std::vector<std::string> lines;
   if (problems.truncated_bytes > 0)
     lines.push_back(counted(problems.truncated_bytes, "byte") + " behind the last whole packet: the recording was cut off");
+  if (problems.skipped_bytes > 0)
+    lines.push_back(counted(problems.skipped_bytes, "byte") + " between packets: damaged, and what they held with them");
   if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that did not decode");
   if (problems.mismatched_packets > 0)
     lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");
@@ -90,6 +92,9 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
   if (lost.empty()) text += line("lost", "nothing");
   for (std::size_t i = 0; i < lost.size(); ++i) text += line(i == 0 ? "lost" : "", lost[i]);
   text += line("table", table_text(summary));
+  if (summary.problems.resized_packets > 0)
+    text += line("sizes",
+                 counted(summary.problems.resized_packets, "packet") + " given the size that fits, for the one in front did not");
   if (summary.problems.unwrapped_packets > 0)
     text += line("times", counted(summary.problems.unwrapped_packets, "packet") + " moved by 2^32 us into place");
   if (const std::uint64_t steps = steps_back_in(summary); steps > 0) {
@@ -107,7 +112,7 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
 }
 
 void repair(const RepairArguments& args, const CommonArguments& common) {
-  const RepairSummary summary = repair_recording(args.in, args.out, args.force, progress_line(common));
+  const RepairSummary summary = repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "labels/made_run.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -90,6 +93,40 @@ TEST(LabelRun, FlagsAGapInTheRecording) {
   std::filesystem::rename(data / "cut.aedat4", run.events());
   const Labels labels = label_run(run);
   EXPECT_TRUE(labels.run_is_flagged());
+}
+
+/// True if a flag of the whole run says so.
+bool says(const Labels& labels, const std::string& words) {
+  return std::any_of(labels.flags.begin(), labels.flags.end(),
+                     [&](const auto& flag) { return !flag.interval_index && flag.reason.find(words) != std::string::npos; });
+}
+
+TEST(LabelRun, FlagsAGapInTheRobotLog) {
+  const test::TemporaryFolder data;
+  RobotLog torn = lift;
+  std::erase_if(torn.states, [](const RobotState& state) {
+    const std::int64_t us = us_of(state.t) - us_of(lift.states.front().t);
+    return us > 300'000 && us < 500'000;
+  });
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, torn));
+  EXPECT_EQ(labels.intervals.size(), 2U);
+  EXPECT_TRUE(says(labels, "the robot log has 1 gaps, the longest of 2"));
+}
+
+TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {
+  const test::TemporaryFolder data;
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  // Five rows of another clock ahead of the others, which are still there whole.
+  std::string text = read_text(run.robot());
+  std::string rows;
+  for (int i = 0; i < 5; ++i) rows += std::to_string(8e9 + 0.008 * i) + ",0,0,0,0,0,0,0,0,0,0,0,0\n";
+  text.insert(text.find('\n') + 1, rows);
+  std::filesystem::remove(run.robot());
+  write_whole(run.robot(), text);
+  const Labels labels = label_run(run);
+  EXPECT_TRUE(says(labels, "starts anew 1 times within its log: 5 rows of other clocks are not used"));
+  ASSERT_TRUE(labels.robot_clock.has_value());
+  EXPECT_NEAR(static_cast<double>(labels.robot_clock->relation.offset_us), -123'456'789, 5'000);
 }
 
 TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {

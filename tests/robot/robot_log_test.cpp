@@ -118,9 +118,85 @@ TEST(RobotLog, RefusesARowOfAnotherLength) {
             std::string::npos);
 }
 
-TEST(RobotLog, RefusesTimesThatGoBack) {
-  EXPECT_NE(complaint_about(header(",") + "\n" + row("2", ",") + "\n" + row("1", ",") + "\n").find("row 3, column 'timestamp'"),
-            std::string::npos);
+/// A row at `time` that came to the host at `host_us`.
+std::string row_at(const std::string& time, const std::string& host_us) { return row(time, ",", host_us) + "\n"; }
+const std::string header_with_host_time = header(",", "host_time_us") + "\n";
+
+TEST(RobotLog, KeepsTheLongestPieceOfAClockThatStartsAnew) {
+  const std::string rows = row("7", ",") + "\n" + row("7.002", ",") + "\n" + row("0.5", ",") + "\n" + row("0.502", ",") + "\n" +
+                           row("0.504", ",") + "\n" + row("0.1", ",") + "\n";
+  const RobotLog log = read(header(",") + "\n" + rows);
+  ASSERT_EQ(log.states.size(), 3U);
+  EXPECT_EQ(us_of(log.states[0].t), 500'000);
+  EXPECT_EQ(us_of(log.states[2].t), 504'000);
+  EXPECT_EQ(log.restarts, 2U);
+  EXPECT_EQ(log.left_out_rows, 3U);
+  EXPECT_TRUE(log.gaps.empty());
+}
+
+TEST(RobotLog, KnowsWhenItsRowsCameToTheHost) {
+  const RobotLog log = read(header_with_host_time + row_at("1", "1700000000000123"));
+  ASSERT_EQ(log.states.size(), 1U);
+  EXPECT_EQ(us_of(log.states[0].host_time.value()), 1'700'000'000'000'123);
+  EXPECT_FALSE(read(header(",") + "\n" + row("1", ",") + "\n").states[0].host_time.has_value());
+  const std::string complaint = complaint_about(header_with_host_time + row_at("1", "12.5"));
+  EXPECT_NE(complaint.find("column 'host_time_us' holds '12.5'; expected whole microseconds"), std::string::npos) << complaint;
+
+  const test::TemporaryFolder folder;
+  write_robot_log(folder / "robot.csv", log);
+  EXPECT_EQ(read_robot_log(folder / "robot.csv").states[0].host_time, log.states[0].host_time);
+}
+
+TEST(RobotLog, TakesAnEmptyLineOfALogWithHostTimesAsALostConnection) {
+  const std::string rows =
+      row_at("1", "100000") + row_at("1.008", "108000") + "\n" + row_at("4", "3100000") + row_at("4.008", "3108000");
+  const RobotLog log = read(header_with_host_time + rows);
+  EXPECT_EQ(log.states.size(), 4U);
+  EXPECT_EQ(log.restarts, 0U);
+  ASSERT_EQ(log.gaps.size(), 1U);
+  EXPECT_EQ(us_of(log.gaps[0].last_before), 1'008'000);
+  EXPECT_EQ(us_of(log.gaps[0].first_after), 4'000'000);
+  // However short it was, since nobody knows what was lost.
+  EXPECT_EQ(read(header_with_host_time + row_at("1", "1") + "\n" + row_at("1.008", "8001")).gaps.size(), 1U);
+  EXPECT_TRUE(read(header_with_host_time + "\n" + row_at("1", "1") + row_at("1.008", "8001") + "\n").gaps.empty())
+      << "ahead of all rows and behind them nothing is between two";
+}
+
+TEST(RobotLog, SeesARebootThatTheTimestampAloneDoesNotShow) {
+  // Away for 60 s by the host's clock, but only 2 s by the controller's, which must have started anew.
+  const std::string rows = row_at("10", "1000000") + row_at("10.008", "1008000") + "\n" + row_at("12", "61000000");
+  const RobotLog log = read(header_with_host_time + rows);
+  EXPECT_EQ(log.restarts, 1U);
+  EXPECT_EQ(log.states.size(), 2U);
+  EXPECT_EQ(log.left_out_rows, 1U);
+  // Rows that only came late are of the same clock.
+  EXPECT_EQ(read(header_with_host_time + row_at("10", "1000000") + row_at("10.008", "9000000")).restarts, 0U);
+}
+
+TEST(RobotLog, NamesAStepOfMoreThanAHundredMillisecondsAGap) {
+  const auto gaps_with_step_to = [](const std::string& time) {
+    return read(header(",") + "\n" + row("1", ",") + "\n" + row(time, ",") + "\n").gaps.size();
+  };
+  EXPECT_EQ(gaps_with_step_to("1.1"), 0U);
+  EXPECT_EQ(gaps_with_step_to("1.108"), 1U);
+}
+
+TEST(RobotLog, LeavesOutALastRowThatIsNotWhole) {
+  const std::string whole = header_with_host_time + row_at("1", "1000") + row_at("1.008", "9000");
+  EXPECT_FALSE(read(whole).cut_off);
+  const std::size_t last_row = whole.rfind('\n', whole.size() - 2) + 1;
+  for (std::size_t size = last_row + 1; size < whole.size(); ++size) {
+    const RobotLog log = read(whole.substr(0, size));
+    EXPECT_EQ(log.states.size(), 1U) << size;
+    EXPECT_TRUE(log.cut_off) << size;
+  }
+  // Others do not end their last row; then it counts if it is whole as far as one can see.
+  const RobotLog unended = read(header(",") + "\n" + row("1", ",") + "\n" + row("2", ","));
+  EXPECT_EQ(unended.states.size(), 2U);
+  EXPECT_FALSE(unended.cut_off);
+  const RobotLog cut = read(header(",") + "\n" + row("1", ",") + "\n2,0.5,1.");
+  EXPECT_EQ(cut.states.size(), 1U);
+  EXPECT_TRUE(cut.cut_off);
 }
 
 TEST(RobotLog, RefusesAnEmptyFileAndOneThatIsNotThere) {

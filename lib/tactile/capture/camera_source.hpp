@@ -48,6 +48,9 @@ class CameraSource {
   virtual std::string name() const = 0;  ///< as the user wrote it
   virtual std::span<const Stream> streams() const = 0;
   virtual bool simulated() const { return false; }
+  /// Whether it goes on whether or not anyone keeps up, so that what is not taken in time is lost. A file or simulator that goes
+  /// as fast as it can waits instead.
+  virtual bool live() const { return true; }
   /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
   virtual nlohmann::json camera() const = 0;
 
@@ -59,6 +62,8 @@ class CameraSource {
 
   // A simulator knows the robot and the video too, and what is true: others leave these as they are.
 
+  /// Whether it begins anew with every `begin_run` after it has ended.
+  virtual bool begins_again() const { return false; }
   /// What comes from here on belongs to this run, whose folder is there.
   virtual void begin_run(const RunFolder& run) { static_cast<void>(run); }
   /// The run's recording is closed: the files that only the source can make are written beside it, robot.csv and the video only
@@ -69,9 +74,11 @@ class CameraSource {
 };
 
 struct CameraSourceOptions {
-  double speed = 1;          ///< of files and the simulator: 1 real time, 0 as fast as it goes, >= 0
-  std::uint64_t seed = 1;    ///< of the simulator
-  std::string readout_mode;  ///< of a camera, such as "variable-5000"; empty: the default
+  double speed = 1;                               ///< of files and the simulator: 1 real time, 0 as fast as it goes, >= 0
+  std::uint64_t seed = 1;                         ///< of the simulator
+  std::string readout_mode = {};                  ///< of a camera, such as "variable-5000"; empty: the default
+  std::string stream = {};                        ///< of a file with several event streams: the one to play, by id or source
+  std::chrono::microseconds packet_span{10'000};  ///< of a file: a packet's elements lie less than this apart, > 0
 };
 
 /// Opens `tcp://host:port`, `unix:PATH`, `file:PATH`, `sim[:OBJECT]` or `camera[:SERIAL]`.

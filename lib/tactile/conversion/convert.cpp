@@ -322,7 +322,7 @@ class Passage {
 
 void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
                          const ProgressCallback& progress) {
-  RecordingReader recording(in);
+  RecordingReader recording(in, options.threads);
   choose_streams(recording.streams(), in, options, summary);
   if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(recording.compression());
   Passage passage(in, out, options, summary);

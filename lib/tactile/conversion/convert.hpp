@@ -39,6 +39,7 @@ struct ConvertOptions {
   std::optional<SensorSize> size{};
   std::optional<std::string> source{};  ///< the camera to declare, likewise; else "csv" or "hdf5"
   bool replace = false;                 ///< whether an output that exists already may be replaced
+  unsigned threads = 1;                 ///< to read an AEDAT4 input on, > 0
 };
 
 struct ConvertedStream {

@@ -64,6 +64,13 @@ void judge_packets(RecordingHealth& health) {
   if (problems.truncated_bytes > 0)
     reasons.push_back(
         fmt::format("truncated: {} behind the last whole packet", counted(problems.truncated_bytes, "byte", "bytes")));
+  if (problems.skipped_bytes > 0)
+    reasons.push_back(fmt::format("damaged: {} between packets that belong to none, and what they held is lost",
+                                  counted(problems.skipped_bytes, "byte", "bytes")));
+  if (problems.resized_packets > 0) {
+    reasons.push_back(counted(problems.resized_packets, "packet had", "packets had") +
+                      " a wrong size in front; put right on reading");
+  }
   if (!problems.table.empty()) reasons.push_back("the data table cannot be used: " + problems.table);
   if (problems.broken_packets > 0)
     reasons.push_back(counted(problems.broken_packets, "packet does", "packets do") + " not decode");
@@ -78,8 +85,12 @@ void judge_packets(RecordingHealth& health) {
     reasons.push_back(counted(problems.out_of_range_events, "event lies", "events lie") +
                       " outside the sensor or has no polarity; dropped on reading");
   }
-  if (health.index == PacketIndex::scan && problems.table.empty() && problems.truncated_bytes == 0) {
+  if (health.index == PacketIndex::scan && problems.table.empty() && problems.truncated_bytes + problems.skipped_bytes == 0) {
     notes.emplace_back("never closed: no data table, but every packet is whole; 'tactile repair' adds the table");
+  }
+  if (problems.header_not_patched) {
+    notes.emplace_back(
+        "never closed: the data table is there and sound, but the header does not say where; 'tactile repair' writes it");
   }
   if (problems.empty_packets > 0) notes.push_back(counted(problems.empty_packets, "packet is", "packets are") + " empty");
   if (problems.unwrapped_packets > 0) {
@@ -286,7 +297,7 @@ microseconds RecordingHealth::duration() const { return first() ? between(*first
 
 RecordingHealth examine_recording(const std::filesystem::path& file, const HealthOptions& options,
                                   const ProgressCallback& progress) {
-  RecordingReader recording(file);
+  RecordingReader recording(file, options.threads);
   std::optional<std::int32_t> chosen;
   if (!options.stream.empty()) chosen = event_stream(recording, options.stream).id;
 

@@ -37,6 +37,7 @@ struct HealthOptions {
   microseconds tick{2'000};   ///< the peak rate is that of the fullest tick, > 0; ticks lie at whole multiples of it
   std::size_t listed = 10;    ///< how many gaps and hot pixels are listed; all are counted
   HotPixelRule hot{};
+  unsigned threads = 1;  ///< to read on, > 0
 };
 
 /// A silence longer than the limit: nothing in `begin < t < end`. A quiet scene has them too; where the inertial sensor of the
@@ -164,11 +165,11 @@ struct RecordingHealth {
   PacketIndex index = PacketIndex::table;
   RecordingProblems problems;
   std::vector<StreamHealth> streams;  ///< as declared; without the event streams that were not chosen
-  std::vector<std::string>
-      reasons;  ///< why it is sick: truncated, broken or foreign packets, an unusable data table, events out of range, time that
-                ///< steps back, no events, no sane sensor size, a time without events and IMU samples alike
-  std::vector<std::string> notes;  ///< what is worth knowing and no sickness: never closed (all packets whole, no table), gaps,
-                                   ///< hot pixels, empty packets, times put right
+  std::vector<std::string> reasons;   ///< why it is sick: truncated, damaged between packets, broken or foreign packets, an
+                                     ///< unusable data table, events out of range, time that steps back, no events, no sane
+                                     ///< sensor size, a time without events and IMU samples alike
+  std::vector<std::string> notes;  ///< what is worth knowing and no sickness: never closed (all packets whole, but no table, or
+                                   ///< none that the header names), gaps, hot pixels, empty packets, times put right
 
   bool healthy() const { return reasons.empty(); }
   std::uint64_t packets() const;

@@ -34,7 +34,10 @@ enum class PacketIndex : std::uint8_t { table, scan };
 /// once every packet has been read.
 struct RecordingProblems {
   std::string table;                      ///< why the data table was not used; empty if it was, or there was none to use
+  bool header_not_patched = false;        ///< the data table is sound, but the header does not say where it is: not closed
   std::uint64_t truncated_bytes = 0;      ///< behind the last whole packet
+  std::uint64_t skipped_bytes = 0;        ///< between packets: damaged headers, and what was lost with them
+  std::uint64_t resized_packets = 0;      ///< whose header had a wrong size, which was put right
   std::uint64_t empty_packets = 0;        ///< with a size of 0
   std::uint64_t undeclared_packets = 0;   ///< of a stream that the header does not name
   std::uint64_t mismatched_packets = 0;   ///< that hold another type than their stream's
@@ -47,15 +50,18 @@ struct RecordingProblems {
 /// packet, not the file. Every size is checked before anything is allocated for it, and a packet may decompress to 256 MiB
 /// at most.
 ///
-/// Without a sound data table the packets are found by a scan, up to the first that is cut off or can be none. A step back of a
-/// stream by more than 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on. Any other step back is
-/// left as it is.
+/// Without a sound data table the packets are found by a scan, as `find_packets` does. A step back of a stream by more than
+/// 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on. Any other step back is left as it is.
+///
+/// With several threads, packets of events that are read one after the other are decoded ahead, a few batches of some packets;
+/// what is read, and in which order, does not depend on their number.
 ///
 /// Source: the AEDAT 4.0 format of iniVation's DV.
 class RecordingReader {
  public:
+  /// @param threads  to decode on, the caller's among them, > 0
   /// @throws Error  if the file is none of AEDAT4, or declares no stream
-  explicit RecordingReader(std::filesystem::path file);
+  explicit RecordingReader(std::filesystem::path file, unsigned threads = 1);
   ~RecordingReader();
   RecordingReader(RecordingReader&&) noexcept;
   RecordingReader& operator=(RecordingReader&&) noexcept;
@@ -77,6 +83,12 @@ class RecordingReader {
   std::vector<ImuSample> read_imu(const PacketRecord& packet);
   std::vector<Trigger> read_triggers(const PacketRecord& packet);
   std::optional<Frame> read_frame(const PacketRecord& packet);  ///< nothing if it cannot be decoded
+
+  /// The packet as the file has it, still compressed; valid until the next read from this reader, and leaves events that were
+  /// read alone. @throws Error likewise
+  std::span<const std::byte> read_stored(const PacketRecord& packet);
+  /// Whether elements of the packet were dropped or their times put right when it was read. @throws Error likewise
+  bool was_put_right(const PacketRecord& packet) const;
 
  private:
   struct State;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/event_checks.hpp"
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -74,6 +76,7 @@ struct RecordingWriter::State {
   std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size, std::size_t reserved);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   void sync() const;
+  void write_all_waiting();
   void flush();
   void close();
 };
@@ -154,8 +157,11 @@ void RecordingWriter::State::check_times(const Waiting& stream, std::span<const 
 }
 
 void RecordingWriter::State::check_events(const Waiting& stream, std::span<const Event> events) const {
-  check_times(stream, events);
   const SensorSize size = *stream.stream.size;
+  const EventsCheck check = tactile::check_events(events, size);
+  const bool goes_on = events.empty() || !stream.begun || events.front().t >= stream.newest;
+  if (check.inside && check.ascending && goes_on) return;
+  check_times(stream, events);  // one of these two finds out which it is
   for (const Event& e : events) {
     if (e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height) {
       throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
@@ -196,9 +202,15 @@ void RecordingWriter::State::append_events(Waiting& stream, std::span<const Even
   if (needed > stream.events.capacity()) {
     stream.events.grow(std::min(std::max(2 * needed, std::size_t{4096}), head + options.packet_events * sizeof(Event)), used);
   }
-  auto* place = reinterpret_cast<Event*>(stream.events.data() + used);
-  std::transform(events.begin(), events.end(), place,
-                 [](const Event& e) { return Event{.t = e.t, .x = e.x, .y = e.y, .on = e.on}; });
+  constexpr std::uint64_t all_but_padding = (std::uint64_t{1} << 40) - 1;  // of an event's second half
+  std::byte* place = stream.events.data() + used;
+  for (const Event& event : events) {
+    std::array<std::uint64_t, 2> halves;
+    std::memcpy(halves.data(), &event, sizeof event);
+    halves[1] &= all_but_padding;
+    std::memcpy(place, halves.data(), sizeof event);
+    place += sizeof event;
+  }
 }
 
 void RecordingWriter::State::write_waiting(Waiting& stream) {
@@ -258,9 +270,14 @@ void RecordingWriter::State::sync() const {
   throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
 }
 
-void RecordingWriter::State::flush() {
+void RecordingWriter::State::write_all_waiting() {
   if (!file.is_open()) return;
   for (Waiting& stream : streams) write_waiting(stream);
+}
+
+void RecordingWriter::State::flush() {
+  if (!file.is_open()) return;
+  write_all_waiting();
   sync();
 }
 
@@ -342,6 +359,7 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
   stream.begun = true;
 }
 
+void RecordingWriter::write_waiting() { state_->write_all_waiting(); }
 void RecordingWriter::flush() { state_->flush(); }
 void RecordingWriter::close() { state_->close(); }
 

@@ -37,8 +37,9 @@ class RecordingWriter {
   void write_imu(std::int32_t stream_id, std::span<const ImuSample> samples);
   void write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers);
   void write_frame(std::int32_t stream_id, const Frame& frame);
-  void flush();  ///< writes what waits, and syncs
-  void close();  ///< flushes, writes the data table, patches the header, syncs
+  void write_waiting();  ///< whatever the packets still lack; who wants it synced too calls `flush`
+  void flush();          ///< writes what waits, and syncs
+  void close();          ///< flushes, writes the data table, patches the header, syncs
 
  private:
   struct State;

@@ -24,41 +24,6 @@ namespace {
 
 constexpr std::size_t packet_header_size = 8;
 
-/// The input's bytes as they are stored, beside the reader that makes sense of them.
-class StoredPackets {
- public:
-  explicit StoredPackets(const fs::path& file, Compression compression)
-      : name_(file.string()), in_(file, std::ios::binary), compression_(compression) {}
-
-  /// The payload of a packet that the reader has found to lie inside the file; valid until the next call.
-  std::span<const std::byte> payload(const PacketRecord& packet) {
-    stored_.grow(packet.payload_size, 0);
-    in_.seekg(static_cast<std::streamoff>(packet.payload_offset));
-    in_.read(reinterpret_cast<char*>(stored_.data()), packet.payload_size);
-    if (!in_) throw Error(name_ + ": reading it failed half-way; expected a readable file");
-    return {stored_.data(), packet.payload_size};
-  }
-
-  /// Its contents, decompressed, stand at the front of `content()`; returns their size.
-  std::size_t load(const PacketRecord& packet) {
-    const std::span<const std::byte> stored = payload(packet);
-    if (compression_ != Compression::none) {
-      return decompressor_.decompress(compression_, stored, content_, largest_content(compression_, stored.size())).size;
-    }
-    content_.grow(stored.size(), 0);
-    std::memcpy(content_.data(), stored.data(), stored.size());
-    return stored.size();
-  }
-  PacketBuffer& content() { return content_; }
-
- private:
-  std::string name_;
-  std::ifstream in_;
-  Compression compression_;
-  PacketBuffer stored_, content_;
-  PacketDecompressor decompressor_;
-};
-
 /// A recording written packet by packet, as they come.
 class PacketWriter {
  public:
@@ -130,8 +95,7 @@ struct StreamRepair {
 /// Takes packets from a reader to a writer.
 class Repair {
  public:
-  Repair(RecordingReader& recording, PacketWriter& writer)
-      : recording_(recording), stored_(recording.file(), recording.compression()), writer_(writer) {
+  Repair(RecordingReader& recording, PacketWriter& writer) : recording_(recording), writer_(writer) {
     for (const Stream& stream : recording.streams()) streams_.emplace_back().result.stream = stream;
   }
 
@@ -167,9 +131,7 @@ class Repair {
     switch (stream.result.stream.type) {
       case StreamType::events: {
         const std::span<const Event> events = recording_.read_events(packet);
-        std::span<Event> as_stored;
-        decode_events(stored_.content(), stored_.load(packet), as_stored);
-        return keep_elements(packet, stream, events, std::span<const Event>(as_stored), [&] {
+        return keep_elements(packet, stream, events, [&] {
           content_.grow(event_packet_head + events.size_bytes(), 0);
           write_event_packet_head(content_.data(), events.size());
           std::memcpy(content_.data() + event_packet_head, events.data(), events.size_bytes());
@@ -178,48 +140,36 @@ class Repair {
       }
       case StreamType::imu: {
         const std::vector<ImuSample> samples = recording_.read_imu(packet);
-        std::vector<ImuSample> as_stored;
-        decode_imu(stored_.content(), stored_.load(packet), as_stored);
-        return keep_elements(packet, stream, std::span(samples), std::span<const ImuSample>(as_stored),
-                             [&] { return encode_imu(samples, content_, 0); });
+        return keep_elements(packet, stream, std::span(samples), [&] { return encode_imu(samples, content_, 0); });
       }
       case StreamType::triggers: {
         const std::vector<Trigger> triggers = recording_.read_triggers(packet);
-        std::vector<Trigger> as_stored;
-        decode_triggers(stored_.content(), stored_.load(packet), as_stored);
-        return keep_elements(packet, stream, std::span(triggers), std::span<const Trigger>(as_stored),
-                             [&] { return encode_triggers(triggers, content_, 0); });
+        return keep_elements(packet, stream, std::span(triggers), [&] { return encode_triggers(triggers, content_, 0); });
       }
       case StreamType::frames: {
         const std::optional<Frame> frame = recording_.read_frame(packet);
         if (!frame) return false;
-        Frame as_stored;
-        decode_frame(stored_.content(), stored_.load(packet), as_stored);
-        return keep_elements(packet, stream, std::span(&*frame, 1), std::span<const Frame>(&as_stored, 1),
-                             [&] { return encode_frame(*frame, content_, 0); });
+        return keep_elements(packet, stream, std::span(&*frame, 1), [&] { return encode_frame(*frame, content_, 0); });
       }
       case StreamType::other:
         stream.result.elements_kept += static_cast<std::uint64_t>(std::max<std::int64_t>(packet.elements, 0));
-        writer_.write(packet, stored_.payload(packet));
+        writer_.write(packet, recording_.read_stored(packet));
         return true;
     }
     return false;
   }
 
-  /// The reader drops events and puts times right without saying in which packets, so what it gives is held against what is
-  /// stored.
+  /// As it is stored, unless the reader had to put it right.
   template <class Element, class Encode>
-  bool keep_elements(PacketRecord packet, StreamRepair& stream, std::span<const Element> sound,
-                     std::span<const Element> as_stored, const Encode& encode) {
+  bool keep_elements(PacketRecord packet, StreamRepair& stream, std::span<const Element> sound, const Encode& encode) {
     if (sound.empty()) return false;
     packet.elements = static_cast<std::int64_t>(sound.size());
     packet.first = sound.front().t;
     packet.last = sound.back().t;
     stream.stamps.begin_packet();
     for (const Element& element : sound) stream.stamps.add(element.t);
-    if (std::equal(sound.begin(), sound.end(), as_stored.begin(), as_stored.end(),
-                   [](const Element& a, const Element& b) { return a.t == b.t; })) {
-      writer_.write(packet, stored_.payload(packet));
+    if (!recording_.was_put_right(packet)) {
+      writer_.write(packet, recording_.read_stored(packet));
     } else {
       ++rewritten_;
       const std::size_t size = encode();
@@ -229,7 +179,6 @@ class Repair {
   }
 
   RecordingReader& recording_;
-  StoredPackets stored_;
   PacketWriter& writer_;
   std::vector<StreamRepair> streams_;
   std::uint64_t rewritten_ = 0;
@@ -249,14 +198,15 @@ std::uint64_t RepairSummary::packets_lost() const {
 }
 
 std::uint64_t RepairSummary::bytes_lost() const {
-  return std::accumulate(streams.begin(), streams.end(), problems.truncated_bytes,
+  return std::accumulate(streams.begin(), streams.end(), problems.truncated_bytes + problems.skipped_bytes,
                          [](std::uint64_t sum, const RepairedStream& s) { return sum + s.bytes_lost; });
 }
 
-RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool replace, const ProgressCallback& progress) {
+RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool replace, unsigned threads,
+                               const ProgressCallback& progress) {
   if (out.extension() != ".aedat4")
     throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
-  RecordingReader recording(in);
+  RecordingReader recording(in, threads);
   check_target(out, in, replace);
   remove_leftovers(out);
   WholeFile whole(out);

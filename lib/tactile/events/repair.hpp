@@ -29,15 +29,16 @@ struct RepairSummary {
 
   std::uint64_t packets_kept() const;
   std::uint64_t packets_lost() const;  ///< those of undeclared streams too
-  std::uint64_t bytes_lost() const;    ///< of packets of declared streams, and behind the last whole packet
+  std::uint64_t bytes_lost() const;    ///< of packets of declared streams, between packets, and behind the last whole one
 };
 
 /// Writes what is whole in `in` to `out` and gives it a data table: sound packets bit for bit, those with events outside the
 /// sensor without these. Streams keep their ids, sources and attributes. Times that step back are left as they are, and counted:
 /// what is right cannot be told.
+/// @param threads  to read on, > 0
 /// @throws Error  if `out` is `in` or exists already and `replace` is false, `in` is none of AEDAT4, or not one of its packets is
 /// sound
 RepairSummary repair_recording(const std::filesystem::path& in, const std::filesystem::path& out, bool replace = false,
-                               const ProgressCallback& progress = {});
+                               unsigned threads = 1, const ProgressCallback& progress = {});
 
 }  // namespace tactile

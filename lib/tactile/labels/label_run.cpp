@@ -200,6 +200,18 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   std::optional<MotionPhase> lift;
   if (std::filesystem::exists(run.robot())) {
     log = read_robot_log(run.robot());
+    if (log.restarts > 0) {
+      flag(fmt::format("the robot's clock starts anew {} times within its log: {} rows of other clocks are not used",
+                       log.restarts, log.left_out_rows));
+    }
+    if (!log.gaps.empty()) {
+      const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
+        return a.first_after - a.last_before < b.first_after - b.last_before;
+      });
+      flag(fmt::format("the robot log has {} gaps, the longest of {} ms behind its {} us", log.gaps.size(),
+                       (longest->first_after - longest->last_before).count() / 1000, us_of(longest->last_before)));
+    }
+    if (log.cut_off) flag("the robot log is cut off in its last row");
     lift = lift_in(log);
     if (!lift) flag("the robot log has no lift: its TCP never moves upwards");
   } else {

@@ -43,8 +43,8 @@ class DvStreamClient {
   enum class Received : std::uint8_t { packet, nothing, closed };
   /// Waits up to `patience` for a packet to be whole; silence is legal. `closed`: the server ended the stream between two
   /// packets.
-  /// @throws Error  if the stream ends inside a packet, a packet's size is impossible (there is no way to find the next one), or
-  /// the connection broke
+  /// @throws Error  if the stream ends inside a packet or stops there for longer than the patience it was opened with, a packet's
+  /// size is impossible (there is no way to find the next one), or the connection broke
   Received receive(std::chrono::milliseconds patience);
 
   // The packet last received; those of another type than the stream's are empty. Valid until the next `receive`.

@@ -34,6 +34,7 @@ class DvStreamServer {
 
   const NetworkAddress& address() const;  ///< with the port that was taken
   std::size_t clients() const;
+  std::uint64_t joined_clients() const;  ///< so far, those that are gone among them
   std::uint64_t dropped_clients() const;
 
   // One packet each; nothing is sent of empty ones. @throws Error if the stream holds another type or a packet exceeds the limit
@@ -41,6 +42,10 @@ class DvStreamServer {
   void send(std::span<const ImuSample> samples);
   void send(std::span<const Trigger> triggers);
   void send(const Frame& frame);
+
+  /// Waits while any client's queue is more than half full, for a source that can be faster than every client. A client that
+  /// takes nothing at all for `patience` meanwhile is dropped. False if `stop` told so before.
+  bool wait_for_room(std::chrono::milliseconds patience, const std::function<bool()>& stop = {});
 
   /// Waits until everything queued is with the clients that keep up, at most `patience`.
   void drain(std::chrono::milliseconds patience);

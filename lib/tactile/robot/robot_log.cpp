@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
@@ -20,6 +21,10 @@ namespace {
 constexpr std::string_view pose_name = "actual_TCP_pose_";
 constexpr std::string_view speed_name = "actual_TCP_speed_";
 constexpr std::string_view bits_name = "actual_digital_output_bits";
+constexpr std::string_view host_time_name = "host_time_us";
+
+constexpr microseconds longest_step = 100ms;             // single packages are lost now and then
+constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host over a lost connection: a reboot takes far longer
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view blanks = " \t\r\"";
@@ -73,6 +78,12 @@ class Row {
     return static_cast<std::uint64_t>(*value);
   }
 
+  std::int64_t whole_number_at(std::size_t column) const {
+    const std::optional<std::int64_t> value = whole_number_in(cells_[column]);
+    if (!value) refuse(column, "whole microseconds");
+    return *value;
+  }
+
   [[noreturn]] void refuse(std::size_t column, std::string_view expected) const {
     throw Error(
         fmt::format("{}: row {}, column '{}' holds '{}'; expected {}", file_, number_, names_[column], cells_[column], expected));
@@ -88,7 +99,7 @@ class Row {
 struct Columns {
   std::size_t time = 0;
   std::array<std::size_t, 6> pose{}, speed{};
-  std::optional<std::size_t> bits;
+  std::optional<std::size_t> bits, host_time;
 };
 
 Columns columns_of(const std::string& file, const std::vector<std::string>& names) {
@@ -112,8 +123,78 @@ Columns columns_of(const std::string& file, const std::vector<std::string>& name
     columns.speed[i] = need(fmt::format("{}{}", speed_name, i));
   }
   columns.bits = find(std::string(bits_name));
+  columns.host_time = find(std::string(host_time_name));
   return columns;
 }
+
+RobotState state_in(const Row& row, const Columns& columns) {
+  RobotState state;
+  const double seconds = row.number_at(columns.time);
+  if (std::abs(seconds) > 1e12) row.refuse(columns.time, "controller seconds");
+  state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
+  for (std::size_t i = 0; i < 6; ++i) {
+    state.tcp_pose[i] = row.number_at(columns.pose[i]);
+    state.tcp_speed[i] = row.number_at(columns.speed[i]);
+  }
+  if (columns.bits) state.digital_output_bits = row.bits_at(*columns.bits);
+  if (columns.host_time) state.host_time = HostTime{microseconds{row.whole_number_at(*columns.host_time)}};
+  return state;
+}
+
+/// Rows that one clock counts.
+struct Piece {
+  std::vector<RobotState> states;
+  std::vector<RobotGap> gaps;
+};
+
+/// Sorts the rows of a log into the pieces of its clocks.
+class Pieces {
+ public:
+  Pieces() : pieces_(1) {}
+
+  void connection_lost() { lost_ = true; }
+
+  void add(const RobotState& state) {
+    const bool was_lost = std::exchange(lost_, false);
+    std::vector<RobotState>& states = pieces_.back().states;
+    if (!states.empty()) {
+      const RobotState& before = states.back();
+      if (state.t == before.t) {  // a recorder that samples on its own clock writes some packages twice
+        lost_ = was_lost;
+        return;
+      }
+      if (state.t < before.t || (was_lost && clocks_disagree(before, state))) {
+        pieces_.emplace_back().states.push_back(state);
+        return;
+      }
+      if (was_lost || state.t - before.t > longest_step) pieces_.back().gaps.push_back({before.t, state.t});
+    }
+    states.push_back(state);
+  }
+
+  /// The longest piece, and what the others were.
+  RobotLog log() {
+    const auto longest = std::max_element(pieces_.begin(), pieces_.end(),
+                                          [](const Piece& a, const Piece& b) { return a.states.size() < b.states.size(); });
+    RobotLog log;
+    log.restarts = pieces_.size() - 1;
+    for (const Piece& piece : pieces_) log.left_out_rows += &piece == &*longest ? 0 : piece.states.size();
+    log.states = std::move(longest->states);
+    log.gaps = std::move(longest->gaps);
+    return log;
+  }
+
+ private:
+  static bool clocks_disagree(const RobotState& before, const RobotState& after) {
+    if (!before.host_time || !after.host_time) return false;
+    const std::int64_t host = saturating_subtract(us_of(*after.host_time), us_of(*before.host_time));
+    const std::int64_t difference = saturating_subtract(host, (after.t - before.t).count());
+    return difference > longest_clock_disagreement.count() || difference < -longest_clock_disagreement.count();
+  }
+
+  std::vector<Piece> pieces_;
+  bool lost_ = false;
+};
 
 }  // namespace
 
@@ -122,17 +203,22 @@ RobotLog read_robot_log(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected a robot log");
 
-  RobotLog log;
+  Pieces pieces;
+  bool cut_off = false;
   std::string line;
   std::vector<std::string> names;
   std::vector<std::string_view> cells;
   char separator = ',';
   Columns columns;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
+    const bool is_ended = !in.eof();
     std::string_view text = line;
     if (number == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some editors put before UTF-8
     while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
-    if (trimmed(text).empty()) continue;
+    if (trimmed(text).empty()) {
+      if (columns.host_time) pieces.connection_lost();
+      continue;
+    }
     if (names.empty()) {
       separator = separator_of(text);
       split(text, separator, cells);
@@ -141,35 +227,36 @@ RobotLog read_robot_log(const std::filesystem::path& path) {
       continue;
     }
     split(text, separator, cells);
-    const Row row(file, number, names, cells);
-    const double seconds = row.number_at(columns.time);
-    if (std::abs(seconds) > 1e12) row.refuse(columns.time, "controller seconds");
-    RobotState state;
-    state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
-    for (std::size_t i = 0; i < 6; ++i) {
-      state.tcp_pose[i] = row.number_at(columns.pose[i]);
-      state.tcp_speed[i] = row.number_at(columns.speed[i]);
+    // Whoever writes host times ends every row, so that one without its end was cut off, be it in the middle of its last number.
+    if (!is_ended && columns.host_time) {
+      cut_off = true;
+      break;
     }
-    if (columns.bits) state.digital_output_bits = row.bits_at(*columns.bits);
-    if (!log.states.empty()) {
-      if (state.t == log.states.back().t) continue;  // a recorder that samples on its own clock writes some packages twice
-      if (state.t < log.states.back().t) row.refuse(columns.time, "a time no earlier than the row before");
+    try {
+      pieces.add(state_in(Row(file, number, names, cells), columns));
+    } catch (const Error&) {
+      if (is_ended) throw;
+      cut_off = true;
     }
-    log.states.push_back(state);
   }
   if (in.bad()) throw Error(file + ": reading it failed half-way; expected a readable file");
   if (names.empty()) throw Error(file + ": is empty; expected a header row with RTDE's names");
+  RobotLog log = pieces.log();
+  log.cut_off = cut_off;
   return log;
 }
 
 void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {
   const bool has_bits =
       std::any_of(log.states.begin(), log.states.end(), [](const RobotState& s) { return s.digital_output_bits.has_value(); });
+  const bool has_host_times = !log.states.empty() && std::all_of(log.states.begin(), log.states.end(),
+                                                                 [](const RobotState& s) { return s.host_time.has_value(); });
   std::string text = "timestamp";
   for (const std::string_view name : {pose_name, speed_name}) {
     for (int i = 0; i < 6; ++i) text += fmt::format(",{}{}", name, i);
   }
   if (has_bits) text += fmt::format(",{}", bits_name);
+  if (has_host_times) text += fmt::format(",{}", host_time_name);
   text += '\n';
   for (const RobotState& state : log.states) {
     const std::int64_t us = us_of(state.t);
@@ -179,6 +266,7 @@ void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {
       for (const double value : values) text += fmt::format(",{}", value);
     }
     if (has_bits) text += fmt::format(",{}", state.digital_output_bits.value_or(0));
+    if (has_host_times) text += fmt::format(",{}", us_of(*state.host_time));
     text += '\n';
   }
   write_whole(file, text);

@@ -17,8 +17,8 @@ struct RobotMonitorOptions {
   double frequency_hz = 0;                ///< 0: the controller's highest, 125 below version 5, else 500
   std::vector<std::string> extra_fields;  ///< RTDE output names beyond the usual ones, such as those of --start-on
   std::chrono::milliseconds patience{5'000};
-  /// Told, from the monitor's own thread: "robot gone (…), trying again", "robot is back after 2.1 s", text messages of the
-  /// robot.
+  /// Told, from the monitor's own thread once it runs: "robot gone (…), trying again", "robot is back after 2.1 s", text messages
+  /// of the robot.
   std::function<void(const std::string&)> log;
 };
 
@@ -52,8 +52,8 @@ class RobotMonitor {
   void stop_log();                                    ///< writes and syncs what is left. @throws Error if that failed
 
   RobotMonitorState state() const;
-  /// The newest value of a field, whole numbers and truth values too; nothing while disconnected. @throws Error if it was not
-  /// asked for
+  /// The newest value of a field, whole numbers and truth values too; of a vector, by the name of its column. Nothing while
+  /// disconnected. @throws Error if it was not asked for, or the robot does not have it
   std::optional<double> newest(const std::string& field) const;
 
  private:

@@ -175,4 +175,18 @@ RunClocks draw_run_clocks(Random& random) {
   return clocks;
 }
 
+RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, CameraTime start) {
+  RunClocks clocks;
+  clocks.camera_start_us = us_of(start);
+  clocks.host_from_camera_us = first.host_from_camera_us;
+  const auto first_stamp_in_camera = [&](const ClockRelation& relation) {
+    return start - (camera_time(drawn.camera_start_us) - relation.camera_from(relation.reference_us));
+  };
+  const CameraTime robot = first_stamp_in_camera(drawn.robot), video = first_stamp_in_camera(drawn.video);
+  const std::int64_t robot_us = first.robot.clock_us_from(robot);
+  clocks.robot = {.offset_us = us_of(robot) - robot_us, .drift_ppm = first.robot.drift_ppm, .reference_us = robot_us};
+  clocks.video = {.offset_us = us_of(video), .drift_ppm = first.video.drift_ppm, .reference_us = 0};
+  return clocks;
+}
+
 }  // namespace tactile

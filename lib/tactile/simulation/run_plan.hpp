@@ -90,4 +90,8 @@ struct RunClocks {
 
 RunClocks draw_run_clocks(Random& random);
 
+/// The clocks of a later run of one session: camera, robot and video go on as they ran in the session's `first` run, the camera's
+/// first read-out is at `start`, and robot and video begin as much earlier as they do in `drawn`. A video always counts from 0.
+RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, CameraTime start);
+
 }  // namespace tactile

@@ -18,42 +18,11 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
-#include "tactile/simulation/simulated_devices.hpp"
-#include "tactile/simulation/truth.hpp"
-#include "tactile/video/video_times.hpp"
-#include "tactile/video/video_writer.hpp"
 
 namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int model_version = 1;  ///< raised whenever the same settings give other runs than before
-
-nlohmann::json settings_json(const ObjectModel& object, const std::string& run, const SimulationPreset& preset,
-                             std::uint64_t seed) {
-  const EventCameraOptions c = simulated_camera_options();
-  const nlohmann::json camera = {{"width", c.size.width},
-                                 {"height", c.size.height},
-                                 {"readout_us", c.readout.count()},
-                                 {"threshold", c.threshold},
-                                 {"threshold_sigma", c.threshold_sigma},
-                                 {"threshold_floor", c.threshold_floor},
-                                 {"residual", c.residual},
-                                 {"noise_hz", c.noise_hz},
-                                 {"noise_spread_decades", c.noise_spread_decades},
-                                 {"noise_on_share", c.noise_on_share},
-                                 {"hot_pixels", c.hot_pixels},
-                                 {"hot_min_hz", c.hot_min_hz},
-                                 {"hot_max_hz", c.hot_max_hz},
-                                 {"hot_kept_share", c.hot_kept_share},
-                                 {"skin", c.skin},
-                                 {"black", c.black},
-                                 {"white", c.white},
-                                 {"blur_px", c.blur_px}};
-  return {{"model_version", model_version}, {"object", object}, {"run", run},      {"preset", preset.name},
-          {"timings", preset.timings},      {"seed", seed},     {"camera", camera}};
-}
 
 /// The settings' hash of a run that `simulate` made; nothing for any other folder.
 std::optional<std::string> settings_hash_in(const RunFolder& run) {
@@ -123,7 +92,7 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
           throw Error(run.folder.string() +
                       ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
         }
-        const bool same = *hash == hash_of(settings_json(*object, id, preset, options.seed));
+        const bool same = *hash == hash_of(simulation_settings(*object, id, preset, options.seed));
         if (!same && !options.force) {
           throw Error(run.folder.string() + ": was simulated with other settings; expected the same, or --force to replace it");
         }
@@ -138,77 +107,22 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
 
 }  // namespace
 
-const SimulationPreset& simulation_preset(std::string_view name) {
-  static const std::array presets{
-      SimulationPreset{"tiny",
-                       2,
-                       {.quiet_s = {0.60, 0.75},
-                        .travel_s = {0.15, 0.35},
-                        .hold_s = {0.30, 0.42},
-                        .lift_s = {0.35, 0.55},
-                        .rest_s = {0.60, 0.80}}},
-      SimulationPreset{"quick", 3, {}},
-  };
-  for (const SimulationPreset& preset : presets) {
-    if (preset.name == name) return preset;
-  }
-  throw Error("'" + std::string(name) + "' is no preset of the simulation; expected tiny or quick");
-}
-
-EventCameraOptions simulated_camera_options() { return {}; }
-
-CameraPixels simulated_camera_pixels(std::uint64_t seed) {
-  return draw_camera_pixels(simulated_camera_options(), seed_for(seed, {"camera"}));
-}
-
 SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
                           const CameraPixels& pixels, const std::function<void(double)>& tell_share) {
-  const auto random_for = [&](std::string_view use) { return Random(seed_for(seed, {"run", run.object, run.run, use})); };
-  Random for_plan = random_for("plan"), for_clocks = random_for("clocks"), for_motion = random_for("motion");
-  const RunPlan plan = draw_run_plan(object, preset.timings, for_plan);
-  const RunClocks clocks = draw_run_clocks(for_clocks);
-  const CameraTime start = camera_time(clocks.camera_start_us);
-
-  EventCameraOptions camera = simulated_camera_options();
-  camera.veil = plan.veil;
-  camera.noise_factor = plan.noise_factor;
-  const SkinMotion motion = move_skin(plan, camera.readout, for_motion);
-  const std::string source = fmt::format("DVXplorer_SIM{:05}", seed % 100'000);
-  RecordingWriter recording(run.events(), {event_stream_declaration(camera.size, source)});
-  const FilmedSkin filmed = film_skin(
-      motion, pixels, camera, start, seed_for(seed, {"run", run.object, run.run, "camera"}),
-      [&](std::span<const Event> events) { recording.write_events(0, events); }, tell_share);
+  const DrawnRun drawn = draw_run(object, run.run, preset, seed);
+  const std::string source = simulated_camera_name(seed);
+  RecordingWriter recording(run.events(), {event_stream_declaration(drawn.camera.size, source)});
+  SkinFilm film = film_of(drawn, pixels);
+  film_whole(
+      film, [&](std::span<const Event> events) { recording.write_events(0, events); }, tell_share);
   recording.close();
+  const FilmedSkin& filmed = film.filmed();
 
-  Random for_robot = random_for("robot");
-  const LoggedRobot robot = log_robot(plan, clocks, for_robot);
-  write_robot_log(run.robot(), robot.log);
+  const std::uint64_t dropped_packages = write_robot(run.robot(), drawn);
+  write_video(run.video(), run.video_times(), drawn);
+  write_truth(run.truth(), truth_of(drawn, filmed));
 
-  Random for_video = random_for("video");
-  const std::vector<VideoTime> frames = draw_frame_times(plan, clocks, for_video);
-  VideoWriter film(run.video(), {});
-  for (const VideoTime t : frames) {
-    const double t_s = 1e-6 * static_cast<double>(us_of(clocks.video.camera_from(t)) - clocks.camera_start_us);
-    film.write(draw_frame(object, plan, t_s, for_video), t);
-  }
-  film.close();
-  sync_to_disk(run.video());
-  write_video_times(run.video_times(), frames);
-
-  const nlohmann::json settings = settings_json(object, run.run, preset, seed);
-  Truth truth;
-  truth.intervals.push_back({.interval = {Touch::press, start + motion.press_start, start + motion.press_end},
-                             .gross = {},
-                             .first_event = filmed.first_of_press});
-  truth.intervals.push_back({.interval = {Touch::slip, start + motion.slip_start, start + motion.slip_end},
-                             .gross = start + motion.gross,
-                             .first_event = filmed.first_of_slip});
-  truth.lift_start = start + motion.lift_start;
-  truth.robot_clock = clocks.robot;
-  truth.video_clock = clocks.video;
-  truth.parameters = {{"object", object}, {"plan", plan}, {"camera_start_us", clocks.camera_start_us}, {"settings", settings}};
-  write_truth(run.truth(), truth);
-
+  const RunClocks& clocks = drawn.clocks;
   write_run_info(
       run,
       {.object = run.object,
@@ -216,22 +130,24 @@ SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const
        .session = fmt::format("simulated-{}-{}-{}", seed, run.object, run.run),
        .simulated = true,
        .complete = true,
-       .width = camera.size.width,
-       .height = camera.size.height,
-       .extra = {
-           {"camera", {{"source", source}, {"readout_mode", "constant"}, {"readout_us", camera.readout.count()}}},
-           {"simulation",
-            {{"settings_hash", hash_of(settings)}, {"preset", preset.name}, {"seed", seed}, {"model_version", model_version}}},
-           {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-           {"host_time_us",
-            {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
-             {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
-           {"dropped", {{"events", 0}, {"robot_packages", robot.dropped_packages}, {"frames", 0}}},
-           {"files", files_json(std::array{run.events(), run.robot(), run.video(), run.video_times(), run.truth()})}}});
+       .width = drawn.camera.size.width,
+       .height = drawn.camera.size.height,
+       .extra = {{"camera", {{"source", source}, {"readout_mode", "constant"}, {"readout_us", drawn.camera.readout.count()}}},
+                 {"simulation",
+                  {{"settings_hash", hash_of(simulation_settings(object, run.run, preset, seed))},
+                   {"preset", preset.name},
+                   {"seed", seed},
+                   {"model_version", simulation_model_version}}},
+                 {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+                 {"host_time_us",
+                  {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
+                   {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
+                 {"dropped", {{"events", 0}, {"robot_packages", dropped_packages}, {"frames", 0}}},
+                 {"files", files_json(std::array{run.events(), run.robot(), run.video(), run.video_times(), run.truth()})}}});
   return {.run = run,
           .kind = SimulatedRun::Kind::made,
           .events = filmed.events,
-          .duration_s = plan.end_s,
+          .duration_s = drawn.plan.end_s,
           .bytes = bytes_in(run.folder)};
 }
 

@@ -3,28 +3,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/simulation/event_camera.hpp"
-#include "tactile/simulation/run_plan.hpp"
+#include "tactile/simulation/simulated_run.hpp"
 
 namespace tactile {
-
-/// A size of data set.
-struct SimulationPreset {
-  std::string name;
-  int runs = 0;  ///< per object
-  RunTimings timings;
-};
-
-/// "tiny" (2 runs of about 2.5 s) or "quick" (3 of about 4 s). @throws Error if it is neither
-const SimulationPreset& simulation_preset(std::string_view name);
 
 struct SimulateOptions {
   std::filesystem::path data = "data";
@@ -57,9 +45,5 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
 /// Makes one run's files in the folder, which is there and empty.
 SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
                           const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
-
-/// The camera that serves all runs of a data set with this seed.
-EventCameraOptions simulated_camera_options();
-CameraPixels simulated_camera_pixels(std::uint64_t seed);
 
 }  // namespace tactile

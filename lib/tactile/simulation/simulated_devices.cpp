@@ -36,31 +36,46 @@ void fill_box(cv::Mat& frame, double left, double top, double right, double bott
 
 }  // namespace
 
-FilmedSkin film_skin(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start,
-                     std::uint64_t seed, const std::function<void(std::span<const Event>)>& use,
-                     const std::function<void(double)>& tell_share) {
-  EventCamera camera(pixels, options, start, seed, motion.poses.front());
-  FilmedSkin filmed;
+SkinFilm::SkinFilm(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start,
+                   std::uint64_t seed)
+    : motion_(&motion), camera_(pixels, options, start, seed, motion.poses.front()), readout_(options.readout), start_(start) {}
+
+std::span<const Event> SkinFilm::next() {
+  const EventCamera::ReadOut seen = camera_.read_out(motion_->poses[next_]);
+  const microseconds since = readout_ * static_cast<std::int64_t>(next_);
+  ++next_;
+  filmed_.last_readout = start_ + since;
+  filmed_.events += seen.events.size();
+  filmed_.caused += seen.caused;
+  if (seen.caused > 0) {
+    std::optional<CameraTime>& first = since < motion_->slip_start ? filmed_.first_of_press : filmed_.first_of_slip;
+    if (!first) first = filmed_.last_readout;
+  }
+  return seen.events;
+}
+
+void film_whole(SkinFilm& film, const std::function<void(std::span<const Event>)>& use,
+                const std::function<void(double)>& tell_share) {
   std::vector<Event> batch;
-  for (std::size_t k = 0; k < motion.poses.size(); ++k) {
-    const EventCamera::ReadOut seen = camera.read_out(motion.poses[k]);
-    const microseconds since = options.readout * static_cast<std::int64_t>(k);
-    filmed.last_readout = start + since;
-    filmed.events += seen.events.size();
-    filmed.caused += seen.caused;
-    if (seen.caused > 0) {
-      std::optional<CameraTime>& first = since < motion.slip_start ? filmed.first_of_press : filmed.first_of_slip;
-      if (!first) first = filmed.last_readout;
-    }
-    batch.insert(batch.end(), seen.events.begin(), seen.events.end());
+  for (std::size_t k = 0; !film.ended(); ++k) {
+    const double share = film.share_done();
+    const std::span<const Event> events = film.next();
+    batch.insert(batch.end(), events.begin(), events.end());
     if (batch.size() >= batch_events) {
       use(batch);
       batch.clear();
     }
-    if (tell_share && k % 500 == 0) tell_share(static_cast<double>(k) / static_cast<double>(motion.poses.size()));
+    if (tell_share && k % 500 == 0) tell_share(share);
   }
   if (!batch.empty()) use(batch);
-  return filmed;
+}
+
+FilmedSkin film_skin(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start,
+                     std::uint64_t seed, const std::function<void(std::span<const Event>)>& use,
+                     const std::function<void(double)>& tell_share) {
+  SkinFilm film(motion, pixels, options, start, seed);
+  film_whole(film, use, tell_share);
+  return film.filmed();
 }
 
 LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, Random& random) {

@@ -1,0 +1,52 @@
+#include "interruption.hpp"
+
+#include <csignal>
+#include <ctime>
+
+namespace tactile {
+namespace {
+
+volatile std::sig_atomic_t raised = 0;        ///< the signal that came last
+volatile std::sig_atomic_t raised_at_ms = 0;  ///< when it came first, on the steady clock, of which the lower digits suffice
+
+std::sig_atomic_t now_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<std::sig_atomic_t>((now.tv_sec % 1'000'000) * 1000 + now.tv_nsec / 1'000'000);
+}
+
+/// A signal raises the flag. The same once more ends the process, but not within half a second: `timeout` tells its wish twice,
+/// to the process and to its group.
+void on_signal(int number) {
+  if (raised != number) {
+    raised_at_ms = now_ms();
+    raised = number;
+  } else if (now_ms() - raised_at_ms > 500 || now_ms() < raised_at_ms) {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+}
+
+void catch_signal(int number) {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(number, &action, nullptr);
+}
+
+}  // namespace
+
+void catch_ctrl_c() {
+  static const bool caught = (catch_signal(SIGINT), true);
+  static_cast<void>(caught);
+}
+
+void catch_termination() {
+  static const bool caught = (catch_signal(SIGTERM), true);
+  static_cast<void>(caught);
+}
+
+bool interrupted() { return raised != 0; }
+
+}  // namespace tactile

@@ -1,0 +1,71 @@
+#include "program.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/version.hpp"
+
+namespace tactile {
+
+int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
+  spdlog::set_pattern("%^%l%$: %v");
+
+  CLI::App app("Event-camera tactile sensing: from recordings of a sensor skin to verdicts a robot can act on.", "tactile");
+  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()));
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  for (const auto add_command : commands) add_command(app);
+
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version
+    std::vector<std::string> names;
+    for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+      fmt::print(stderr, "tactile: '{}' is no command; the nearest is '{}'. 'tactile --help' lists them.\n", argv[1],
+                 nearest_name(argv[1], names));
+      return e.get_exit_code();
+    }
+    fmt::print(stderr, "tactile: {}\nTry 'tactile --help', or --help behind a command.\n", e.what());
+    return e.get_exit_code();
+  } catch (const CheckFailed&) {
+    return 2;
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "tactile: interrupted\n");
+    return 130;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "tactile: {}\n", e.what());
+    return 1;
+  }
+}
+
+int hand_over_to(const char* program, char** argv) {
+  std::error_code failed;
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  const std::string file = (here / program).string();
+  ::execv(file.c_str(), argv);
+  fmt::print(stderr, "tactile: {}: cannot be run ({}); expected this part of tactile beside the program itself\n", file,
+             std::strerror(errno));
+  return 1;
+}
+
+}  // namespace tactile

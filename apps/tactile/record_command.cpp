@@ -1,0 +1,240 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "interruption.hpp"
+#include "live_line.hpp"
+#include "record_runs.hpp"
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/find_sources.hpp"
+#include "tactile/capture/run_recorder.hpp"
+#include "tactile/capture/session_plan.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/network/network_address.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+struct RecordArguments {
+  std::vector<std::string> from;
+  std::string robot, video;
+  double duration_s = 0;
+  std::string object = "unnamed", run;
+  std::string out = "data";
+  std::string session;
+  std::string start_on, stop_on;
+  double speed = 1;
+  std::uint64_t seed = 1;
+  std::string stream;
+  std::string readout_mode;
+  std::string compression = "lz4";
+  std::size_t queue_mb = 256;
+  bool list = false;
+};
+
+void list_sources(const CommonArguments& common) {
+  nlohmann::json cameras = nlohmann::json::array(), videos = nlohmann::json::array();
+  std::vector<std::pair<std::string, std::string>> lines;
+  const auto add = [&](nlohmann::json& json, const std::vector<FoundSource>& found, const std::string& option) {
+    for (const FoundSource& source : found) {
+      json.push_back({{"text", source.text}, {"description", source.description}});
+      lines.emplace_back(source.text.empty() ? "-" : option + " " + source.text, source.description);
+    }
+  };
+  add(cameras, find_camera_sources(), "--from");
+  add(videos, find_video_devices(), "--video");
+  if (cameras.empty()) lines.emplace_back("-", "no camera, and no stream at " + SourcePlaces{}.stream);
+  if (videos.empty()) lines.emplace_back("-", "no video device");
+  print_result(common, {{"sources", cameras}, {"videos", videos}}, text_list(lines));
+}
+
+/// The one camera that is there, else the stream that DV and its like serve.
+std::string usual_source() {
+  std::vector<std::string> cameras, streams;
+  std::string out_of_reach;
+  for (const FoundSource& source : find_camera_sources()) {
+    if (source.text.empty()) {
+      out_of_reach += "; " + source.description;
+    } else {
+      (source.text.starts_with("camera") ? cameras : streams).push_back(source.text);
+    }
+  }
+  if (cameras.size() > 1) {
+    std::string names;
+    for (const std::string& camera : cameras) names += (names.empty() ? "" : ", ") + camera;
+    throw Error("record: several cameras are there (" + names + "); expected --from with one of them");
+  }
+  if (!cameras.empty()) return cameras.front();
+  if (!streams.empty()) return streams.front();
+  throw Error(
+      fmt::format("record: no camera that can be opened, and no stream at {}{}; expected one of them, or --from "
+                  "tcp://HOST:PORT, unix:PATH, file:PATH, sim or camera:SERIAL",
+                  SourcePlaces{}.stream, out_of_reach));
+}
+
+/// `HOST` or `HOST:PORT`; an IPv6 address with a port in brackets.
+NetworkAddress robot_address(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::size_t bracket = text.rfind(']');
+  const bool has_port = colon != std::string::npos && (bracket == std::string::npos ? text.find(':') == colon : colon > bracket);
+  const bool is_bare_ipv6 = !has_port && colon != std::string::npos && bracket == std::string::npos;
+  const std::string host = is_bare_ipv6 ? "[" + text + "]" : text;
+  try {
+    return network_address("tcp://" + host + (has_port ? "" : ":30004"));
+  } catch (const Error&) {
+    throw Error("--robot '" + text + "': is no address; expected HOST or HOST:PORT with a port from 1 to 65535");
+  }
+}
+
+std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) {
+  if (args.robot.empty()) {
+    if (plan.start_on || plan.stop_on)
+      throw Error("record: the robot shall start or stop runs, but there is none; expected --robot HOST");
+    return nullptr;
+  }
+  const NetworkAddress address = robot_address(args.robot);
+  RobotMonitorOptions options;
+  options.host = address.host;
+  options.port = address.port;
+  for (const auto& bit : {plan.start_on, plan.stop_on}) {
+    if (bit) options.extra_fields.push_back(bit->field);
+  }
+  options.log = [&line](const std::string& text) { line.warn(text); };
+  return std::make_unique<RobotMonitor>(std::move(options));
+}
+
+std::unique_ptr<VideoCapture> open_video(const RecordArguments& args, LiveLine& line) {
+  if (args.video.empty()) return nullptr;
+  VideoCaptureOptions options;
+  options.source = args.video;
+  options.speed = args.speed;
+  options.log = [&line](const std::string& text) { line.warn(text); };
+  return std::make_unique<VideoCapture>(std::move(options));
+}
+
+SessionPlan plan_of(const RecordArguments& args) {
+  SessionPlan plan;
+  if (!args.session.empty()) {
+    plan = read_session_plan(args.session);
+  } else {
+    plan.objects.push_back({.name = args.object, .runs = 1});
+  }
+  if (args.duration_s > 0) plan.duration_s = args.duration_s;
+  if (!args.start_on.empty()) plan.start_on = robot_bit(args.start_on);
+  if (!args.stop_on.empty()) plan.stop_on = robot_bit(args.stop_on);
+  return plan;
+}
+
+nlohmann::json settings_json(const RecordArguments& args, const SessionPlan& plan) {
+  nlohmann::json json = {{"from", args.from},
+                         {"compression", args.compression},
+                         {"speed", args.speed},
+                         {"seed", args.seed},
+                         {"queue_mb", args.queue_mb}};
+  const auto add = [&json](const char* key, const std::string& value) {
+    if (!value.empty()) json[key] = value;
+  };
+  add("robot", args.robot);
+  add("video", args.video);
+  add("stream", args.stream);
+  add("readout_mode", args.readout_mode);
+  if (plan.duration_s) json["duration_s"] = *plan.duration_s;
+  if (plan.start_on) json["start_on"] = plan.start_on->text();
+  if (plan.stop_on) json["stop_on"] = plan.stop_on->text();
+  return json;
+}
+
+void record(RecordArguments args, const CommonArguments& common) {
+  if (args.list) return list_sources(common);
+  RunsToRecord wanted{
+      .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
+  if (args.from.empty()) args.from.push_back(usual_source());
+  wanted.settings = settings_json(args, wanted.plan);
+
+  catch_ctrl_c();
+  catch_termination();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said, and what is there is kept
+  LiveLine line(!common.quiet);
+  // The cameras come last: what they send is taken from their first moment on.
+  std::unique_ptr<RobotMonitor> robot = open_robot(args, wanted.plan, line);
+  std::unique_ptr<VideoCapture> video = open_video(args, line);
+  std::vector<std::unique_ptr<CameraSource>> sources;
+  const CameraSourceOptions options{
+      .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
+  for (const std::string& text : args.from) sources.push_back(open_camera_source(text, options));
+  RunRecorder recorder(std::move(sources), std::move(robot), std::move(video),
+                       {.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
+  const std::vector<RunSummary> runs = record_runs(recorder, wanted, line);
+
+  std::string text;
+  nlohmann::json all = nlohmann::json::array();
+  for (const RunSummary& run : runs) {
+    text += (text.empty() ? "" : "\n") + text_of(run);
+    all.push_back(json_of(run));
+  }
+  if (wanted.is_session) {
+    print_result(common, {{"data", args.out}, {"runs", all}}, runs.empty() ? "no run recorded\n" : text);
+  } else {
+    print_result(common, runs.empty() ? nlohmann::json() : all.front(), runs.empty() ? "no run recorded\n" : text);
+  }
+  if (!runs.empty() && !runs.back().errors.empty()) throw Error(runs.back().errors.front());
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app) {
+  auto args = std::make_shared<RecordArguments>();
+  CLI::App* command = add_command(app, "record", "Record a live camera, with robot and video, into a run folder",
+                                  [args](const CommonArguments& common) { record(*args, common); });
+  const auto is_object = CLI::Validator(
+      [](std::string& text) {
+        return is_object_name(text) ? "" : text + " is not of lower-case letters, digits and inner hyphens";
+      },
+      "NAME");
+  const auto is_run = CLI::Validator([](std::string& text) { return is_run_id(text) ? "" : text + " is not 01 to 99"; }, "NN");
+  command
+      ->add_option("--from", args->from,
+                   "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]; again for "
+                   "each further stream")
+      ->type_name("SOURCE");
+  command->add_option("--robot", args->robot, "UR controller to log")->type_name("HOST[:PORT]");
+  command->add_option("--video", args->video, "Video to film")->type_name("DEVICE|FILE|URL");
+  command->add_option("--duration", args->duration_s, "End each run after this long [s]")
+      ->check(CLI::Range(1e-3, 1e9))
+      ->type_name("S");
+  CLI::Option* object = command->add_option("--object", args->object, "What is touched")->check(is_object)->capture_default_str();
+  CLI::Option* run = command->add_option("--run", args->run, "The run's number instead of the next free one")->check(is_run);
+  command->add_option("--out", args->out, "Folder of runs")->type_name("DATA")->capture_default_str();
+  command->add_option("--session", args->session, "Walk this list of objects and runs")
+      ->type_name("FILE.json")
+      ->check(CLI::ExistingFile)
+      ->excludes(object)
+      ->excludes(run);
+  command->add_option("--start-on", args->start_on, "Robot's bit whose rising starts a run")->type_name("FIELD[:BIT]");
+  command->add_option("--stop-on", args->stop_on, "Robot's bit whose rising ends a run")->type_name("FIELD[:BIT]");
+  command->add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
+  command->add_option("--stream", args->stream, "Of a file with several event streams this one")->type_name("ID|SOURCE");
+  command->add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000")->type_name("MODE");
+  command->add_option("--compression", args->compression, "Of the recording")
+      ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
+      ->capture_default_str();
+  command->add_option("--queue-mb", args->queue_mb, "Memory for what waits for the disk [MiB]")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{65536}))
+      ->capture_default_str();
+  command->add_flag("--list", args->list, "Show which cameras and video devices are there, and end");
+}
+
+}  // namespace tactile

@@ -1,0 +1,346 @@
+#include "record_runs.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+#include <optional>
+#include <thread>
+
+#include "command.hpp"
+#include "interruption.hpp"
+#include "quantity_text.hpp"
+#include "tactile/capture/new_run.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+double seconds_of(microseconds duration) { return std::chrono::duration<double>(duration).count(); }
+
+/// Lines of standard input, waited for with a bound.
+class Answers {
+ public:
+  /// The next line, without its end; nothing if none came within `patience`.
+  std::optional<std::string> next(std::chrono::milliseconds patience) {
+    if (auto line = buffered()) return line;
+    if (ended_) {
+      std::this_thread::sleep_for(patience);
+      return {};
+    }
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (::poll(&input, 1, static_cast<int>(patience.count())) <= 0) return {};
+    std::array<char, 256> bytes{};
+    const ssize_t got = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) return {};
+    if (got <= 0) {
+      ended_ = true;
+    } else {
+      text_.append(bytes.data(), static_cast<std::size_t>(got));
+    }
+    return buffered();
+  }
+  bool ended() const { return ended_; }
+
+ private:
+  std::optional<std::string> buffered() {
+    const std::size_t end = text_.find('\n');
+    if (end == std::string::npos) return {};
+    std::string line = text_.substr(0, end);
+    text_.erase(0, end + 1);
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return line;
+  }
+
+  std::string text_;
+  bool ended_ = false;
+};
+
+/// Names the runs that share one start of camera and controller. The camera's ends with this program; the controller may have
+/// been started anew whenever the connection to it was lost.
+class SessionId {
+ public:
+  explicit SessionId(const std::string& name) {
+    const std::int64_t now_us = us_of(host_now());
+    const auto seconds = static_cast<std::time_t>(now_us / 1'000'000);
+    std::tm utc{};
+    gmtime_r(&seconds, &utc);
+    base_ = fmt::format("{}{}{:04}{:02}{:02}-{:02}{:02}{:02}-{:06}", name, name.empty() ? "" : "-", utc.tm_year + 1900,
+                        utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, now_us % 1'000'000);
+  }
+  std::string of(const RobotMonitor* robot) {
+    const std::uint64_t reconnects = robot == nullptr ? 0 : robot->state().reconnects;
+    if (reconnects != reconnects_) ++starts_;
+    reconnects_ = reconnects;
+    return starts_ == 1 ? base_ : fmt::format("{}-{}", base_, starts_);
+  }
+
+ private:
+  std::string base_;
+  std::uint64_t reconnects_ = 0;
+  int starts_ = 1;
+};
+
+std::optional<bool> newest(const RunRecorder& recorder, const RobotBit& bit) {
+  const std::optional<double> value = recorder.robot()->newest(bit.field);
+  return value ? std::optional<bool>(bit.is_high(*value)) : std::nullopt;
+}
+
+std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(bytes)); }
+
+/// Elements of every kind, frames of the film and packages of the robot, that are in no file although they were sent.
+std::string drops_text(const RunDrops& drops) {
+  const LostElements total = drops.total();
+  if (total.packets + total.events + total.others == 0) return "0";
+  std::string text = counted(total.events, "event");
+  if (total.others > 0) text += ", " + counted(total.others, "other element");
+  if (total.packets > 0) text += " (" + counted(total.packets, "packet") + ")";
+  return text;
+}
+
+class Walk {
+ public:
+  Walk(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
+      : recorder_(recorder), wanted_(wanted), plan_(wanted.plan), line_(line), session_(plan_.name) {}
+
+  std::vector<RunSummary> all() {
+    while (object_index_ <= plan_.objects.size()) {
+      switch (wait_to_begin()) {
+        case Answer::begin:
+          if (!record_one()) return std::move(done_);
+          break;
+        case Answer::redo:
+          discard_last();
+          break;
+        case Answer::skip:
+          ++object_index_;
+          break;
+        case Answer::end:
+          return std::move(done_);
+      }
+    }
+    return std::move(done_);
+  }
+
+ private:
+  enum class Answer : std::uint8_t { begin, redo, skip, end };
+
+  int runs_there(std::size_t object_index) const { return complete_runs(wanted_.data, plan_.objects[object_index].name); }
+
+  Answer wait_to_begin();
+  std::string question() const;
+  bool record_one();
+  void discard_last();
+  void draw(const RunFolder& run, const RunState& state);
+
+  RunRecorder& recorder_;
+  const RunsToRecord& wanted_;
+  const SessionPlan& plan_;
+  LiveLine& line_;
+  SessionId session_;
+  Answers answers_;
+  std::size_t object_index_ = 0;
+  std::vector<RunSummary> done_;
+  Steady::time_point drawn_{};
+  std::uint64_t drawn_events_ = 0;
+};
+
+std::string Walk::question() const {
+  const std::string redo = done_.empty() ? "" : fmt::format(", r redoes {}", done_.back().run.name());
+  if (object_index_ == plan_.objects.size()) return fmt::format("All runs are there. Enter ends{}.", redo);
+  const SessionPlan::Object& object = plan_.objects[object_index_];
+  const std::string start = plan_.start_on ? plan_.start_on->text() + " starts" : "Enter starts";
+  return fmt::format("{}, run {} of {}: {}{}, s skips this object, q ends.", object.name, runs_there(object_index_) + 1,
+                     object.runs, start, redo);
+}
+
+/// Passes over the objects that have all their runs. At the end of the list one more question lets the last run be redone.
+Walk::Answer Walk::wait_to_begin() {
+  if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? Answer::begin : Answer::end;
+  if (!wanted_.is_session && !done_.empty()) return Answer::end;
+  if (wanted_.is_session) {
+    while (object_index_ < plan_.objects.size() && runs_there(object_index_) >= plan_.objects[object_index_].runs)
+      ++object_index_;
+  }
+  const bool at_end = object_index_ == plan_.objects.size();
+  if (at_end && (done_.empty() || plan_.start_on)) return Answer::end;
+  if (wanted_.is_session) {
+    line_.inform(question());
+  } else {
+    line_.inform("waits for " + plan_.start_on->text());
+  }
+  recorder_.discard();
+  RisingEdge edge;
+  for (;;) {
+    if (interrupted()) return Answer::end;
+    if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
+      if (done_.empty() || gone != "source ended") throw Error(gone + "; expected one that goes on until the last run");
+      line_.warn(gone + ": no further run can be recorded");
+      return Answer::end;
+    }
+    if (plan_.start_on && edge.rises(newest(recorder_, *plan_.start_on))) return Answer::begin;
+    const std::chrono::milliseconds patience(plan_.start_on ? 2 : 50);
+    if (!wanted_.is_session) {
+      std::this_thread::sleep_for(patience);
+      continue;
+    }
+    const std::optional<std::string> answer = answers_.next(patience);
+    if (!answer) {
+      if (answers_.ended() && !plan_.start_on) return Answer::end;
+      continue;
+    }
+    if (*answer == "q") return Answer::end;
+    if (*answer == "r" && !done_.empty()) return Answer::redo;
+    if (*answer == "s" && !at_end) return Answer::skip;
+    if (answer->empty() && at_end) return Answer::end;
+    if (answer->empty() && !plan_.start_on) return Answer::begin;
+    line_.inform(fmt::format("'{}' is no answer here. {}", *answer, question()));
+  }
+}
+
+void Walk::discard_last() {
+  const RunSummary last = done_.back();
+  done_.pop_back();
+  line_.inform(fmt::format("{} is now {}", last.run.name(), discard_run(last.run).filename().string()));
+  for (std::size_t i = 0; i < plan_.objects.size(); ++i) {
+    if (plan_.objects[i].name == last.run.object) object_index_ = i;
+  }
+}
+
+/// False if nothing more shall be recorded.
+bool Walk::record_one() {
+  RunRequest request{.run = make_run_folder(wanted_.data, plan_.objects[object_index_].name, wanted_.run),
+                     .session = session_.of(recorder_.robot()),
+                     .duration = {},
+                     .settings = wanted_.settings};
+  if (plan_.duration_s) request.duration = microseconds(static_cast<std::int64_t>(1e6 * *plan_.duration_s));
+  RisingEdge stop;
+  if (plan_.stop_on) stop.rises(newest(recorder_, *plan_.stop_on).value_or(false));
+  recorder_.begin(request);
+  drawn_ = Steady::now();
+  drawn_events_ = 0;
+  const bool enter_ends = wanted_.is_session && !plan_.duration_s && !plan_.stop_on;
+  if (wanted_.is_session) line_.inform(fmt::format("recording {}{}", request.run.name(), enter_ends ? ", Enter ends it" : ""));
+  bool told_of_drops = false;
+  std::string why;
+  while (why.empty()) {
+    const RunState state = recorder_.state();
+    draw(request.run, state);
+    if (!told_of_drops && state.drops.queue_full.packets > 0) {
+      told_of_drops = true;
+      line_.warn(request.run.name() + ": writing falls behind, packets are being dropped and counted");
+    }
+    why = state.ended;
+    if (!why.empty()) break;
+    if (interrupted()) {
+      why = "interrupted";
+    } else if (plan_.stop_on && stop.rises(newest(recorder_, *plan_.stop_on))) {
+      why = "stopped by " + plan_.stop_on->text();
+    } else if (enter_ends && answers_.next(std::chrono::milliseconds(20))) {
+      why = "stopped by Enter";
+    } else if (!enter_ends) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(plan_.stop_on ? 2 : 20));
+    }
+  }
+  line_.clear();
+  done_.push_back(recorder_.end(why));
+  const RunSummary& run = done_.back();
+  for (std::size_t i = 1; i < run.errors.size(); ++i) line_.warn(run.errors[i]);
+  if (wanted_.is_session || !line_.draws()) {
+    line_.inform(fmt::format("{}: {} in {:.1f} s, {}, dropped {}, ended by: {}", run.run.name(), counted(run.events, "event"),
+                             seconds_of(run.elapsed), megabytes(run.bytes), drops_text(run.drops), run.ended));
+  }
+  return run.errors.empty() && !interrupted();
+}
+
+void Walk::draw(const RunFolder& run, const RunState& state) {
+  const Steady::time_point now = Steady::now();
+  if (!line_.draws() || now - drawn_ < std::chrono::seconds(1)) return;
+  const double passed = std::chrono::duration<double>(now - drawn_).count();
+  std::string text = wanted_.is_session ? run.name() + "  " : "";
+  text += fmt::format("{}  {}  {}", clock_text(seconds_of(state.elapsed)),
+                      rate_text(static_cast<double>(state.events - drawn_events_) / passed), megabytes(state.bytes));
+  if (state.robot) text += state.robot->connected ? fmt::format("  robot {:.0f} Hz", state.robot->rate_hz) : "  robot gone";
+  if (state.video)
+    text += state.video->running ? fmt::format("  video {:.1f} fps", state.video->frames_per_second) : "  video gone";
+  text += fmt::format("  queue {}  dropped {}", megabytes(state.queue_bytes), drops_text(state.drops));
+  if (state.video && state.video->dropped > 0) text += fmt::format(", {}", counted(state.video->dropped, "frame"));
+  drawn_ = now;
+  drawn_events_ = state.events;
+  line_.draw(text);
+}
+
+}  // namespace
+
+std::vector<RunSummary> record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
+  return Walk(recorder, wanted, line).all();
+}
+
+std::string text_of(const RunSummary& run) {
+  const double span_s = seconds_of(run.span);
+  const std::string rate = span_s > 0 ? ", " + rate_text(static_cast<double>(run.events) / span_s) : "";
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"events", fmt::format("{} in {}{}", run.events, duration_text(run.span), rate)},
+      {"files", fmt::format("{}, recorded in {}", bytes_text(run.bytes), duration_text(run.elapsed))},
+      {"dropped", drops_text(run.drops)}};
+  if (run.robot) {
+    lines.emplace_back("robot", fmt::format("{}, {}, {} missing", counted(run.robot->rows, "row"),
+                                            counted(run.robot->gaps, "gap"), counted(run.robot->missing, "package")));
+  }
+  if (run.video) {
+    lines.emplace_back("video", fmt::format("{}, {} dropped", counted(run.video->frames, "frame"), run.video->dropped));
+  }
+  lines.emplace_back("session", run.session);
+  lines.emplace_back("ended", run.ended);
+  std::string text = fmt::format("{}{}{}\n", run.run.folder.string(), run.simulated ? " (simulated)" : "",
+                                 run.complete ? "" : " (NOT COMPLETE)");
+  const std::string list = text_list(lines);
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t end = std::min(list.find('\n', begin), list.size() - 1) + 1;
+    text += "  " + list.substr(begin, end - begin);
+    begin = end;
+  }
+  return text;
+}
+
+nlohmann::json json_of(const RunSummary& run) {
+  const double span_s = seconds_of(run.span);
+  nlohmann::json json = {
+      {"folder", run.run.folder.string()},
+      {"object", run.run.object},
+      {"run", run.run.run},
+      {"session", run.session},
+      {"simulated", run.simulated},
+      {"complete", run.complete},
+      {"ended", run.ended},
+      {"errors", run.errors},
+      {"events", run.events},
+      {"others", run.others},
+      {"elapsed_s", seconds_of(run.elapsed)},
+      {"duration_s", span_s},
+      {"events_per_s", span_s > 0 ? nlohmann::json(static_cast<double>(run.events) / span_s) : nlohmann::json()},
+      {"bytes", run.bytes},
+      {"dropped", json_of(run.drops)},
+      {"robot", nullptr},
+      {"video", nullptr}};
+  if (run.robot) {
+    json["robot"] = {{"rows", run.robot->rows},
+                     {"gaps", run.robot->gaps},
+                     {"missing", run.robot->missing},
+                     {"reconnects", run.robot->reconnects},
+                     {"controller", run.robot->controller}};
+  }
+  if (run.video) json["video"] = {{"frames", run.video->frames}, {"dropped", run.video->dropped}};
+  return json;
+}
+
+}  // namespace tactile

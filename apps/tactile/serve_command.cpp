@@ -1,0 +1,261 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "interruption.hpp"
+#include "live_line.hpp"
+#include "quantity_text.hpp"
+#include "tactile/capture/camera_broadcast.hpp"
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/camera_streams.hpp"
+#include "tactile/capture/looped_source.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/network/dv_stream_server.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// How long a client may take nothing at all before one that goes as fast as its clients waits for it no more.
+constexpr std::chrono::milliseconds longest_stall = 10s;
+
+/// From the client that was waited for to the first packet.
+constexpr std::chrono::milliseconds settling = 500ms;
+
+struct ServeArguments {
+  std::string source;
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 7777;
+  std::optional<std::uint16_t> imu_port, triggers_port;
+  std::string unix_path;
+  double speed = 1;
+  bool loop = false, no_wait = false;
+  std::string compression = "none";
+  std::int64_t packet_us = 1000;
+  std::string stream;
+  std::uint64_t seed = 1;
+};
+
+bool is_simulator(const std::string& text) { return text == "sim" || text.starts_with("sim:"); }
+
+std::unique_ptr<CameraSource> open_source(const ServeArguments& args) {
+  CameraSourceOptions options;
+  options.speed = args.speed;
+  options.seed = args.seed;
+  options.packet_span = microseconds{args.packet_us};
+  if (is_simulator(args.source)) {
+    if (!args.stream.empty()) throw Error("--stream: the simulator has one stream; expected it for a recording alone");
+    return open_camera_source(args.source, options);
+  }
+  if (!std::filesystem::exists(args.source)) {
+    throw Error(args.source + ": there is no such file or run; expected a recording, a run's folder, or sim[:OBJECT]");
+  }
+  options.stream = args.stream;
+  const auto open = [text = "file:" + args.source, options] { return open_camera_source(text, options); };
+  if (args.loop) return looped_source(open, microseconds{args.packet_us});
+  return open();
+}
+
+/// The camera's stream of this type, as it is to be declared. @throws Error if there is none
+Stream stream_to_serve(const ServeArguments& args, const CameraSource& source, StreamType type, const std::string& option) {
+  const auto streams = source.streams();
+  const auto found = std::find_if(streams.begin(), streams.end(), [&](const Stream& s) { return s.type == type; });
+  if (found == streams.end()) {
+    throw Error(fmt::format("{}: its camera has no stream of {} for {}; expected a recording that has", args.source,
+                            name_of(type), option));
+  }
+  Stream stream = *found;
+  if (source.simulated()) set_info(stream, simulated_attribute, "true");
+  const nlohmann::json camera = source.camera();
+  if (const auto mode = camera.find("readout_mode"); mode != camera.end() && mode->is_string()) {
+    set_info(stream, readout_mode_attribute, mode->get<std::string>());
+  }
+  return stream;
+}
+
+struct Served {
+  Stream stream;
+  std::unique_ptr<DvStreamServer> server;
+};
+
+std::vector<Served> start_servers(const ServeArguments& args, const CameraSource& source, LiveLine& line) {
+  DvStreamServerOptions options;
+  options.compression = compression_named(args.compression);
+  const auto tcp = [&](std::uint16_t port) {
+    return NetworkAddress{.kind = NetworkAddress::Kind::tcp, .host = args.host, .port = port, .path = {}};
+  };
+  std::vector<Served> served;
+  const auto add = [&](StreamType type, const std::string& option, const NetworkAddress& address) {
+    Served& one = served.emplace_back();
+    one.stream = stream_to_serve(args, source, type, option);
+    options.log = [&line, name = std::string(name_of(type))](const std::string& text) { line.inform(name + ": " + text); };
+    one.server = std::make_unique<DvStreamServer>(address, one.stream, options);
+  };
+  add(StreamType::events, "--port", args.unix_path.empty() ? tcp(args.port) : network_address("unix:" + args.unix_path));
+  if (args.imu_port) add(StreamType::imu, "--imu-port", tcp(*args.imu_port));
+  if (args.triggers_port) add(StreamType::triggers, "--triggers-port", tcp(*args.triggers_port));
+  return served;
+}
+
+struct ClientCounts {
+  std::uint64_t now = 0, joined = 0, dropped = 0;
+};
+
+ClientCounts clients_of(const std::vector<Served>& served) {
+  ClientCounts counts;
+  for (const Served& one : served) {
+    counts.now += one.server->clients();
+    counts.joined += one.server->joined_clients();
+    counts.dropped += one.server->dropped_clients();
+  }
+  return counts;
+}
+
+/// A line with what was played in the last second, four times a second.
+class ServeLine {
+ public:
+  explicit ServeLine(LiveLine& line) : line_(line) {}
+
+  void draw(const BroadcastCounts& counts, const std::vector<Served>& served) {
+    if (!line_.draws()) return;
+    const SteadyClock::time_point now = SteadyClock::now();
+    if (now - drawn_ < 250ms) return;
+    const double passed = std::chrono::duration<double>(now - drawn_).count();
+    const ClientCounts clients = clients_of(served);
+    line_.draw(fmt::format("{}  events {}  {}{}", clock_text(std::chrono::duration<double>(now - begun_).count()),
+                           rate_text(static_cast<double>(counts.events - events_) / passed), counted(clients.now, "client"),
+                           clients.dropped > 0 ? fmt::format("  {} dropped", clients.dropped) : ""));
+    drawn_ = now;
+    events_ = counts.events;
+  }
+
+ private:
+  LiveLine& line_;
+  SteadyClock::time_point begun_ = SteadyClock::now(), drawn_ = begun_;
+  std::uint64_t events_ = 0;
+};
+
+/// Until each server has had a client, and a moment longer, for a recorder begins its run once it is connected: then everyone who
+/// was waited for gets the whole.
+void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
+  line.draw("waiting for a client");
+  while (!interrupted() &&
+         std::any_of(served.begin(), served.end(), [](const Served& one) { return one.server->joined_clients() == 0; })) {
+    std::this_thread::sleep_for(10ms);
+  }
+  const SteadyClock::time_point ready = SteadyClock::now() + settling;
+  while (!interrupted() && SteadyClock::now() < ready) std::this_thread::sleep_for(10ms);
+  line.clear();
+}
+
+void play(const ServeArguments& args, CameraSource& source, CameraBroadcast& broadcast, const std::vector<Served>& served,
+          LiveLine& line) {
+  ServeLine live(line);
+  CameraPacket packet;
+  while (!interrupted()) {
+    const CameraSource::Received received = source.receive(packet, 50ms);
+    if (received == CameraSource::Received::ended) return;
+    if (received == CameraSource::Received::packet) {
+      broadcast.send(packet);
+      if (args.speed == 0) {
+        for (const Served& one : served) one.server->wait_for_room(longest_stall, interrupted);
+      }
+    }
+    live.draw(broadcast.counts(), served);
+  }
+}
+
+void serve(const ServeArguments& args, const CommonArguments& common) {
+  catch_ctrl_c();
+  catch_termination();
+  LiveLine line(!common.quiet);
+  const std::unique_ptr<CameraSource> source = open_source(args);
+  CameraBroadcast broadcast({.packet_span = microseconds{args.packet_us}});
+  const std::vector<Served> served = start_servers(args, *source, line);
+  nlohmann::json streams = nlohmann::json::array();
+  for (const Served& one : served) {
+    broadcast.add(one.stream.id, *one.server);
+    const std::string address = one.server->address().text();
+    fmt::print(stderr, "serving {} of {} on {}\n", name_of(one.stream.type), args.source, address);
+    streams.push_back({{"type", name_of(one.stream.type)}, {"address", address}});
+  }
+  std::fflush(stderr);
+  if (!args.no_wait && !is_simulator(args.source)) wait_for_clients(served, line);
+
+  const SteadyClock::time_point begun = SteadyClock::now();
+  play(args, *source, broadcast, served, line);
+  const std::chrono::duration<double> duration = SteadyClock::now() - begun;
+  const bool was_interrupted = interrupted();
+  for (const Served& one : served) one.server->drain(was_interrupted ? 1s : longest_stall);
+  line.clear();
+
+  const BroadcastCounts& counts = broadcast.counts();
+  const ClientCounts clients = clients_of(served);
+  const SourceDrops drops = source->drops();
+  const nlohmann::json json = {
+      {"source", args.source},           {"simulated", source->simulated()},  {"streams", streams},
+      {"events", counts.events},         {"imu_samples", counts.imu_samples}, {"triggers", counts.triggers},
+      {"packets", counts.packets},       {"clients", clients.joined},         {"dropped_clients", clients.dropped},
+      {"broken_packets", drops.packets}, {"unsound_events", drops.events},    {"duration_s", duration.count()},
+      {"interrupted", was_interrupted}};
+  std::string played = counted(counts.events, "event");
+  if (counts.imu_samples > 0) played += ", " + counted(counts.imu_samples, "IMU sample");
+  if (counts.triggers > 0) played += ", " + counted(counts.triggers, "trigger");
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"played", fmt::format("{} in {}", played, counted(counts.packets, "packet"))},
+      {"lasted", duration_text(microseconds{static_cast<std::int64_t>(1e6 * duration.count())})},
+      {"clients", fmt::format("{}, {} dropped", clients.joined, clients.dropped)}};
+  if (drops.packets + drops.events > 0) {
+    lines.emplace_back("lost", fmt::format("{} that could not be read, {} that cannot be", counted(drops.packets, "packet"),
+                                           counted(drops.events, "event")));
+  }
+  print_result(common, json, fmt::format("{}{}\n", args.source, source->simulated() ? " (simulated)" : "") + text_list(lines));
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app) {
+  auto args = std::make_shared<ServeArguments>();
+  CLI::App* command = add_command(app, "serve", "Play a recording or the simulator as a DV-compatible stream",
+                                  [args](const CommonArguments& common) { serve(*args, common); });
+  command->add_option("source", args->source, "Recording, run folder, or the simulator: FILE, RUN or sim[:OBJECT]")
+      ->type_name("SOURCE")
+      ->required();
+  CLI::Option* port =
+      command->add_option("--port", args->port, "Port of the events; 0 takes a free one")->type_name("N")->capture_default_str();
+  command->add_option("--host", args->host, "Address to listen on; 0.0.0.0 lets in other machines")
+      ->type_name("HOST")
+      ->capture_default_str();
+  command->add_option("--unix", args->unix_path, "Serve the events on a unix socket instead, at a path where nothing is")
+      ->type_name("PATH")
+      ->excludes(port);
+  command->add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too")->type_name("N");
+  command->add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")->type_name("N");
+  command->add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
+  command->add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");
+  command->add_option("--compression", args->compression, "Of the packets")
+      ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
+      ->capture_default_str();
+  command->add_option("--packet-us", args->packet_us, "A packet's elements lie less than this apart [us]")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--stream", args->stream, "Of a recording with several event streams: which")->type_name("ID|SOURCE");
+  command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
+}
+
+}  // namespace tactile

@@ -1,0 +1,299 @@
+// How near reading and writing recordings come to what they cannot do without: the decompression alone, the reading of the bytes
+// alone. `scripts/bench` runs this and makes the table of docs/performance.md from it.
+//
+//   recording_benchmark FOLDER RECORDING… [--benchmark_…]   compares, on files that it makes in FOLDER from the recordings'
+//   events recording_benchmark --read FILE [THREADS]               reads all events of a file once; prints how many, and the
+//   seconds
+
+#include <benchmark/benchmark.h>
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <lz4frame.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_contents.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_writer.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Step = std::function<void()>;
+
+constexpr std::size_t packet_events = 8192;
+constexpr std::size_t events_in_all = 1024 * packet_events;
+
+double wall_seconds() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+/// Of this process, in the kernel too: other programs that want the same cores do not lengthen it.
+double cpu_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+/// Both in turn, which first changing from time to time: what else the machine does meets them alike. The ratio is the median of
+/// those of neighbours.
+/// Work on one thread is measured by its CPU time, work on several by the wall's.
+void compare(benchmark::State& state, const Step& ours, const Step& alone, bool by_wall) {
+  const auto seconds_of = [by_wall](const Step& step) {
+    const auto now = by_wall ? wall_seconds : cpu_seconds;
+    const double begin = now();
+    step();
+    return now() - begin;
+  };
+  std::vector<double> ours_s, alone_s, ratios;
+  ours(), alone();
+  for (bool ours_first = true; auto _ : state) {
+    static_cast<void>(_);
+    const double first = seconds_of(ours_first ? ours : alone), second = seconds_of(ours_first ? alone : ours);
+    ours_s.push_back(ours_first ? first : second);
+    alone_s.push_back(ours_first ? second : first);
+    ratios.push_back(alone_s.back() / ours_s.back());
+    state.SetIterationTime(ours_s.back());
+    ours_first = !ours_first;
+  }
+  const double million_events = events_in_all / 1e6;
+  state.counters["ours"] = million_events / quantile(ours_s, 0.5);
+  state.counters["alone"] = million_events / quantile(alone_s, 0.5);
+  state.counters["ratio"] = quantile(ratios, 0.5);
+  state.counters["ratio_low"] = quantile(ratios, 0.25);
+  state.counters["ratio_high"] = quantile(ratios, 0.75);
+}
+
+/// The recordings' events one after the other and over again, until there are enough, in ascending time.
+std::vector<Event> events_of(const std::vector<fs::path>& recordings) {
+  std::vector<Event> all;
+  all.reserve(events_in_all);
+  std::int64_t begin = 1'700'000'000'000'000;
+  while (all.size() < events_in_all) {
+    const std::size_t before = all.size();
+    for (const fs::path& file : recordings) {
+      RecordingReader recording(file);
+      std::int64_t first = 0, last = 0;
+      bool any = false;
+      for_all_events(recording, event_stream(recording).id, [&](std::span<const Event> events) {
+        if (!any) first = us_of(events.front().t);
+        any = true;
+        for (Event event : events.first(std::min(events.size(), events_in_all - all.size()))) {
+          last = us_of(event.t) - first + begin;
+          event.t = camera_time(last);
+          all.push_back(event);
+        }
+      });
+      if (any) begin = std::max(begin, last) + 200;
+    }
+    if (all.size() == before) throw Error("recording_benchmark: no events to work with; expected recordings with events");
+  }
+  return all;
+}
+
+void write_recording(const fs::path& file, std::span<const Event> events, Compression compression) {
+  fs::remove(file);
+  RecordingWriter writer(file, {event_stream_declaration({640, 480}, "DVXplorer_DXM00000")},
+                         {.compression = compression, .packet_span = std::chrono::hours(1), .packet_events = packet_events});
+  for (std::size_t i = 0; i < events.size(); i += packet_events)
+    writer.write_events(0, events.subspan(i, std::min(packet_events, events.size() - i)));
+  writer.close();
+}
+
+void read_recording(const fs::path& file, unsigned threads) {
+  RecordingReader recording(file, threads);
+  std::size_t count = 0;
+  for (const PacketRecord& packet : recording.packets()) count += recording.read_events(packet).size();
+  if (count != events_in_all) throw Error(file.string() + ": not all events were read; expected them all");
+}
+
+/// A file in memory, and where its packets are.
+struct StoredFile {
+  explicit StoredFile(const fs::path& file) : bytes(read_text(file)) {
+    const RecordingReader recording(file);
+    for (const PacketRecord& packet : recording.packets())
+      packets.push_back(std::as_bytes(std::span(bytes)).subspan(packet.payload_offset, packet.payload_size));
+  }
+  std::string bytes;
+  std::vector<std::span<const std::byte>> packets;
+};
+
+constexpr std::size_t content_size = event_packet_head + packet_events * sizeof(Event);
+constexpr std::size_t lz4_block = std::size_t{64} << 10;
+
+/// One context and one buffer with room for LZ4's last block: all that the library needs to be at its fastest.
+void decompress_lz4(std::span<const std::span<const std::byte>> packets) {
+  LZ4F_dctx* context = nullptr;
+  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  const std::unique_ptr<std::byte[]> content(new std::byte[content_size + lz4_block]);
+  for (const auto& packet : packets) {
+    std::size_t made = content_size + lz4_block, used = packet.size();
+    const std::size_t rest = LZ4F_decompress(context, content.get(), &made, packet.data(), &used, nullptr);
+    if (rest != 0 || made != content_size) throw Error("LZ4F: a packet did not decompress; expected it to");
+    benchmark::DoNotOptimize(content.get());
+  }
+  LZ4F_freeDecompressionContext(context);
+}
+
+void decompress_lz4_on(unsigned threads, std::span<const std::span<const std::byte>> packets) {
+  const std::size_t share = packets.size() / threads;
+  std::vector<std::thread> helpers;
+  for (unsigned i = 1; i < threads; ++i) {
+    const auto part = packets.subspan(i * share, i + 1 == threads ? packets.size() - i * share : share);
+    helpers.emplace_back([part] { decompress_lz4(part); });
+  }
+  decompress_lz4(packets.first(threads == 1 ? packets.size() : share));
+  for (std::thread& helper : helpers) helper.join();
+}
+
+void decompress_zstd(std::span<const std::span<const std::byte>> packets) {
+  ZSTD_DCtx* context = ZSTD_createDCtx();
+  const std::unique_ptr<std::byte[]> content(new std::byte[content_size]);
+  for (const auto& packet : packets) {
+    if (ZSTD_decompressDCtx(context, content.get(), content_size, packet.data(), packet.size()) != content_size)
+      throw Error("zstd: a packet did not decompress; expected it to");
+    benchmark::DoNotOptimize(content.get());
+  }
+  ZSTD_freeDCtx(context);
+}
+
+/// The file from its first byte to its last, a packet's length at a time into the same buffer, and every byte looked at once: the
+/// sum of its 64-bit words.
+void read_and_sum(const fs::path& file) {
+  const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  std::vector<std::uint64_t> buffer((content_size + 8) / sizeof(std::uint64_t));
+  std::uint64_t sum = 0;
+  for (;;) {
+    const ssize_t got = ::read(in.number(), buffer.data(), buffer.size() * sizeof(std::uint64_t));
+    if (got <= 0) break;
+    const auto words = static_cast<std::size_t>(got) / sizeof(std::uint64_t);
+    sum = std::accumulate(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(words), sum);
+  }
+  benchmark::DoNotOptimize(sum);
+}
+
+/// What packets hold, as a writer compresses them.
+std::vector<std::byte> contents_of(std::span<const Event> events) {
+  std::vector<std::byte> contents(events.size() / packet_events * content_size);
+  for (std::size_t i = 0; i < events.size() / packet_events; ++i) {
+    std::byte* packet = contents.data() + i * content_size;
+    write_event_packet_head(packet, packet_events);
+    std::memcpy(packet + event_packet_head, events.data() + i * packet_events, packet_events * sizeof(Event));
+  }
+  return contents;
+}
+
+void compress_lz4(std::span<const std::byte> contents) {
+  LZ4F_cctx* context = nullptr;
+  LZ4F_createCompressionContext(&context, LZ4F_VERSION);
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.blockSizeID = LZ4F_max64KB;
+  preferences.frameInfo.blockMode = LZ4F_blockLinked;
+  const std::size_t room = LZ4F_HEADER_SIZE_MAX + LZ4F_compressBound(content_size, &preferences);
+  const std::unique_ptr<std::byte[]> frame(new std::byte[room]);
+  for (std::size_t at = 0; at < contents.size(); at += content_size) {
+    std::size_t size = LZ4F_compressBegin(context, frame.get(), room, &preferences);
+    size += LZ4F_compressUpdate(context, frame.get() + size, room - size, contents.data() + at, content_size, nullptr);
+    size += LZ4F_compressEnd(context, frame.get() + size, room - size, nullptr);
+    if (LZ4F_isError(size) != 0) throw Error("LZ4F: a packet was not compressed; expected it to be");
+    benchmark::DoNotOptimize(frame.get());
+  }
+  LZ4F_freeCompressionContext(context);
+}
+
+void write_plainly(const fs::path& file, std::span<const std::byte> contents) {
+  fs::remove(file);
+  const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  for (std::size_t at = 0; at < contents.size(); at += content_size) {
+    if (::write(out.number(), contents.data() + at, content_size) != static_cast<ssize_t>(content_size))
+      throw Error(file.string() + ": cannot be written; expected a place with room");
+  }
+}
+
+void run(const fs::path& folder, const std::vector<fs::path>& recordings, int argc, char** argv) {
+  const std::vector<Event> events = events_of(recordings);
+  const auto file_of = [&](Compression compression) { return folder / (std::string(name_of(compression)) + ".aedat4"); };
+  for (const Compression compression : {Compression::none, Compression::lz4, Compression::zstd})
+    write_recording(file_of(compression), events, compression);
+  const fs::path none = file_of(Compression::none), lz4 = file_of(Compression::lz4), zstd = file_of(Compression::zstd);
+  const fs::path output = folder / "written.aedat4";
+  const StoredFile lz4_file(lz4), zstd_file(zstd);
+  const std::vector<std::byte> contents = contents_of(events);
+
+  constexpr int repetitions = 31;
+  const auto add = [&](const char* name, Step ours, Step alone, int times, bool by_wall = false) {
+    benchmark::RegisterBenchmark(name, [=](benchmark::State& state) { compare(state, ours, alone, by_wall); })
+        ->UseManualTime()
+        ->Iterations(times)
+        ->Unit(benchmark::kMillisecond);
+  };
+  add(
+      "read_lz4", [&] { read_recording(lz4, 1); }, [&] { decompress_lz4(lz4_file.packets); }, repetitions);
+  add(
+      "read_lz4_two_threads", [&] { read_recording(lz4, 2); }, [&] { decompress_lz4_on(2, lz4_file.packets); }, repetitions,
+      true);
+  add(
+      "read_none", [&] { read_recording(none, 1); }, [&] { read_and_sum(none); }, repetitions);
+  add(
+      "read_zstd", [&] { read_recording(zstd, 1); }, [&] { decompress_zstd(zstd_file.packets); }, repetitions / 2);
+  add(
+      "write_lz4", [&] { write_recording(output, events, Compression::lz4); }, [&] { compress_lz4(contents); }, repetitions / 2);
+  add(
+      "write_none", [&] { write_recording(output, events, Compression::none); }, [&] { write_plainly(output, contents); },
+      repetitions);
+
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  fs::remove(output);
+}
+
+}  // namespace
+}  // namespace tactile
+
+int main(int argc, char** argv) {
+  using namespace tactile;
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  try {
+    if (arguments.size() >= 2 && arguments[0] == "--read") {
+      const auto threads = static_cast<unsigned>(arguments.size() > 2 ? std::stoul(arguments[2]) : 1);
+      std::size_t count = 0;
+      const double begin = wall_seconds();
+      RecordingReader recording(arguments[1], threads);
+      for_all_events(recording, event_stream(recording).id, [&](std::span<const Event> events) { count += events.size(); });
+      fmt::print("{} {:.6f}\n", count, wall_seconds() - begin);
+      return 0;
+    }
+    std::vector<fs::path> recordings;
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+      if (!arguments[i].starts_with("--")) recordings.emplace_back(arguments[i]);
+    }
+    if (recordings.empty()) throw Error("recording_benchmark: expected FOLDER RECORDING… or --read FILE [THREADS]");
+    run(arguments[0], recordings, argc, argv);
+    return 0;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,49 @@
+#include "tactile/capture/camera_source.hpp"
+
+#include <filesystem>
+
+#include "tactile/capture/file_source.hpp"
+#include "tactile/capture/libcaer_camera.hpp"
+#include "tactile/capture/network_source.hpp"
+#include "tactile/capture/readout_mode.hpp"
+#include "tactile/capture/simulator_source.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+/// What stands behind `kind` and a colon; nothing if `text` is `kind` alone.
+/// @throws Error  if there is a colon and nothing behind it
+std::optional<std::string> behind(const std::string& kind, const std::string& text) {
+  if (text == kind) return std::nullopt;
+  if (text.size() == kind.size() + 1)
+    throw Error("'" + text + "': there is nothing behind the colon; expected a name, or no colon");
+  return text.substr(kind.size() + 1);
+}
+
+bool is_kind(const std::string& kind, const std::string& text) { return text == kind || text.starts_with(kind + ":"); }
+
+}  // namespace
+
+std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const CameraSourceOptions& options) {
+  const bool is_camera = is_kind("camera", text);
+  if (!options.readout_mode.empty()) {
+    readout_mode(options.readout_mode);
+    if (!is_camera)
+      throw Error(text +
+                  ": its read-out mode cannot be set from here; expected one only for a source of the kind camera[:SERIAL]");
+  }
+  if (is_camera) return open_libcaer_camera(text, behind("camera", text), options.readout_mode);
+  if (is_kind("sim", text)) return open_simulator_source(text, behind("sim", text), options.speed, options.seed);
+  if (text.starts_with("file:")) {
+    const auto path = behind("file", text);
+    return open_file_source(text, path.value_or(""), options);
+  }
+  if (text.starts_with("tcp://") || text.starts_with("unix:")) return open_network_source(text);
+  std::error_code ignored;
+  const bool is_path = std::filesystem::exists(text, ignored);
+  throw Error("'" + text + "' is no source; expected " +
+              (is_path ? "file:" + text : "tcp://host:port, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]"));
+}
+
+}  // namespace tactile

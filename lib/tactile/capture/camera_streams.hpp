@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/events/stream.hpp"
+
+namespace tactile {
+
+// Attributes of a stream's `info` that say what the vendor's own do not.
+inline constexpr std::string_view readout_mode_attribute = "readoutMode";
+inline constexpr std::string_view simulated_attribute = "simulated";  ///< "true" of what no camera ever saw
+
+std::optional<std::string> info_of(const Stream& stream, std::string_view key);
+void set_info(Stream& stream, std::string_view key, std::string value);
+bool says_simulated(std::span<const Stream> streams);
+
+/// What streams say of their camera, for run.json: `source`, and `readout_mode` where one names it.
+nlohmann::json camera_json(std::span<const Stream> streams);
+
+/// Holds a stream to times that never go back, as recordings must.
+class AscendingTimes {
+ public:
+  /// Takes out of the packet whatever is earlier than an element before it. @return how many elements that were
+  /// @throws Error  that begins with `name`, if an element is earlier by more than a second: the clock was set back
+  std::uint64_t keep(CameraPacket& packet, std::string_view name);
+
+ private:
+  std::optional<CameraTime> latest_;
+};
+
+}  // namespace tactile

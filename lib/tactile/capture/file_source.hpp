@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "tactile/capture/camera_source.hpp"
+
+namespace tactile {
+
+/// Plays a recording at its own pace over `options.speed`: all streams of its one camera, merged in the order of their packets'
+/// times, which stay as they are stored. A packet is handed over when its last element is due, and holds less than
+/// `options.packet_span`.
+/// @param name  the source as the user wrote it
+/// @param path  an AEDAT4 file, or a run's folder
+/// @throws Error  if it cannot be read, or holds no camera's events, or those of several and `options.stream` names none
+std::unique_ptr<CameraSource> open_file_source(std::string name, const std::filesystem::path& path,
+                                               const CameraSourceOptions& options);
+
+}  // namespace tactile

@@ -1,0 +1,77 @@
+#include "tactile/capture/looped_source.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace tactile {
+namespace {
+
+class LoopedSource final : public CameraSource {
+ public:
+  LoopedSource(std::function<std::unique_ptr<CameraSource>()> open, microseconds gap)
+      : open_(std::move(open)), gap_(gap), round_(open_()), streams_(round_->streams().begin(), round_->streams().end()) {}
+
+  std::string name() const override { return round_->name(); }
+  std::span<const Stream> streams() const override { return streams_; }
+  bool simulated() const override { return round_->simulated(); }
+  bool live() const override { return round_->live(); }
+  nlohmann::json camera() const override { return round_->camera(); }
+  SourceDrops drops() const override {
+    const SourceDrops now = round_->drops();
+    return {.packets = earlier_.packets + now.packets, .events = earlier_.events + now.events};
+  }
+
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    Received received = round_->receive(packet, patience);
+    if (received == Received::ended) {
+      if (!first_) return Received::ended;
+      begin_next_round();
+      received = round_->receive(packet, patience);
+    }
+    if (received == Received::packet) shift(packet);
+    return received;
+  }
+
+ private:
+  void begin_next_round() {
+    shift_ += between(*first_, *last_) + gap_;
+    first_.reset();
+    last_.reset();
+    earlier_ = drops();
+    round_ = open_();
+  }
+
+  void note(CameraTime& t) {
+    first_ = std::min(first_.value_or(t), t);
+    last_ = std::max(last_.value_or(t), t);
+    t = after(t, shift_);
+  }
+
+  void shift(CameraPacket& packet) {
+    for (Event& event : packet.events) note(event.t);
+    for (ImuSample& sample : packet.imu) note(sample.t);
+    for (Trigger& trigger : packet.triggers) note(trigger.t);
+    if (!packet.frame) return;
+    Frame& frame = *packet.frame;
+    note(frame.t);
+    for (CameraTime* t : {&frame.frame_start, &frame.frame_end, &frame.exposure_start, &frame.exposure_end})
+      *t = after(*t, shift_);
+  }
+
+  std::function<std::unique_ptr<CameraSource>()> open_;
+  microseconds gap_;
+  std::unique_ptr<CameraSource> round_;
+  std::vector<Stream> streams_;
+  std::optional<CameraTime> first_, last_;  ///< of this round, as they are stored
+  microseconds shift_{0};                   ///< added to this round's times
+  SourceDrops earlier_;                     ///< of the rounds before
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> looped_source(std::function<std::unique_ptr<CameraSource>()> open, microseconds gap) {
+  return std::make_unique<LoopedSource>(std::move(open), gap);
+}
+
+}  // namespace tactile

@@ -1,0 +1,61 @@
+#include "tactile/capture/network_source.hpp"
+
+#include "tactile/capture/camera_streams.hpp"
+#include "tactile/network/dv_stream_client.hpp"
+
+namespace tactile {
+namespace {
+
+class NetworkSource final : public CameraSource {
+ public:
+  explicit NetworkSource(const std::string& address)
+      : name_(address), client_(network_address(address)), stream_(client_.stream()) {}
+
+  std::string name() const override { return name_; }
+  std::span<const Stream> streams() const override { return {&stream_, 1}; }
+  bool simulated() const override { return says_simulated(streams()); }
+  nlohmann::json camera() const override {
+    nlohmann::json json = camera_json(streams());
+    json["stream"] = client_.address().text();
+    return json;
+  }
+
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    switch (client_.receive(patience)) {
+      case DvStreamClient::Received::closed:
+        return Received::ended;
+      case DvStreamClient::Received::nothing:
+        return Received::nothing;
+      case DvStreamClient::Received::packet:
+        break;
+    }
+    packet.clear();
+    packet.stream_id = stream_.id;
+    const std::span<const Event> events = client_.events();
+    packet.events.assign(events.begin(), events.end());
+    packet.imu.assign(client_.imu().begin(), client_.imu().end());
+    packet.triggers.assign(client_.triggers().begin(), client_.triggers().end());
+    packet.frame = client_.frame();
+    backward_ += times_.keep(packet, name_);
+    return Received::packet;
+  }
+
+  SourceDrops drops() const override {
+    const DvStreamProblems& problems = client_.problems();
+    return {.packets = problems.broken_packets + problems.mismatched_packets + problems.foreign_packets,
+            .events = problems.out_of_range_events + backward_};
+  }
+
+ private:
+  std::string name_;
+  DvStreamClient client_;
+  Stream stream_;
+  AscendingTimes times_;
+  std::uint64_t backward_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> open_network_source(const std::string& address) { return std::make_unique<NetworkSource>(address); }
+
+}  // namespace tactile

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tactile/capture/camera_source.hpp"
+
+namespace tactile {
+
+/// A stream of DV's kind, from `tcp://host:port` or `unix:PATH`; one connection carries one stream. It ends when the server
+/// closes it. @throws Error if there is no such stream
+std::unique_ptr<CameraSource> open_network_source(const std::string& address);
+
+}  // namespace tactile

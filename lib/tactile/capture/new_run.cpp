@@ -1,0 +1,84 @@
+#include "tactile/capture/new_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int most_runs = 99;
+
+[[noreturn]] void throw_not_made(const fs::path& folder, const std::error_code& why) {
+  throw Error(fmt::format("{}: the folder cannot be made ({}); expected a writable place", folder.string(), why.message()));
+}
+
+/// The next number to try; 0 if all are taken.
+int next_number(const fs::path& object) {
+  std::array<bool, most_runs + 1> taken{};
+  int highest = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(object)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_run_id(name)) continue;
+    const int number = 10 * (name[0] - '0') + (name[1] - '0');
+    taken[static_cast<std::size_t>(number)] = true;
+    highest = std::max(highest, number);
+  }
+  if (highest < most_runs) return highest + 1;
+  const auto free = std::find(taken.begin() + 1, taken.end(), false);
+  return free == taken.end() ? 0 : static_cast<int>(free - taken.begin());
+}
+
+}  // namespace
+
+RunFolder make_run_folder(const fs::path& data, const std::string& object, const std::string& run) {
+  if (!is_object_name(object)) {
+    throw Error(
+        fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
+  }
+  if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is no run; expected two digits, 01 to 99", run));
+  std::error_code failed;
+  fs::create_directories(data / object, failed);
+  if (failed) throw_not_made(data / object, failed);
+  for (;;) {
+    const int number = run.empty() ? next_number(data / object) : 0;
+    if (run.empty() && number == 0) {
+      throw Error(fmt::format("{}: the runs 01 to 99 are all there; expected a free number", (data / object).string()));
+    }
+    const std::string id = run.empty() ? fmt::format("{:02}", number) : run;
+    const fs::path folder = data / object / id;
+    const bool made = fs::create_directory(folder, failed);
+    if (failed && failed != std::errc::file_exists) throw_not_made(folder, failed);
+    if (made) {
+      sync_to_disk(data / object);
+      return {folder, object, id};
+    }
+    if (!run.empty()) {
+      throw Error(folder.string() + ": the run exists already, and is never written over; expected a free number");
+    }
+  }
+}
+
+fs::path discard_run(const RunFolder& run) {
+  const fs::path beside = run.folder.parent_path();
+  fs::path target;
+  for (int k = 1; target.empty() || fs::exists(fs::symlink_status(target)); ++k) {
+    target = beside / fmt::format("{}.discarded-{}", run.run, k);
+  }
+  std::error_code failed;
+  fs::rename(run.folder, target, failed);
+  if (failed) {
+    throw Error(fmt::format("{}: cannot be renamed to {} ({}); expected a writable place", run.folder.string(),
+                            target.filename().string(), failed.message()));
+  }
+  sync_to_disk(beside);
+  return target;
+}
+
+}  // namespace tactile

@@ -1,0 +1,19 @@
+// Stands in for libcaer_camera.cpp where the build found no libcaer.
+#include "tactile/capture/libcaer_camera.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+
+bool is_built_with_libcaer() { return false; }
+
+std::unique_ptr<CameraSource> open_libcaer_camera(const std::string& name, const std::optional<std::string>&,
+                                                  const std::string&) {
+  throw Error(
+      name +
+      ": this build has no libcaer; expected one that found it (3.3.14 or later), or the camera served by scripts/dv-bridge "
+      "and --from tcp://127.0.0.1:7777");
+}
+
+std::vector<FoundSource> find_libcaer_cameras() { return {}; }
+
+}  // namespace tactile

@@ -1,0 +1,88 @@
+#include "tactile/capture/session_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+void check_keys(const nlohmann::json& json, const std::vector<std::string>& known, const std::string& where) {
+  if (!json.is_object()) throw Error(where + ": no JSON object; expected {\"" + known.front() + "\": …}");
+  for (const auto& [key, value] : json.items()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw Error(fmt::format("{}: '{}' is not known; the nearest is '{}'", where, key, nearest_name(key, known)));
+    }
+  }
+}
+
+SessionPlan::Object read_object(const nlohmann::json& json, const std::string& where) {
+  check_keys(json, {"name", "runs"}, where);
+  SessionPlan::Object object{.name = member<std::string>(json, "name", where), .runs = 1};
+  if (!is_object_name(object.name)) {
+    throw Error(
+        fmt::format("{}: '{}' is no object's name; expected lower-case letters, digits and inner hyphens", where, object.name));
+  }
+  if (json.contains("runs")) {
+    if (!json["runs"].is_number_integer() || json["runs"] < 1 || json["runs"] > 99) {
+      throw Error(fmt::format("{}: 'runs' is {}; expected a whole number from 1 to 99", where, json["runs"].dump()));
+    }
+    object.runs = json["runs"].get<int>();
+  }
+  return object;
+}
+
+std::optional<RobotBit> read_bit(const nlohmann::json& json, const std::string& key, const std::string& where) {
+  if (!json.contains(key)) return {};
+  return robot_bit(member<std::string>(json, key, where));
+}
+
+}  // namespace
+
+SessionPlan read_session_plan(const fs::path& file) {
+  const nlohmann::json json = read_json(file);
+  const std::string where = file.string();
+  check_keys(json, {"session", "objects", "duration", "start_on", "stop_on"}, where);
+  SessionPlan plan;
+  if (json.contains("session")) plan.name = member<std::string>(json, "session", where);
+  if (!json.contains("objects") || !json["objects"].is_array() || json["objects"].empty()) {
+    throw Error(where + ": no 'objects'; expected a list such as [{\"name\": \"fan\", \"runs\": 10}]");
+  }
+  for (const nlohmann::json& entry : json["objects"]) {
+    plan.objects.push_back(read_object(entry, fmt::format("{}: object {}", where, plan.objects.size() + 1)));
+    const std::string& name = plan.objects.back().name;
+    if (std::count_if(plan.objects.begin(), plan.objects.end(), [&](const auto& o) { return o.name == name; }) > 1) {
+      throw Error(fmt::format("{}: '{}' stands there twice; expected each object once", where, name));
+    }
+  }
+  if (json.contains("duration")) {
+    plan.duration_s = member<double>(json, "duration", where);
+    if (!std::isfinite(*plan.duration_s) || *plan.duration_s <= 0 || *plan.duration_s > 1e9) {
+      throw Error(fmt::format("{}: 'duration' is {}; expected seconds above 0", where, json["duration"].dump()));
+    }
+  }
+  plan.start_on = read_bit(json, "start_on", where);
+  plan.stop_on = read_bit(json, "stop_on", where);
+  return plan;
+}
+
+int complete_runs(const fs::path& data, const std::string& object) {
+  if (!fs::is_directory(data)) return 0;
+  const std::vector<RunFolder> runs = find_runs(data);
+  return static_cast<int>(std::count_if(runs.begin(), runs.end(), [&](const RunFolder& run) {
+    if (run.object != object) return false;
+    try {
+      return read_run_info(run).complete;
+    } catch (const Error&) {
+      return false;
+    }
+  }));
+}
+
+}  // namespace tactile

@@ -1,0 +1,162 @@
+#include "tactile/capture/simulator_source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/capture/camera_streams.hpp"
+#include "tactile/capture/pace.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/simulation/simulated_run.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::string_view usual_object = "water-bottle";
+constexpr microseconds packet_span = 1ms;
+constexpr microseconds between_recordings = 5s;  ///< on the camera's clock, from the end of one to the start of the next
+
+bool is_model(const std::string& name) {
+  const auto models = object_models();
+  return std::any_of(models.begin(), models.end(), [&](const ObjectModel& model) { return model.name == name; });
+}
+
+/// The last event that a recording holds; nothing if it has none or cannot be read.
+std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
+  std::optional<CameraTime> last;
+  try {
+    const RecordingReader recording(file);
+    for (const PacketRecord& packet : recording.packets()) {
+      if (packet.elements == 0 || recording.stream(packet.stream_id).type != StreamType::events) continue;
+      last = std::max(last.value_or(packet.last), packet.last);
+    }
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return last;
+}
+
+/// One run before the camera.
+struct Scene {
+  Scene(DrawnRun run, const CameraPixels& pixels) : drawn(std::move(run)), film(film_of(drawn, pixels)) {}
+
+  DrawnRun drawn;
+  SkinFilm film;
+  CameraTime last_event{};
+};
+
+class SimulatorSource final : public CameraSource {
+ public:
+  SimulatorSource(std::string name, std::optional<std::string> object, double speed, std::uint64_t seed)
+      : name_(std::move(name)),
+        object_(std::move(object)),
+        seed_(seed),
+        pace_(speed),
+        live_(speed > 0),
+        pixels_(simulated_camera_pixels(seed)),
+        stream_(event_stream_declaration(simulated_camera_options().size, simulated_camera_name(seed))) {
+    if (object_) object_model(*object_);
+    set_info(stream_, readout_mode_attribute, "constant");
+    set_info(stream_, simulated_attribute, "true");
+  }
+
+  std::string name() const override { return name_; }
+  std::span<const Stream> streams() const override { return {&stream_, 1}; }
+  bool simulated() const override { return true; }
+  bool live() const override { return live_; }
+  bool begins_again() const override { return true; }
+  nlohmann::json camera() const override {
+    nlohmann::json json = camera_json(streams());
+    json["readout_us"] = simulated_camera_options().readout.count();
+    json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
+                         {"preset", preset_.name},
+                         {"seed", seed_},
+                         {"model_version", simulation_model_version}};
+    return json;
+  }
+
+  void begin_run(const RunFolder& run) override {
+    if (!recorded_) clocks_.reset();  // nobody keeps what came before the first one
+    begin(object_.value_or(is_model(run.object) ? run.object : std::string(usual_object)), run.run, between_recordings);
+    recorded_ = run.folder;
+    pace_.reset();
+  }
+
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    while (next_.events.empty()) {
+      if (scene_ && !scene_->film.ended()) {
+        film_next();
+      } else if (recorded_) {
+        return Received::ended;
+      } else {
+        begin(object_.value_or(std::string(usual_object)), fmt::format("{:02}", ++endless_runs_), {});
+      }
+    }
+    if (!pace_.has_begun()) pace_.begin(scene_->drawn.start());
+    if (!pace_.wait_for(scene_->film.filmed().last_readout, patience)) return Received::nothing;
+    packet.clear();
+    packet.stream_id = stream_.id;
+    packet.events.swap(next_.events);
+    return Received::packet;
+  }
+
+  SourceDrops drops() const override { return {}; }
+
+  void end_run(const RunFolder& run, bool wants_robot, bool wants_video) override {
+    if (!scene_ || recorded_ != run.folder) return;
+    const std::optional<CameraTime> last = last_event_in(run.events());
+    const bool is_whole = scene_->film.ended() && last && *last >= scene_->last_event;
+    std::optional<CameraTime> until;
+    if (!is_whole) until = last.value_or(scene_->drawn.start());
+    if (wants_robot) write_robot(run.robot(), scene_->drawn, until);
+    if (wants_video) write_video(run.video(), run.video_times(), scene_->drawn, until);
+    write_truth(run.truth(), truth_of(scene_->drawn, scene_->film.filmed(), until));
+  }
+
+ private:
+  void begin(const std::string& object, const std::string& run, microseconds gap) {
+    DrawnRun drawn = draw_run(object_model(object), run, preset_, seed_);
+    if (clocks_) {
+      drawn.clocks = continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
+    } else {
+      clocks_ = drawn.clocks;
+    }
+    next_.clear();
+    scene_ = std::make_unique<Scene>(std::move(drawn), pixels_);
+  }
+
+  /// The read-outs of the next millisecond, and as many more as it takes to see an event.
+  void film_next() {
+    const auto readouts = packet_span / scene_->drawn.camera.readout;
+    for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
+      const std::span<const Event> events = scene_->film.next();
+      next_.events.insert(next_.events.end(), events.begin(), events.end());
+    }
+    if (!next_.events.empty()) scene_->last_event = next_.events.back().t;
+  }
+
+  std::string name_;
+  std::optional<std::string> object_;
+  std::uint64_t seed_;
+  Pace pace_;
+  bool live_;
+  CameraPixels pixels_;
+  Stream stream_;
+  SimulationPreset preset_ = simulation_preset("quick");
+  std::optional<RunClocks> clocks_;  ///< of the first run
+  std::unique_ptr<Scene> scene_;
+  std::optional<std::filesystem::path> recorded_;  ///< the run being recorded
+  int endless_runs_ = 0;
+  CameraPacket next_;  ///< waits until it is due
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> open_simulator_source(std::string name, std::optional<std::string> object, double speed,
+                                                    std::uint64_t seed) {
+  return std::make_unique<SimulatorSource>(std::move(name), std::move(object), speed, seed);
+}
+
+}  // namespace tactile

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+namespace tactile {
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// `patience` from now; at most a day, for more could run over the clock's end.
+inline SteadyClock::time_point deadline_after(std::chrono::milliseconds patience) {
+  using std::chrono::milliseconds;
+  return SteadyClock::now() + std::clamp<milliseconds>(patience, milliseconds(0), std::chrono::hours(24));
+}
+
+/// What is left until `deadline`, rounded up, so that a wait of it never ends too early; 0 from then on.
+inline std::chrono::milliseconds left_until(SteadyClock::time_point deadline) {
+  using std::chrono::milliseconds;
+  return std::max(std::chrono::ceil<milliseconds>(deadline - SteadyClock::now()), milliseconds(0));
+}
+
+/// "5 s", "0.300 s"
+inline std::string seconds_text(std::chrono::milliseconds patience) {
+  std::string text = std::to_string(patience.count() / 1000);
+  if (const auto rest = patience.count() % 1000; rest != 0) text += "." + std::to_string(1000 + rest).substr(1);
+  return text + " s";
+}
+
+}  // namespace tactile

@@ -1,0 +1,508 @@
+#include "tactile/robot/robot_monitor.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <iterator>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
+#include "tactile/network/connection.hpp"
+#include "tactile/robot/growing_log.hpp"
+#include "tactile/robot/rtde_protocol.hpp"
+
+namespace tactile {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::array<std::string_view, 3> needed_fields{"timestamp", "actual_TCP_pose", "actual_TCP_speed"};
+constexpr std::array<std::string_view, 18> usual_fields{"timestamp",
+                                                        "target_q",
+                                                        "actual_q",
+                                                        "actual_qd",
+                                                        "actual_TCP_pose",
+                                                        "actual_TCP_speed",
+                                                        "actual_TCP_force",
+                                                        "actual_tool_accelerometer",
+                                                        "speed_scaling",
+                                                        "runtime_state",
+                                                        "robot_mode",
+                                                        "safety_mode",
+                                                        "safety_status",
+                                                        "actual_digital_input_bits",
+                                                        "actual_digital_output_bits",
+                                                        "output_bit_registers0_to_31",
+                                                        "output_bit_registers32_to_63",
+                                                        "output_int_register_0"};
+constexpr std::string_view usual_register = "output_double_register_0";
+
+constexpr double old_highest_hz = 125, highest_hz = 500;
+constexpr std::uint32_t first_fast_version = 5;
+
+constexpr milliseconds shortest_pause{100}, longest_pause{5'000};  // between two attempts to connect
+constexpr milliseconds attempt_patience{2'000};
+constexpr milliseconds wake_every{100};
+
+/// Beyond this robot and host disagree about how long the connection was lost: the controller's clock started anew meanwhile.
+constexpr double longest_clock_disagreement_s = 1.0;
+constexpr double latest_timestamp_s = 1e12;  // what `read_robot_log` takes
+
+std::vector<std::string> wanted_fields(const std::vector<std::string>& extra) {
+  std::vector<std::string> names(usual_fields.begin(), usual_fields.end());
+  names.emplace_back(usual_register);
+  for (const std::string& name : extra) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// A controller's words, fit for a terminal.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
+std::string said(const RtdeText& message) {
+  constexpr std::array<std::string_view, 4> levels{"exception", "error", "warning", "message"};
+  const std::string_view level = levels[std::min<std::size_t>(message.level, 3)];
+  const std::string source = message.source.empty() ? "" : printable(message.source) + ": ";
+  return fmt::format("{} of the robot: {}{}", level, source, printable(message.text));
+}
+
+/// What controller and client agreed on.
+struct Agreement {
+  RtdeControllerVersion version;
+  double frequency_hz = 0;
+  RtdeRecipe recipe;
+  std::vector<std::string> unknown;  ///< names that the controller does not have; then the recipe is not valid
+};
+
+/// One connection to a controller.
+class Session {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+
+  Session(const NetworkAddress& address, milliseconds patience, const Tell& tell)
+      : connection_(address, patience), patience_(patience), tell_(tell) {}
+
+  Agreement agree(const std::vector<std::string>& names, double frequency_hz) {
+    send(rtde_protocol_version_request(rtde_protocol_version));
+    if (!answer_to(RtdePackageType::protocol_version, "version request", accepted_in))
+      refuse("the controller does not speak RTDE version 2; expected a UR controller that does");
+    Agreement agreed;
+    send(rtde_bare_request(RtdePackageType::controller_version));
+    agreed.version = answer_to(RtdePackageType::controller_version, "question for its version", controller_version_in);
+    const double highest = agreed.version.major < first_fast_version ? old_highest_hz : highest_hz;
+    agreed.frequency_hz = frequency_hz > 0 ? frequency_hz : highest;
+
+    send(rtde_setup_outputs_request({agreed.frequency_hz, names}));
+    const RtdeSetupReply reply = answer_to(RtdePackageType::setup_outputs, "request for outputs", setup_reply_in);
+    if (reply.types.size() == names.size()) {
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto type = rtde_field_type_called(reply.types[i]);
+        if (type) {
+          agreed.recipe.fields.push_back({names[i], *type});
+        } else if (reply.types[i] == "NOT_FOUND") {
+          agreed.unknown.push_back(names[i]);
+        } else {
+          refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", names[i],
+                             printable(reply.types[i])));
+        }
+      }
+    }
+    agreed.recipe.id = reply.recipe_id;
+    if (agreed.unknown.empty() && (reply.recipe_id == 0 || reply.types.size() != names.size())) {
+      refuse(fmt::format("the controller refuses to send {} outputs at {} Hz; it is of version {}, whose highest is {} Hz{}",
+                         names.size(), agreed.frequency_hz, text_of(agreed.version), highest,
+                         last_words_.empty() ? "" : " (" + last_words_ + ")"));
+    }
+    return agreed;
+  }
+
+  void start() {
+    send(rtde_bare_request(RtdePackageType::start));
+    if (!answer_to(RtdePackageType::start, "request to start", accepted_in))
+      refuse(fmt::format("the controller refuses to start sending{}; expected it to",
+                         last_words_.empty() ? "" : " (" + last_words_ + ")"));
+  }
+
+  void pause() {
+    try {
+      connection_.send(rtde_bare_request(RtdePackageType::pause), wake_every);
+    } catch (const Error&) {  // it is being closed: nobody waits for the answer
+    }
+  }
+
+  /// Waits up to `patience` for bytes; false if none came. @throws Error if the connection is over
+  bool receive(milliseconds patience) {
+    const std::optional<std::size_t> got = connection_.receive(buffer_, patience);
+    if (!got) refuse("the controller closed the connection");
+    reassembly_.append(std::span<const std::byte>(buffer_).first(*got));
+    return *got > 0;
+  }
+
+  /// The next whole package that has come, text messages told and left out.
+  std::optional<RtdePackage> next() {
+    for (;;) {
+      const std::optional<RtdePackage> package = checked([&] { return reassembly_.next(); });
+      if (!package || package->type != RtdePackageType::text) return package;
+      last_words_ = said(checked([&] { return text_in(package->payload); }));
+      tell_(last_words_);
+    }
+  }
+
+  /// Runs `step` and names the controller in what it throws.
+  template <class Step>
+  auto checked(Step&& step) const -> decltype(step()) {
+    try {
+      return step();
+    } catch (const Error& e) {
+      refuse(fmt::format("the controller sent {}", e.what()));
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const { throw Error(connection_.address().text() + ": " + what); }
+
+  void send(const std::vector<std::byte>& package) { connection_.send(package, patience_); }
+
+  /// Data of an earlier start may still be on its way.
+  template <class Answer>
+  Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>)) {
+    const auto deadline = std::chrono::steady_clock::now() + patience_;
+    for (;;) {
+      while (const auto package = next()) {
+        if (package->type == type) return checked([&] { return read(package->payload); });
+      }
+      const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+      if (left <= milliseconds(0)) {
+        refuse(fmt::format("no answer to the {} within {} s; expected a UR controller's RTDE server", what,
+                           static_cast<double>(patience_.count()) / 1e3));
+      }
+      receive(left);
+    }
+  }
+
+  Connection connection_;
+  milliseconds patience_;
+  Tell tell_;
+  std::vector<std::byte> buffer_ = std::vector<std::byte>(std::size_t{1} << 16);
+  RtdeReassembly reassembly_;
+  std::string last_words_;
+};
+
+bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
+  return std::equal(a.fields.begin(), a.fields.end(), b.fields.begin(), b.fields.end(),
+                    [](const RtdeField& x, const RtdeField& y) { return x.name == y.name && x.type == y.type; });
+}
+
+}  // namespace
+
+struct RobotMonitor::State {
+  RobotMonitorOptions options;
+  NetworkAddress address;
+  std::vector<std::string> fields;   ///< what the controller has of what is wanted
+  std::vector<std::string> columns;  ///< of a data package
+  std::size_t time_column = 0;
+  std::vector<std::size_t> needed_columns;
+  std::unique_ptr<Session> session;  ///< the monitor's thread alone, once that runs
+  RtdeRecipe recipe;                 ///< likewise
+  bool told_of_bad_numbers = false;  ///< likewise
+
+  mutable std::mutex mutex;  ///< guards all that follows
+  std::condition_variable woken;
+  bool stopping = false;
+  RobotMonitorState shown;
+  double period_s = 0;
+  std::vector<RtdeNumber> newest;
+  std::deque<HostTime> arrivals;  ///< of the last second
+  std::unique_ptr<GrowingLog> log;
+  std::optional<double> last_timestamp;  ///< in the present log
+  HostTime last_arrival{};
+  bool gap_is_marked = false;  ///< the connection was lost since, and the log has its empty line
+  std::string line;
+
+  std::thread thread;
+
+  void tell(const std::string& text) const {
+    if (options.log) options.log(text);
+  }
+
+  void take(const Agreement& agreed);
+  void first_connection();
+  void connect_again();
+  void lose_connection();
+  void take_package(const RtdePackage& package, HostTime arrival);
+  void log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival);
+  void run();
+};
+
+void RobotMonitor::State::take(const Agreement& agreed) {
+  recipe = agreed.recipe;
+  const std::lock_guard lock(mutex);
+  shown.connected = true;
+  shown.controller = text_of(agreed.version);
+  period_s = 1.0 / agreed.frequency_hz;
+}
+
+void RobotMonitor::State::first_connection() {
+  if (!(options.frequency_hz >= 0 && std::isfinite(options.frequency_hz)))
+    throw Error(fmt::format("a robot frequency of {} Hz; expected more than 0, or 0 for the highest", options.frequency_hz));
+  address = {.kind = NetworkAddress::Kind::tcp, .host = options.host, .port = options.port, .path = {}};
+  const auto told = [this](const std::string& text) { tell(text); };
+
+  fields = wanted_fields(options.extra_fields);
+  session = std::make_unique<Session>(address, options.patience, told);
+  Agreement agreed = session->agree(fields, options.frequency_hz);
+  if (!agreed.unknown.empty()) {
+    for (const std::string_view needed : needed_fields) {
+      if (std::find(agreed.unknown.begin(), agreed.unknown.end(), needed) != agreed.unknown.end()) {
+        throw Error(fmt::format("{}: the controller has no output '{}' (version {}); expected a UR controller's RTDE outputs",
+                                address.text(), needed, text_of(agreed.version)));
+      }
+    }
+    tell(fmt::format("the robot has no {}: the log goes without", joined(agreed.unknown)));
+    std::erase_if(fields, [&](const std::string& name) {
+      return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
+    });
+    // Controllers differ in what a second request on the same connection does.
+    session = std::make_unique<Session>(address, options.patience, told);
+    agreed = session->agree(fields, options.frequency_hz);
+    if (!agreed.unknown.empty())
+      throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(),
+                              joined(agreed.unknown)));
+  }
+
+  columns = columns_of(agreed.recipe);
+  for (const RtdeField& field : agreed.recipe.fields) {
+    const RtdeFieldType right = field.name == "timestamp" ? RtdeFieldType::real : RtdeFieldType::vector6;
+    const bool is_needed = std::find(needed_fields.begin(), needed_fields.end(), field.name) != needed_fields.end();
+    if (is_needed && field.type != right) {
+      throw Error(fmt::format("{}: the controller's output '{}' is of type {}; expected {}", address.text(), field.name,
+                              name_of(field.type), name_of(right)));
+    }
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string& name = columns[i];
+    if (name == "timestamp") time_column = i;
+    if (name == "timestamp" || name.starts_with("actual_TCP_pose_") || name.starts_with("actual_TCP_speed_"))
+      needed_columns.push_back(i);
+  }
+  session->start();
+  take(agreed);
+}
+
+void RobotMonitor::State::connect_again() {
+  const HostTime lost_at = host_now();
+  milliseconds pause = shortest_pause;
+  std::string last_reason;
+  for (;;) {
+    {
+      std::unique_lock lock(mutex);
+      if (woken.wait_for(lock, pause, [&] { return stopping; })) return;
+    }
+    pause = std::min(2 * pause, longest_pause);
+    try {
+      session = std::make_unique<Session>(address, std::min(options.patience, attempt_patience),
+                                          [this](const std::string& text) { tell(text); });
+      const Agreement agreed = session->agree(fields, options.frequency_hz);
+      if (!agreed.unknown.empty() || !same_fields(agreed.recipe, recipe))
+        throw Error(address.text() + ": the controller offers other outputs than before; expected the same as at the start");
+      session->start();
+      take(agreed);
+      break;
+    } catch (const Error& e) {
+      session.reset();
+      if (last_reason != e.what()) {
+        last_reason = e.what();
+        tell(fmt::format("robot still gone ({})", last_reason));
+      }
+    }
+  }
+  {
+    const std::lock_guard lock(mutex);
+    ++shown.reconnects;
+  }
+  tell(fmt::format("robot is back after {:.1f} s", static_cast<double>((host_now() - lost_at).count()) / 1e6));
+}
+
+void RobotMonitor::State::lose_connection() {
+  session.reset();
+  told_of_bad_numbers = false;
+  const std::lock_guard lock(mutex);
+  shown.connected = false;
+  newest.clear();
+  arrivals.clear();
+  if (log && last_timestamp && !gap_is_marked) {
+    log->append("\n");
+    gap_is_marked = true;
+    ++shown.gaps;
+  }
+}
+
+void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival) {
+  const double timestamp = as_double(numbers[time_column]);
+  line.clear();
+  if (last_timestamp) {
+    const double step = timestamp - *last_timestamp;
+    const double host_step = static_cast<double>((arrival - last_arrival).count()) / 1e6;
+    const bool restarted = step < 0 || (gap_is_marked && std::abs(step - host_step) > longest_clock_disagreement_s);
+    if (restarted && !gap_is_marked) line += '\n';
+    const bool is_gap = restarted || step > 1.5 * period_s;
+    if (is_gap && !gap_is_marked) ++shown.gaps;
+    if (is_gap && !restarted) shown.missing += static_cast<std::uint64_t>(std::max(1.0, std::round(step / period_s)) - 1.0);
+  }
+  for (const RtdeNumber& number : numbers) {
+    std::visit([&](auto value) { fmt::format_to(std::back_inserter(line), "{},", value); }, number);
+  }
+  fmt::format_to(std::back_inserter(line), "{}\n", us_of(arrival));
+  log->append(line);
+  last_timestamp = timestamp;
+  last_arrival = arrival;
+  gap_is_marked = false;
+}
+
+void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arrival) {
+  if (package.type != RtdePackageType::data) return;
+  std::vector<RtdeNumber> numbers;
+  if (!session->checked([&] { return read_rtde_data(recipe, package.payload, numbers); })) return;
+  const bool usable = std::all_of(needed_columns.begin(), needed_columns.end(), [&](std::size_t i) {
+    const double number = as_double(numbers[i]);
+    return std::isfinite(number) && (i != time_column || std::abs(number) <= latest_timestamp_s);
+  });
+  if (!usable) {  // a row that no reader takes would spoil the whole log
+    if (!std::exchange(told_of_bad_numbers, true))
+      tell("the robot sends times, poses or speeds that are no numbers: such rows are left out");
+    return;
+  }
+  const std::lock_guard lock(mutex);
+  newest = std::move(numbers);
+  arrivals.push_back(arrival);
+  while (arrivals.front() <= arrival - 1s) arrivals.pop_front();
+  if (log) log_numbers(newest, arrival);
+}
+
+void RobotMonitor::State::run() {
+  HostTime heard = host_now();
+  for (;;) {
+    {
+      const std::lock_guard lock(mutex);
+      if (stopping) break;
+    }
+    if (!session) {
+      connect_again();
+      heard = host_now();
+      continue;
+    }
+    try {
+      if (session->receive(wake_every)) {
+        const HostTime arrival = host_now();
+        heard = arrival;
+        while (const auto package = session->next()) take_package(*package, arrival);
+      } else if (host_now() - heard > options.patience) {
+        throw Error(
+            fmt::format("{}: nothing came for {} s", address.text(), static_cast<double>(options.patience.count()) / 1e3));
+      }
+    } catch (const Error& e) {
+      lose_connection();
+      tell(fmt::format("robot gone ({}), trying again", e.what()));
+    }
+  }
+  if (session) session->pause();
+}
+
+RobotMonitor::RobotMonitor(RobotMonitorOptions options) : state_(std::make_unique<State>()) {
+  state_->options = std::move(options);
+  state_->first_connection();
+  state_->thread = std::thread([state = state_.get()] { state->run(); });
+}
+
+RobotMonitor::~RobotMonitor() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stopping = true;
+  }
+  state_->woken.notify_all();
+  state_->thread.join();
+}
+
+void RobotMonitor::start_log(const std::filesystem::path& file) {
+  const auto refuse_second = [&] {
+    if (state_->log) throw Error(file.string() + ": a log is being written already; expected it to be stopped first");
+  };
+  {
+    const std::lock_guard lock(state_->mutex);
+    refuse_second();
+  }
+  std::string header;
+  for (const std::string& column : state_->columns) header += column + ",";
+  auto log = std::make_unique<GrowingLog>(file, header + "host_time_us");
+  const std::lock_guard lock(state_->mutex);
+  refuse_second();
+  state_->log = std::move(log);
+  state_->last_timestamp.reset();
+  state_->gap_is_marked = false;
+  state_->shown.rows = state_->shown.gaps = state_->shown.missing = 0;
+  state_->shown.error.clear();
+}
+
+void RobotMonitor::stop_log() {
+  std::unique_ptr<GrowingLog> log;
+  {
+    const std::lock_guard lock(state_->mutex);
+    log = std::move(state_->log);
+  }
+  if (!log) return;
+  std::string error;
+  try {
+    log->close();
+  } catch (const Error& e) {
+    error = e.what();
+  }
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->shown.rows = log->rows();
+    state_->shown.error = error;
+  }
+  if (!error.empty()) throw Error(error);
+}
+
+RobotMonitorState RobotMonitor::state() const {
+  const std::lock_guard lock(state_->mutex);
+  RobotMonitorState shown = state_->shown;
+  const HostTime second_ago = host_now() - 1s;
+  shown.rate_hz = static_cast<double>(
+      std::count_if(state_->arrivals.begin(), state_->arrivals.end(), [&](HostTime arrival) { return arrival > second_ago; }));
+  if (state_->log) {
+    shown.rows = state_->log->rows();
+    shown.error = state_->log->error();
+  }
+  return shown;
+}
+
+std::optional<double> RobotMonitor::newest(const std::string& field) const {
+  const auto column = std::find(state_->columns.begin(), state_->columns.end(), field);
+  if (column == state_->columns.end())
+    throw Error(
+        fmt::format("the robot sends no '{}'; expected an RTDE output of one number that it has and that was asked for", field));
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->shown.connected || state_->newest.empty()) return std::nullopt;
+  return as_double(state_->newest[static_cast<std::size_t>(column - state_->columns.begin())]);
+}
+
+}  // namespace tactile

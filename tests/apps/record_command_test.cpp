@@ -1,0 +1,367 @@
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "events/made_recording.hpp"
+#include "network/dv_stream_bytes.hpp"
+#include "network/scripted_server.hpp"
+#include "robot/fake_controller.hpp"
+#include "support/comes_true.hpp"
+#include "support/run_command.hpp"
+#include "support/running_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "video/made_film.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+using test::RunningCommand;
+using test::ScriptedServer;
+
+constexpr SensorSize size{640, 480};
+
+std::vector<Event> events_in(const fs::path& file) {
+  RecordingReader recording(file);
+  std::vector<Event> all;
+  for (const PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != StreamType::events) continue;
+    const auto events = recording.read_events(packet);
+    all.insert(all.end(), events.begin(), events.end());
+  }
+  return all;
+}
+
+std::ptrdiff_t lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+class RecordCommand : public testing::Test {
+ protected:
+  RecordCommand() { fs::create_directory_symlink(TACTILE_TEST_DATA "/aedat4", folder / "recordings"); }
+  CommandResult run(const std::string& arguments) const { return test::run_tactile(arguments, folder.path()); }
+  RunFolder run_folder(const std::string& object, const std::string& number) const {
+    return {folder / "data" / object / number, object, number};
+  }
+  nlohmann::json run_json(const std::string& object, const std::string& number) const {
+    return read_json(run_folder(object, number).info());
+  }
+  /// Twenty seconds of events, so that a replay at its own pace outlives every test.
+  std::vector<Event> make_long_recording() const {
+    const std::vector<Event> events = test::steady_events(400'000, 1'000'000, 50, size);
+    RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001")});
+    writer.write_events(0, events);
+    writer.close();
+    return events;
+  }
+  bool has_begun(const RunFolder& run, RunningCommand& command) const {
+    return test::comes_true([&] { return fs::exists(run.events()) || command.has_ended(); }) && !command.has_ended();
+  }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
+  const CommandResult result = run("record --json --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("folder"), "data/fan/01");
+  EXPECT_EQ(json.at("events"), 6000);
+  EXPECT_EQ(json.at("others"), 59);
+  EXPECT_EQ(json.at("complete"), true);
+  EXPECT_EQ(json.at("dropped").at("events"), 0);
+  EXPECT_EQ(json.at("ended"), "source ended");
+  EXPECT_EQ(json.at("robot"), nullptr);
+  EXPECT_EQ(events_in(folder / "data/fan/01/events.aedat4"), events_in(folder / "recordings/dv-lz4.aedat4"));
+  const CommandResult check = run("info --check data/fan/01");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+
+  const CommandResult again = run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan --quiet");
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(again.err, "");
+  EXPECT_NE(again.out.find("data/fan/02"), std::string::npos) << again.out;
+  EXPECT_NE(run_json("fan", "01").at("session"), run_json("fan", "02").at("session"));
+}
+
+TEST_F(RecordCommand, NeverWritesOverARun) {
+  ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --run 07").exit_code, 0);
+  const std::string before = read_text(run_folder("unnamed", "07").info());
+  const CommandResult result = run("record --from file:recordings/dv-zstd.aedat4 --speed 0 --run 07");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("data/unnamed/07: the run exists already"), std::string::npos) << result.err;
+  EXPECT_EQ(lines_in(result.err), 1);
+  EXPECT_EQ(read_text(run_folder("unnamed", "07").info()), before);
+  EXPECT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0").exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "data/unnamed/08/events.aedat4"));
+}
+
+TEST_F(RecordCommand, SaysInOneLineWhyItDoesNotBegin) {
+  write_whole(folder / "no-plan.json", "{}");
+  for (const char* arguments :
+       {"--from tcp://127.0.0.1:1", "--from unix:nowhere", "--from file:nowhere.aedat4", "--from file:no-plan.json",
+        "--from nonsense", "--from sim:no-such-object",
+        "--from file:recordings/dv-lz4.aedat4 --from file:recordings/dv-lz4.aedat4", "--from sim --robot 127.0.0.1:1",
+        "--from sim --robot 127.0.0.1:x", "--from sim --video nowhere.mp4", "--from sim --start-on output_bit_register_64",
+        "--from sim --session no-plan.json", "--from sim --readout-mode variable-5000",
+        "--from file:recordings/dv-lz4.aedat4 --out no-plan.json"}) {
+    const CommandResult result = run(std::string("record ") + arguments);
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_EQ(lines_in(result.err), 1) << arguments << "\n" << result.err;
+    EXPECT_FALSE(fs::exists(folder / "data")) << arguments;
+  }
+  for (const char* arguments : {"--object Fan", "--run 0", "--duration 0", "--duration nan", "--speed -1", "--compression best",
+                                "--queue-mb 0", "--session no-plan.json --run 01"}) {
+    EXPECT_GE(run(std::string("record --from sim ") + arguments).exit_code, 100) << arguments;
+  }
+}
+
+TEST_F(RecordCommand, ListsWhatIsThere) {
+  const CommandResult result = run("record --list --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_TRUE(json.at("sources").is_array());
+  EXPECT_TRUE(json.at("videos").is_array());
+  EXPECT_EQ(run("record --list").exit_code, 0);
+}
+
+TEST_F(RecordCommand, TakesTheSimulatorForAWholeRun) {
+  const CommandResult result = run("record --json --from sim --speed 0 --object fan");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("simulated"), true);
+  EXPECT_EQ(run_json("fan", "01").at("files").size(), 5U);
+  EXPECT_EQ(run("info --check data/fan/01").exit_code, 0);
+  const CommandResult label = run("label --json data/fan/01");
+  EXPECT_EQ(label.exit_code, 0) << label.err;
+}
+
+TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
+  const std::vector<Event> sent = make_long_recording();
+  int number = 0;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const RunFolder run = run_folder("unnamed", "0" + std::to_string(++number));
+    RunningCommand command("record --json --from file:long.aedat4", folder.path());
+    ASSERT_TRUE(has_begun(run, command)) << command.err();
+    ASSERT_TRUE(test::comes_true([&] { return fs::file_size(run.events()) > 20'000; }));
+    command.signal(signal);
+    const CommandResult result = command.wait();
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("ended"), "interrupted");
+    EXPECT_EQ(json.at("complete"), true);
+    const std::vector<Event> kept = events_in(run.events());
+    EXPECT_EQ(json.at("events"), kept.size());
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
+    EXPECT_EQ(test::run_tactile("info --check " + run.folder.string()).exit_code, 0);
+  }
+}
+
+TEST_F(RecordCommand, KeepsWhatCameFromAStreamThatBreaksOff) {
+  const std::vector<Event> events = test::steady_events(1000, 1'000'000, 10, size);
+  const std::string whole = test::packet(0, test::event_payload(events));
+  const std::string bytes = test::event_stream_start() + whole + whole.substr(0, whole.size() / 2);
+  ScriptedServer server([&](ScriptedServer::Socket& client) { test::send_all(client, bytes); });
+  const CommandResult result = run("record --json --from " + server.address().text());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("source gone: " + server.address().text()), std::string::npos) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("complete"), true);
+  EXPECT_EQ(run_json("unnamed", "01").at("ended"), json.at("ended"));
+  EXPECT_EQ(events_in(run_folder("unnamed", "01").events()), events);
+}
+
+TEST_F(RecordCommand, SaysThatAServerSendsGarbageOrNothing) {
+  for (const bool silent : {false, true}) {
+    ScriptedServer server([&](ScriptedServer::Socket& client) {
+      if (!silent) test::send_all(client, std::string(100'000, 'x'));
+      test::until_closed(client);
+    });
+    const CommandResult result = run("record --from " + server.address().text());
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(lines_in(result.err), 1) << result.err;
+    EXPECT_NE(result.err.find(server.address().text()), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "data"));
+  }
+}
+
+TEST_F(RecordCommand, TakesSilenceForAStaticScene) {
+  ScriptedServer server([&](ScriptedServer::Socket& client) {
+    test::send_all(client, test::event_stream_start());
+    test::until_closed(client);
+  });
+  const CommandResult result = run("record --json --duration 0.5 --from " + server.address().text());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("ended"), "duration");
+}
+
+TEST_F(RecordCommand, WalksASession) {
+  write_whole(folder / "plan.json",
+              R"({"session": "monday", "objects": [{"name": "fan", "runs": 2}, {"name": "usb-hub"}], "duration": 0.1})");
+  {
+    RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+    command.type("\n\nr\nnonsense\n\n\n");
+    const auto says = [&](const std::string& text) {
+      return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); });
+    };
+    ASSERT_TRUE(says("All runs are there"));
+    command.type("\n");
+    const CommandResult result = command.wait();
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
+    ASSERT_EQ(runs.size(), 3U);
+    for (const nlohmann::json& run : runs) {
+      EXPECT_EQ(run.at("session"), runs.at(0).at("session"));
+      EXPECT_EQ(run.at("ended"), "duration");
+      EXPECT_GT(run.at("events"), 0);
+    }
+    EXPECT_EQ(runs.at(0).at("session").get<std::string>().substr(0, 7), "monday-");
+    EXPECT_NE(result.err.find("fan/02 is now 02.discarded-1"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("'nonsense' is no answer here"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(find_runs(folder / "data").size(), 3U);
+  EXPECT_TRUE(fs::exists(folder / "data/fan/02.discarded-1/events.aedat4"));
+  EXPECT_EQ(run("info --check data").exit_code, 0);
+
+  // A broken-off session goes on where it was left.
+  write_whole(folder / "longer.json", R"({"objects": [{"name": "fan", "runs": 3}, {"name": "usb-hub"}], "duration": 0.1})");
+  RunningCommand command("record --json --session longer.json --from sim --speed 0", folder.path());
+  command.type("\n\n");
+  command.close_input();
+  const CommandResult result = command.wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs.at(0).at("folder"), "data/fan/03");
+}
+
+TEST_F(RecordCommand, EndsASessionWhereItsFileEnds) {
+  write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 3}], "duration": 10})");
+  RunningCommand command("record --json --session plan.json --from file:recordings/dv-lz4.aedat4 --speed 0", folder.path());
+  command.type("\n\n\n");
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("runs").size(), 1U);
+  EXPECT_NE(result.err.find("no further run can be recorded"), std::string::npos) << result.err;
+}
+
+TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
+  test::FakeController controller;
+  write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 1}], "start_on": "actual_digital_output_bits:0",
+                                        "stop_on": "actual_digital_input_bits:1"})");
+  RunningCommand command(
+      "record --json --session plan.json --from sim:fan --robot 127.0.0.1:" + std::to_string(controller.port()), folder.path());
+  const CommandResult result = command.wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs.at(0).at("ended"), "stopped by actual_digital_input_bits:1");
+  const RobotLog log = read_robot_log(folder / "data/fan/01/robot.csv");
+  ASSERT_FALSE(log.states.empty());
+  EXPECT_EQ(runs.at(0).at("robot").at("rows"), log.states.size());
+  EXPECT_EQ(log.states.back().digital_output_bits.value() & 1U, log.states.front().digital_output_bits.value() & 1U);
+  EXPECT_EQ(run_json("fan", "01").at("settings").at("start_on"), "actual_digital_output_bits:0");
+}
+
+TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
+  test::FakeController controller;
+  make_long_recording();
+  RunningCommand command("record --json --from file:long.aedat4 --robot 127.0.0.1:" + std::to_string(controller.port()),
+                         folder.path());
+  const RunFolder run = run_folder("unnamed", "01");
+  ASSERT_TRUE(has_begun(run, command)) << command.err();
+  ASSERT_TRUE(test::comes_true([&] { return fs::exists(run.robot()) && fs::file_size(run.robot()) > 10'000; }));
+  controller.close_connections();
+  ASSERT_TRUE(test::comes_true([&] { return command.err().find("robot gone") != std::string::npos; })) << command.err();
+  ASSERT_TRUE(test::comes_true([&] { return command.err().find("robot is back") != std::string::npos; })) << command.err();
+  const auto rows = fs::file_size(run.robot());
+  ASSERT_TRUE(test::comes_true([&] { return fs::file_size(run.robot()) > rows + 10'000; }));
+  command.signal(SIGINT);
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("robot").at("reconnects"), 1);
+  EXPECT_GE(json.at("robot").at("gaps"), 1);
+  EXPECT_EQ(json.at("complete"), true);
+  EXPECT_GE(run_json("unnamed", "01").at("dropped").at("robot_gaps"), 1);
+  EXPECT_GE(read_robot_log(run.robot()).gaps.size(), 1U);
+}
+
+TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {
+  const std::vector<Event> sent = make_long_recording();
+  const CommandResult result = test::run_shell(
+      "ulimit -f 500 && '" TACTILE_BINARY "' record --json --compression none --from file:long.aedat4 --speed 0", folder.path());
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("data/unnamed/01/events.aedat4: cannot be written"), std::string::npos) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("complete"), false);
+  EXPECT_EQ(run_json("unnamed", "01").at("complete"), false);
+  const std::vector<Event> kept = events_in(run_folder("unnamed", "01").events());
+  EXPECT_GT(kept.size(), 10'000U);
+  EXPECT_LT(kept.size(), sent.size());
+  EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
+}
+
+std::size_t count_of(const std::string& bytes, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = bytes.find(word); at != std::string::npos; at = bytes.find(word, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
+  const std::vector<Event> sent = make_long_recording();
+  test::write_film(folder / "film.mp4", test::uneven_times(600, 33'333us));
+  test::FakeController controller;
+  std::mt19937 random(20);
+  std::size_t with_events = 0, with_film = 0;
+  for (int moment = 1; moment <= 20; ++moment) {
+    const std::string number = (moment < 10 ? "0" : "") + std::to_string(moment);
+    const RunFolder run = run_folder("fan", number);
+    std::size_t seen = 0;
+    {
+      RunningCommand command(
+          "record --object fan --from file:long.aedat4 --video film.mp4 --robot 127.0.0.1:" + std::to_string(controller.port()),
+          folder.path());
+      ASSERT_TRUE(has_begun(run, command)) << command.err();
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 2500));
+      seen = events_in(run.events()).size();
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 50));
+      ASSERT_FALSE(command.has_ended()) << command.err();
+    }  // SIGKILL
+    const std::vector<Event> kept = events_in(run.events());
+    EXPECT_GE(kept.size(), seen);
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
+    with_events += kept.empty() ? 0 : 1;
+
+    if (fs::exists(run.info())) {
+      EXPECT_FALSE(read_run_info(run).complete);
+    }
+    if (fs::exists(run.robot()) && fs::file_size(run.robot()) > 5000) {
+      EXPECT_FALSE(read_robot_log(run.robot()).states.empty());
+    }
+    if (fs::exists(run.video()) && count_of(test::bytes_of(run.video()), "moof") >= 2) {
+      EXPECT_FALSE(test::decoded_times(run.video()).empty());
+      ++with_film;
+    }
+    const CommandResult check = test::run_tactile("info --check " + run.folder.string());
+    EXPECT_EQ(check.exit_code, 2);
+    if (!kept.empty()) {
+      EXPECT_NE(check.err.find("the run was not completed"), std::string::npos) << check.err;
+      const fs::path whole = folder / ("whole-" + number + ".aedat4");
+      EXPECT_EQ(test::run_tactile("repair " + run.events().string() + " " + whole.string()).exit_code, 0);
+      EXPECT_EQ(test::run_tactile("info --check " + whole.string()).exit_code, 0);
+      EXPECT_EQ(events_in(whole), kept);
+    }
+  }
+  EXPECT_GT(with_events, 5U) << "too few kills came while events were written";
+  EXPECT_GT(with_film, 2U) << "too few kills came while a film was written";
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,32 @@
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "tactile/core/error.hpp"
+#include "tactile/robot/motion_phases.hpp"
+#include "tactile/robot/robot_log.hpp"
+
+/// Whatever the bytes, they are a log whose times ascend, or an Error says why not.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tactile;
+  const int file = memfd_create("robot", MFD_CLOEXEC);
+  if (file < 0) return 0;
+  if (write(file, data, size) == static_cast<ssize_t>(size)) {
+    try {
+      const RobotLog log = read_robot_log("/proc/self/fd/" + std::to_string(file));
+      for (std::size_t i = 1; i < log.states.size(); ++i) {
+        if (log.states[i].t <= log.states[i - 1].t) std::abort();
+      }
+      motion_phases(log);
+      first_rising_edges(log);
+    } catch (const Error&) {
+    }
+  }
+  close(file);
+  return 0;
+}

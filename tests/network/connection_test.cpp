@@ -1,0 +1,156 @@
+#include "tactile/network/connection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <future>
+#include <string>
+#include <vector>
+
+#include "network/scripted_server.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::span<const std::byte> bytes_in(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+/// Everything that comes until the server closes.
+std::string all_of(Connection& connection) {
+  std::string all;
+  std::array<std::byte, 1000> bytes{};
+  while (const auto got = connection.receive(bytes, 10s)) all.append(reinterpret_cast<const char*>(bytes.data()), *got);
+  return all;
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+TEST(Connection, CarriesBytesBothWaysAndTellsWhenTheServerCloses) {
+  std::string heard;
+  {
+    const ScriptedServer server([&](ScriptedServer::Socket& client) {
+      heard.resize(5);
+      asio::read(client, asio::buffer(heard));
+      send_all(client, std::string(300'000, 'a') + "end");
+    });
+    Connection connection(server.address(), 10s);
+    EXPECT_EQ(connection.address().text(), server.address().text());
+    connection.send(bytes_in("hello"), 10s);
+    EXPECT_EQ(all_of(connection), std::string(300'000, 'a') + "end");
+  }
+  EXPECT_EQ(heard, "hello");
+}
+
+TEST(Connection, ReachesAUnixSocket) {
+  const TemporaryFolder folder;
+  const ScriptedServer server([](ScriptedServer::Socket& client) { send_all(client, "from a file"); },
+                              asio::local::stream_protocol::endpoint((folder / "socket").string()));
+  Connection connection(server.address(), 10s);
+  EXPECT_EQ(all_of(connection), "from a file");
+}
+
+TEST(Connection, ResolvesANameAndTriesEveryAddressOfIt) {
+  // "localhost" is often ::1 first, where nobody listens.
+  const ScriptedServer server([](ScriptedServer::Socket& client) { send_all(client, "here"); });
+  NetworkAddress address = server.address();
+  address.host = "localhost";
+  Connection connection(address, 10s);
+  EXPECT_EQ(all_of(connection), "here");
+}
+
+TEST(Connection, SaysNothingCameWhileTheServerIsSilent) {
+  const ScriptedServer server([](ScriptedServer::Socket& client) { until_closed(client); });
+  Connection connection(server.address(), 10s);
+  std::array<std::byte, 10> bytes{};
+  EXPECT_EQ(connection.receive(bytes, 0ms), std::optional<std::size_t>(0));
+  EXPECT_EQ(connection.receive(bytes, 20ms), std::optional<std::size_t>(0));
+}
+
+TEST(Connection, RefusesWhereNobodyListensAndNamesTheAddress) {
+  NetworkAddress address;
+  {
+    const ScriptedServer gone([](ScriptedServer::Socket&) {});
+    address = gone.address();
+  }
+  const std::string error = error_of([&] { Connection(address, 10s); });
+  EXPECT_NE(error.find(address.text()), std::string::npos) << error;
+  EXPECT_NE(error.find("refused"), std::string::npos) << error;
+}
+
+TEST(Connection, RefusesAHostThatIsNot) {
+  const std::string error = error_of([] { Connection(network_address("tcp://no-such-host.invalid:1"), 20s); });
+  EXPECT_NE(error.find("no-such-host.invalid"), std::string::npos) << error;
+}
+
+TEST(Connection, RefusesASocketThatIsNot) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "none").string();
+  const std::string error = error_of([&] { Connection(network_address("unix:" + path), 10s); });
+  EXPECT_NE(error.find(path), std::string::npos) << error;
+  EXPECT_NE(error.find("No such file"), std::string::npos) << error;
+}
+
+TEST(Connection, GivesUpOnAServerThatDoesNotAnswer) {
+  // A listener that never accepts, with no place left in its queue, answers nobody on a unix socket or by TCP.
+  asio::io_context context;
+  asio::ip::tcp::acceptor listener(context, asio::ip::tcp::v4());
+  listener.bind({asio::ip::address_v4::loopback(), 0});
+  listener.listen(0);
+  NetworkAddress address;
+  address.host = "127.0.0.1";
+  address.port = listener.local_endpoint().port();
+  std::vector<Connection> waiting;
+  const std::string error = error_of([&] {
+    for (int i = 0; i < 8; ++i) waiting.emplace_back(address, 300ms);
+  });
+  EXPECT_NE(error.find("no answer within 0.3"), std::string::npos) << error;
+}
+
+TEST(Connection, SaysSoWhenItBreaks) {
+  const ScriptedServer server([](ScriptedServer::Socket& client) { reset(client); });
+  Connection connection(server.address(), 10s);
+  std::array<std::byte, 10> bytes{};
+  const std::string error = error_of([&] {
+    while (connection.receive(bytes, 10s)) {
+    }
+  });
+  EXPECT_NE(error.find(server.address().text()), std::string::npos) << error;
+  EXPECT_NE(error.find("broke"), std::string::npos) << error;
+}
+
+TEST(Connection, SendingToAServerThatIsGoneIsAnErrorAndNoSignal) {
+  const ScriptedServer server([](ScriptedServer::Socket& client) { reset(client); });
+  Connection connection(server.address(), 10s);
+  const std::string much(1 << 20, 'x');
+  const std::string error = error_of([&] {
+    for (int i = 0; i < 1000; ++i) connection.send(bytes_in(much), 10s);
+  });
+  EXPECT_NE(error.find("broke"), std::string::npos) << error;
+}
+
+TEST(Connection, SendingToAServerThatReadsNothingEndsInTime) {
+  std::promise<void> over;
+  const ScriptedServer server([&](ScriptedServer::Socket&) { over.get_future().wait(); });
+  Connection connection(server.address(), 10s);
+  const std::string much(1 << 20, 'x');
+  const std::string error = error_of([&] {
+    for (int i = 0; i < 1000; ++i) connection.send(bytes_in(much), 200ms);
+  });
+  over.set_value();
+  EXPECT_NE(error.find("took nothing for 0.2"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace tactile::test

@@ -1,0 +1,571 @@
+#include "robot/fake_controller.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <asio.hpp>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/random.hpp"
+
+namespace tactile::test {
+namespace {
+
+using asio::ip::tcp;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::size_t most_undrained = std::size_t{1} << 20;  // [bytes] then the client is dropped, as a controller does
+
+// The script: what the stage is told, and the lift's trapezoid.
+constexpr double press_s = 1.0, lift_s = 2.5, lower_s = 4.2, release_s = 5.5;
+constexpr double lift_speed = 0.06, lift_acceleration = 1.2, lift_length_s = 1.0;
+
+double trapezoid(double since_start_s) {
+  if (since_start_s <= 0 || since_start_s >= lift_length_s) return 0;
+  return std::min({lift_speed, lift_acceleration * since_start_s, lift_acceleration * (lift_length_s - since_start_s)});
+}
+
+/// The way of the trapezoid until then.
+double travelled(double since_start_s) {
+  const double ramp_s = lift_speed / lift_acceleration;
+  const double t = std::clamp(since_start_s, 0.0, lift_length_s);
+  const double rising = std::min(t, ramp_s);
+  const double falling = std::max(0.0, t - (lift_length_s - ramp_s));
+  const double level = std::clamp(t - ramp_s, 0.0, lift_length_s - 2 * ramp_s);
+  return lift_acceleration * rising * rising / 2 + lift_speed * level + lift_speed * falling -
+         lift_acceleration * falling * falling / 2;
+}
+
+const std::map<std::string, RtdeFieldType>& plain_outputs() {
+  using enum RtdeFieldType;
+  static const std::map<std::string, RtdeFieldType> outputs = [] {
+    std::map<std::string, RtdeFieldType> types;
+    const auto all = [&](RtdeFieldType type, std::initializer_list<const char*> names) {
+      for (const char* name : names) types[name] = type;
+    };
+    all(real, {"timestamp",
+               "actual_execution_time",
+               "speed_scaling",
+               "target_speed_fraction",
+               "actual_momentum",
+               "actual_main_voltage",
+               "actual_robot_voltage",
+               "actual_robot_current",
+               "standard_analog_input0",
+               "standard_analog_input1",
+               "standard_analog_output0",
+               "standard_analog_output1",
+               "io_current",
+               "tool_analog_input0",
+               "tool_analog_input1",
+               "tool_output_current",
+               "tool_temperature",
+               "tcp_force_scalar",
+               "payload",
+               "joint_position_deviation_ratio",
+               "collision_detection_ratio"});
+    all(vector6, {"target_q", "target_qd", "target_qdd", "target_current", "target_moment", "actual_q", "actual_qd",
+                  "actual_current", "actual_current_as_torque", "joint_control_output", "actual_TCP_pose", "actual_TCP_speed",
+                  "actual_TCP_force", "target_TCP_pose", "target_TCP_speed", "joint_temperatures", "actual_joint_voltage",
+                  "ft_raw_wrench", "payload_inertia"});
+    all(vector3, {"actual_tool_accelerometer", "payload_cog", "elbow_position", "elbow_velocity"});
+    all(vector6_int32, {"joint_mode"});
+    all(uint64, {"actual_digital_input_bits", "actual_digital_output_bits"});
+    all(uint32, {"runtime_state", "robot_status_bits", "safety_status_bits", "analog_io_types", "output_bit_registers0_to_31",
+                 "output_bit_registers32_to_63", "tool_mode", "script_control_line"});
+    all(int32, {"robot_mode", "safety_mode", "safety_status", "tool_output_voltage", "time_scale_source"});
+    all(uint8, {"tool_output_mode"});
+    return types;
+  }();
+  return outputs;
+}
+
+/// The number behind `prefix`, below `count`.
+std::optional<int> register_in(const std::string& name, const std::string& prefix, int first, int count) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  for (int i = first; i < first + count; ++i) {
+    if (name == prefix + std::to_string(i)) return i;
+  }
+  return std::nullopt;
+}
+
+std::byte byte_of(int value) { return static_cast<std::byte>(value); }
+
+}  // namespace
+
+std::optional<RtdeFieldType> fake_output_type(const std::string& name) {
+  if (const auto found = plain_outputs().find(name); found != plain_outputs().end()) return found->second;
+  if (register_in(name, "output_bit_register_", 64, 64)) return RtdeFieldType::boolean;
+  if (register_in(name, "output_int_register_", 0, 48)) return RtdeFieldType::int32;
+  if (register_in(name, "output_double_register_", 0, 48)) return RtdeFieldType::real;
+  return std::nullopt;
+}
+
+std::vector<RtdeNumber> fake_output_at(const RtdeField& field, double script_s) {
+  const double t = std::fmod(script_s, script_period_s);
+  const double speed = trapezoid(t - lift_s) - trapezoid(t - lower_s);
+  const double height = 0.25 + travelled(t - lift_s) - travelled(t - lower_s);
+  const bool pressed = t >= press_s && t < release_s;
+  const bool lifting = t >= lift_s && t < lift_s + lift_length_s;
+  const std::int64_t phase = !pressed ? 0 : lifting ? 2 : t >= lower_s ? 3 : 1;
+  const auto whole = [&](std::uint64_t value) { return std::vector<RtdeNumber>{value}; };
+  const auto number = [&](std::int64_t value) { return std::vector<RtdeNumber>{value}; };
+  const auto vector = [&](std::initializer_list<double> values) { return std::vector<RtdeNumber>(values.begin(), values.end()); };
+
+  if (field.name == "actual_TCP_pose" || field.name == "target_TCP_pose") return vector({-0.5, 0.2, height, 2.2, -2.2, 0.01});
+  if (field.name == "actual_TCP_speed" || field.name == "target_TCP_speed") return vector({1e-5, -2e-5, speed, 0, 0, 0});
+  if (field.name == "actual_TCP_force") return vector({0.1, 0.2, lifting ? -4.5 : 0.3, 0, 0, 0});
+  if (field.name == "actual_tool_accelerometer") return vector({0.02, -0.03, 9.81});
+  if (field.name == "actual_digital_output_bits") return whole(pressed ? 0x1'0001U : 0x1'0000U);
+  if (field.name == "actual_digital_input_bits") return whole(std::uint64_t{1} << 17 | (lifting ? 2U : 0U));
+  if (field.name == "output_bit_registers0_to_31") return whole(lifting ? 0x8000'0000U : 0U);
+  if (field.name == "output_bit_register_64") return whole(t >= 0.5 && t < 5.8 ? 1U : 0U);
+  if (field.name == "output_int_register_0") return number(phase);
+  if (field.name == "output_int_register_1") return number(-phase);
+  if (field.name == "output_double_register_0") return vector({speed});
+  if (field.name == "runtime_state") return whole(2);
+  if (field.name == "robot_mode") return number(7);
+  if (field.name == "safety_mode" || field.name == "safety_status") return number(1);
+  if (field.name == "speed_scaling" || field.name == "target_speed_fraction") return vector({1.0});
+
+  const std::size_t count = numbers_in(field.type);
+  std::vector<RtdeNumber> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    switch (field.type) {
+      case RtdeFieldType::real:
+      case RtdeFieldType::vector3:
+      case RtdeFieldType::vector6:
+        numbers.emplace_back(0.1 * static_cast<double>(i) + height);
+        break;
+      case RtdeFieldType::int32:
+      case RtdeFieldType::vector6_int32:
+        numbers.emplace_back(std::int64_t{253});
+        break;
+      default:
+        numbers.emplace_back(std::uint64_t{0});
+    }
+  }
+  return numbers;
+}
+
+namespace {
+
+RtdeSetupReply types_for(const RtdeOutputsRequest& request, const std::vector<std::string>& not_found, RtdeRecipe& recipe) {
+  RtdeSetupReply reply{.recipe_id = 1, .types = {}};
+  recipe = {.id = 1, .fields = {}};
+  for (const std::string& name : request.names) {
+    const auto type =
+        std::find(not_found.begin(), not_found.end(), name) == not_found.end() ? fake_output_type(name) : std::nullopt;
+    reply.types.emplace_back(type ? name_of(*type) : "NOT_FOUND");
+    if (type) {
+      recipe.fields.push_back({name, *type});
+    } else {
+      reply.recipe_id = 0;
+    }
+  }
+  return reply;
+}
+
+std::vector<RtdeNumber> numbers_for(const RtdeRecipe& recipe, double timestamp, double script_s) {
+  std::vector<RtdeNumber> numbers;
+  for (const RtdeField& field : recipe.fields) {
+    const auto values = field.name == "timestamp" ? std::vector<RtdeNumber>{timestamp} : fake_output_at(field, script_s);
+    numbers.insert(numbers.end(), values.begin(), values.end());
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<std::byte> fake_session(std::size_t packages) {
+  std::vector<std::byte> bytes;
+  const auto add = [&](const std::vector<std::byte>& package) { bytes.insert(bytes.end(), package.begin(), package.end()); };
+  const RtdeOutputsRequest request{
+      500,
+      {"timestamp", "actual_TCP_pose", "actual_TCP_speed", "actual_digital_output_bits", "joint_mode", "robot_mode",
+       "runtime_state", "actual_tool_accelerometer", "output_bit_register_64"}};
+  RtdeRecipe recipe;
+  const RtdeSetupReply reply = types_for(request, {}, recipe);
+  add(rtde_accepted_reply(RtdePackageType::protocol_version, true));
+  add(rtde_controller_version_reply({5, 11, 6, 1'071'234}));
+  add(rtde_setup_reply(RtdePackageType::setup_outputs, reply));
+  add(rtde_text_message({"a program runs", "RTDE", 3}));
+  add(rtde_accepted_reply(RtdePackageType::start, true));
+  for (std::size_t i = 0; i < packages; ++i) {
+    const double script_s = static_cast<double>(i) * 0.002;
+    add(rtde_data_package(recipe, numbers_for(recipe, 83'456.789 + script_s, script_s)));
+  }
+  return bytes;
+}
+
+namespace {
+
+/// What all connections share; the server's thread alone touches it, but for what is atomic or behind the mutex.
+struct Shared {
+  FakeControllerOptions options;
+  Random random{1};
+  SteadyClock::time_point begin = SteadyClock::now();
+  double clock_base = 0;  ///< timestamp at tick `clock_begin`
+  std::int64_t clock_begin = 0;
+  bool restart_wanted = false;
+  bool stalled = false;
+
+  std::mutex mutex;
+  std::vector<double> sent;
+  std::atomic<std::size_t> accepted{0};
+  std::atomic<std::size_t> not_drained{0};
+
+  /// When tick n happens, by the host's clock.
+  SteadyClock::time_point moment_of(std::int64_t tick) const {
+    const double seconds = static_cast<double>(tick) / (options.highest_hz * (1 + options.skew_ppm * 1e-6));
+    return begin + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(seconds));
+  }
+  std::int64_t tick_now() const {
+    const double seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
+    return static_cast<std::int64_t>(seconds * options.highest_hz * (1 + options.skew_ppm * 1e-6));
+  }
+  /// The same for every client, so that two logs can be compared.
+  bool is_dropped(std::int64_t tick) const {
+    if (options.drop_share <= 0) return false;
+    return Random(options.seed ^ static_cast<std::uint64_t>(tick) << 8).uniform() < options.drop_share;
+  }
+  double timestamp_of(std::int64_t tick) const {
+    return clock_base + static_cast<double>(tick - clock_begin) / options.highest_hz;
+  }
+};
+
+class Client : public std::enable_shared_from_this<Client> {
+ public:
+  Client(tcp::socket socket, Shared& shared)
+      : shared_(shared), socket_(std::move(socket)), ticks_(socket_.get_executor()), writes_(socket_.get_executor()) {
+    socket_.set_option(tcp::no_delay(true));
+  }
+
+  void run() { read(); }
+
+  void close() {
+    std::error_code ignored;
+    closed_ = true;
+    ticks_.cancel();
+    writes_.cancel();
+    socket_.shutdown(tcp::socket::shutdown_both, ignored);
+    socket_.close(ignored);
+  }
+
+  bool is_closed() const { return closed_; }
+
+  void send(const std::vector<std::byte>& bytes) {
+    if (closed_) return;
+    if (out_.size() + bytes.size() > most_undrained) {
+      ++shared_.not_drained;
+      close();
+      return;
+    }
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+    write();
+  }
+
+  /// What is left when all is written is nothing.
+  void close_after(const std::vector<std::byte>& bytes) {
+    send(bytes);
+    close_when_written_ = true;
+  }
+
+  const RtdeRecipe& recipe() const { return recipe_; }
+
+ private:
+  void read() {
+    socket_.async_read_some(asio::buffer(in_), [self = shared_from_this()](std::error_code error, std::size_t size) {
+      if (error) {
+        self->close();
+        return;
+      }
+      self->reassembly_.append(std::span<const std::byte>(self->in_).first(size));
+      try {
+        while (const auto package = self->reassembly_.next()) self->answer(*package);
+      } catch (const Error&) {
+        self->close();
+      }
+      if (!self->closed_) self->read();
+    });
+  }
+
+  void chat() {
+    if (shared_.options.text_every > 0) send(rtde_text_message({"please stand by", "RTDE", 2}));
+  }
+
+  void answer(const RtdePackage& package) {
+    chat();
+    switch (package.type) {
+      case RtdePackageType::protocol_version:
+        send(rtde_accepted_reply(package.type, shared_.options.speaks_version_2 && protocol_version_in(package.payload) == 2));
+        break;
+      case RtdePackageType::controller_version:
+        send(rtde_controller_version_reply(shared_.options.version));
+        break;
+      case RtdePackageType::setup_outputs: {
+        const RtdeOutputsRequest request = outputs_request_in(package.payload);
+        RtdeSetupReply reply = types_for(request, shared_.options.not_found, recipe_);
+        if (!(request.frequency_hz > 0 && request.frequency_hz <= shared_.options.highest_hz)) {
+          send(rtde_text_message(
+              {fmt::format("{} Hz is more than {}", request.frequency_hz, shared_.options.highest_hz), "RTDE", 1}));
+          reply.recipe_id = 0;
+        }
+        valid_ = reply.recipe_id != 0;
+        step_ = std::max<std::int64_t>(1, std::llround(shared_.options.highest_hz / std::max(1.0, request.frequency_hz)));
+        send(rtde_setup_reply(package.type, reply));
+        break;
+      }
+      case RtdePackageType::setup_inputs:
+        send(rtde_setup_reply(package.type, {.recipe_id = 0, .types = {"NOT_FOUND"}}));
+        break;
+      case RtdePackageType::start:
+        send(rtde_accepted_reply(package.type, valid_));
+        if (valid_ && !std::exchange(started_, true)) {
+          tick_ = (shared_.tick_now() / step_ + 1) * step_;
+          due_ = SteadyClock::time_point::min();
+          wait_for_tick();
+        }
+        break;
+      case RtdePackageType::pause:
+        started_ = false;
+        send(rtde_accepted_reply(package.type, true));
+        break;
+      case RtdePackageType::text:
+      case RtdePackageType::data:
+        break;
+    }
+  }
+
+  void wait_for_tick() {
+    double late_s = 0;
+    if (shared_.options.jitter) late_s = 0.2e-3 + 1e-3 * shared_.random.exponential();
+    const auto late = std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(late_s));
+    due_ = std::max(due_, shared_.moment_of(tick_) + late);
+    if (due_ <= SteadyClock::now()) {  // a busy machine: packages leave together
+      asio::post(socket_.get_executor(), [self = shared_from_this()] { self->tick(); });
+      return;
+    }
+    ticks_.expires_at(due_);
+    ticks_.async_wait([self = shared_from_this()](std::error_code error) {
+      if (!error) self->tick();
+    });
+  }
+
+  void tick() {
+    if (closed_ || !started_) return;
+    if (std::exchange(shared_.restart_wanted, false)) {
+      shared_.clock_base = 0;
+      shared_.clock_begin = tick_;
+    }
+    if (!shared_.stalled && !shared_.is_dropped(tick_)) send_data();
+    tick_ += step_;
+    wait_for_tick();
+  }
+
+  void send_data() {
+    const double timestamp = shared_.timestamp_of(tick_);
+    if (shared_.options.text_every > 0 && packages_ % shared_.options.text_every == 0) chat();
+    std::vector<RtdeNumber> numbers = numbers_for(recipe_, timestamp, static_cast<double>(tick_) / shared_.options.highest_hz);
+    if (shared_.options.sends_nan && packages_ % 10 == 9) {
+      const auto columns = columns_of(recipe_);
+      const auto speed = std::find(columns.begin(), columns.end(), "actual_TCP_speed_2");
+      numbers[static_cast<std::size_t>(speed - columns.begin())] = std::nan("");
+    }
+    ++packages_;
+    {
+      const std::lock_guard lock(shared_.mutex);
+      shared_.sent.push_back(timestamp);
+    }
+    send(rtde_data_package(recipe_, numbers));
+  }
+
+  void write() {
+    if (writing_ || closed_) return;
+    if (out_.empty()) {
+      if (close_when_written_) close();
+      return;
+    }
+    const bool split = shared_.options.split_writes;
+    const std::size_t size = split ? std::min<std::size_t>(out_.size(), 1 + shared_.random.below(3'000)) : out_.size();
+    going_.assign(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(size));
+    out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(size));
+    writing_ = true;
+    asio::async_write(socket_, asio::buffer(going_), [self = shared_from_this(), split](std::error_code error, std::size_t) {
+      if (error) {
+        self->close();
+        return;
+      }
+      if (!split) {
+        self->writing_ = false;
+        self->write();
+        return;
+      }
+      // A pause lets the next piece hold the end of one package and the begin of another.
+      self->writes_.expires_after(std::chrono::microseconds(self->shared_.random.below(3'000)));
+      self->writes_.async_wait([self](std::error_code cancelled) {
+        self->writing_ = false;
+        if (!cancelled) self->write();
+      });
+    });
+  }
+
+  Shared& shared_;
+  tcp::socket socket_;
+  asio::steady_timer ticks_, writes_;
+  std::array<std::byte, 4096> in_{};
+  RtdeReassembly reassembly_;
+  std::vector<std::byte> out_, going_;
+  bool writing_ = false, closed_ = false, close_when_written_ = false;
+  RtdeRecipe recipe_;
+  bool valid_ = false, started_ = false;
+  std::int64_t step_ = 1, tick_ = 0;
+  SteadyClock::time_point due_{};
+  std::size_t packages_ = 0;
+};
+
+}  // namespace
+
+struct FakeController::State {
+  Shared shared;
+  asio::io_context context;
+  asio::executor_work_guard<asio::io_context::executor_type> stays_up = asio::make_work_guard(context);  // with no client too
+  tcp::acceptor acceptor{context};
+  std::vector<std::weak_ptr<Client>> clients;
+  std::uint16_t port = 0;
+  std::thread thread;
+
+  void open() {
+    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(tcp::acceptor::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen();
+    port = acceptor.local_endpoint().port();
+    accept();
+  }
+
+  void accept() {
+    acceptor.async_accept([this](std::error_code error, tcp::socket socket) {
+      if (error) return;
+      ++shared.accepted;
+      const auto client = std::make_shared<Client>(std::move(socket), shared);
+      std::erase_if(clients, [](const auto& old) { return old.expired(); });
+      clients.push_back(client);
+      client->run();
+      accept();
+    });
+  }
+
+  template <class Use>
+  void for_clients(Use use) {
+    for (const auto& weak : clients) {
+      if (const auto client = weak.lock(); client && !client->is_closed()) use(*client);
+    }
+  }
+
+  /// Does it on the server's thread and waits for it.
+  template <class Step>
+  void now(Step step) {
+    std::promise<void> done;
+    asio::post(context, [&] {
+      step();
+      done.set_value();
+    });
+    done.get_future().wait();
+  }
+};
+
+FakeController::FakeController(FakeControllerOptions options) : state_(std::make_unique<State>()) {
+  state_->port = options.port;
+  state_->shared.random = Random(options.seed);
+  state_->shared.clock_base = options.first_timestamp;
+  state_->shared.options = std::move(options);
+  state_->open();
+  state_->thread = std::thread([state = state_.get()] { state->context.run(); });
+}
+
+FakeController::~FakeController() {
+  state_->now([&] {
+    std::error_code ignored;
+    state_->acceptor.close(ignored);
+    state_->for_clients([](Client& client) { client.close(); });
+    state_->stays_up.reset();
+  });
+  state_->thread.join();
+}
+
+std::uint16_t FakeController::port() const { return state_->port; }
+
+void FakeController::restart_clock() {
+  state_->now([&] { state_->shared.restart_wanted = true; });
+}
+
+void FakeController::stall(bool stalled) {
+  state_->now([&] { state_->shared.stalled = stalled; });
+}
+
+void FakeController::close_connections() {
+  state_->now([&] { state_->for_clients([](Client& client) { client.close(); }); });
+}
+
+void FakeController::listen(bool listening) {
+  state_->now([&] {
+    std::error_code ignored;
+    if (listening == state_->acceptor.is_open()) return;
+    if (listening) {
+      state_->open();
+    } else {
+      state_->acceptor.close(ignored);
+    }
+  });
+}
+
+void FakeController::send_garbage() {
+  state_->now([&] {
+    std::vector<std::byte> bytes{byte_of(0), byte_of(40), byte_of(0xFE)};
+    for (int i = 0; i < 37; ++i) bytes.push_back(byte_of(static_cast<int>(state_->shared.random.below(256))));
+    state_->for_clients([&](Client& client) { client.send(bytes); });
+  });
+}
+
+void FakeController::send_half_a_package() {
+  state_->now([&] {
+    state_->for_clients([](Client& client) {
+      std::vector<std::byte> package = rtde_data_package(client.recipe(), numbers_for(client.recipe(), 1.0, 0.0));
+      package.resize(package.size() / 2);
+      client.close_after(package);
+    });
+  });
+}
+
+void FakeController::send_package_of_size(std::uint16_t size) {
+  state_->now([&] {
+    state_->for_clients([&](Client& client) {
+      std::vector<std::byte> package(std::max<std::size_t>(size, 4), std::byte{1});
+      package[0] = byte_of(size >> 8);
+      package[1] = byte_of(size & 0xFF);
+      package[2] = byte_of('U');
+      client.send(package);
+    });
+  });
+}
+
+std::vector<double> FakeController::sent() const {
+  const std::lock_guard lock(state_->shared.mutex);
+  return state_->shared.sent;
+}
+
+std::size_t FakeController::accepted() const { return state_->shared.accepted; }
+std::size_t FakeController::not_drained() const { return state_->shared.not_drained; }
+
+}  // namespace tactile::test
