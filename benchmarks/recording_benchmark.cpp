@@ -122,6 +122,14 @@ void write_recording(const fs::path& file, std::span<const Event> events, Compre
   writer.close();
 }
 
+/// Brings the file into the page cache as it comes there from a disk, and not in the pieces in which it was written.
+void read_from_disk(const fs::path& file) {
+  const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  ::posix_fadvise(in.number(), 0, 0, POSIX_FADV_DONTNEED);
+  std::vector<std::byte> buffer(std::size_t{1} << 20);
+  while (::read(in.number(), buffer.data(), buffer.size()) > 0) continue;
+}
+
 void read_recording(const fs::path& file, unsigned threads) {
   RecordingReader recording(file, threads);
   std::size_t count = 0;
@@ -235,8 +243,10 @@ void write_plainly(const fs::path& file, std::span<const std::byte> contents) {
 void run(const fs::path& folder, const std::vector<fs::path>& recordings, int argc, char** argv) {
   const std::vector<Event> events = events_of(recordings);
   const auto file_of = [&](Compression compression) { return folder / (std::string(name_of(compression)) + ".aedat4"); };
-  for (const Compression compression : {Compression::none, Compression::lz4, Compression::zstd})
+  for (const Compression compression : {Compression::none, Compression::lz4, Compression::zstd}) {
     write_recording(file_of(compression), events, compression);
+    read_from_disk(file_of(compression));
+  }
   const fs::path none = file_of(Compression::none), lz4 = file_of(Compression::lz4), zstd = file_of(Compression::zstd);
   const fs::path output = folder / "written.aedat4";
   const StoredFile lz4_file(lz4), zstd_file(zstd);

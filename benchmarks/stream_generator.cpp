@@ -1,1 +1,131 @@
-int main() {}
+// A camera that never tires: serves the events of a recording as a DV stream over loopback, so many a second, whoever reads them.
+//
+//   stream_generator RECORDING MILLION_EVENTS_PER_S SECONDS
+//
+// Prints the port it listens on; sends packets of 1 ms to the first client, uncompressed, each when it is due; ends with one line
+// of JSON: what was sent, and how late the latest packet left. A client that does not keep up makes it late, for nothing is
+// dropped here.
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_contents.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_writer.hpp"
+
+namespace tactile {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+/// False once the client is gone.
+bool send_all(int socket, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(sent));
+  }
+  return true;
+}
+
+FileDescriptor first_client() {
+  const FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  if (::bind(listener.number(), reinterpret_cast<sockaddr*>(&address), length) != 0 || ::listen(listener.number(), 1) != 0 ||
+      ::getsockname(listener.number(), reinterpret_cast<sockaddr*>(&address), &length) != 0) {
+    throw Error(std::string("stream_generator: cannot listen (") + std::strerror(errno) + "); expected a free port");
+  }
+  fmt::print("{}\n", ntohs(address.sin_port));
+  std::fflush(stdout);
+  FileDescriptor client(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+  if (!client.is_open()) throw Error(std::string("stream_generator: no client (") + std::strerror(errno) + "); expected one");
+  return client;
+}
+
+/// Events of one packet, in places and polarities those of the recording, their times set when they are sent.
+std::vector<Event> events_of(const std::string& file, std::size_t wanted) {
+  std::vector<Event> all;
+  while (all.size() < wanted) {
+    const std::size_t before = all.size();
+    RecordingReader recording(file);
+    for_all_events(recording, event_stream(recording).id,
+                   [&](std::span<const Event> events) { all.insert(all.end(), events.begin(), events.end()); });
+    if (all.size() == before) throw Error(file + ": no events; expected some");
+  }
+  return all;
+}
+
+void serve(const std::string& file, double million_per_s, int seconds) {
+  RecordingReader recording(file);
+  Stream stream = event_stream_declaration(event_stream(recording).size.value_or(SensorSize{640, 480}), "DVXplorer_BENCH000");
+  const auto in_packet = static_cast<std::size_t>(1000 * million_per_s);
+  const std::vector<Event> events = events_of(file, std::max(in_packet, std::size_t{1} << 21));
+  const std::size_t packet_header = 8, head = packet_header + event_packet_head;
+  std::vector<std::byte> packet(head + in_packet * sizeof(Event));
+  const auto payload = static_cast<std::int32_t>(packet.size() - packet_header);
+  std::memcpy(packet.data() + 4, &payload, sizeof payload);
+  write_event_packet_head(packet.data() + packet_header, in_packet);
+
+  const FileDescriptor client = first_client();
+  const std::string header = header_image(Compression::none, std::span(&stream, 1)).bytes;
+  bool there = send_all(client.number(), std::as_bytes(std::span(header)));
+
+  const std::int64_t begin_us = 1'700'000'000'000'000;
+  const auto begin = Clock::now();
+  Clock::duration latest{};
+  std::uint64_t sent = 0;
+  std::size_t next = 0;
+  for (int i = 0; i < 1000 * seconds && there; ++i) {
+    if (next + in_packet > events.size()) next = 0;
+    auto* place = packet.data() + head;
+    for (std::size_t k = 0; k < in_packet; ++k) {  // five read-outs of 200 us
+      Event event = events[next + k];
+      event.t = camera_time(begin_us + 1000 * std::int64_t{i} + 200 * static_cast<std::int64_t>(5 * k / in_packet));
+      std::memcpy(place + k * sizeof event, &event, sizeof event);
+    }
+    next += in_packet;
+    const auto due = begin + milliseconds(i);
+    std::this_thread::sleep_until(due);
+    there = send_all(client.number(), packet);
+    if (there) sent += in_packet;
+    latest = std::max(latest, Clock::now() - due);
+  }
+  const double took = std::chrono::duration<double>(Clock::now() - begin).count();
+  fmt::print("{{\"events\": {}, \"seconds\": {:.3f}, \"latest_ms\": {:.1f}, \"client_left\": {}}}\n", sent, took,
+             std::chrono::duration<double, std::milli>(latest).count(), !there);
+}
+
+}  // namespace
+}  // namespace tactile
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 4) throw tactile::Error("stream_generator: expected RECORDING MILLION_EVENTS_PER_S SECONDS");
+    tactile::serve(argv[1], std::stod(argv[2]), std::stoi(argv[3]));
+    return 0;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return 1;
+  }
+}

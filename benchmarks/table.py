@@ -1,0 +1,23 @@
+"""Makes the table of docs/performance.md from what recording_benchmark wrote as JSON: table.py RESULT.json"""
+import json
+import sys
+
+ROWS = {
+    "read_lz4": ("read LZ4, one thread", "LZ4F", 0.9),
+    "read_lz4_two_threads": ("read LZ4, two threads", "LZ4F on two threads", 0.9),
+    "read_none": ("read uncompressed", "read() and a sum", 0.9),
+    "read_zstd": ("read ZSTD, one thread", "zstd", 0.95),
+    "write_lz4": ("write LZ4, one thread", "LZ4F, nothing written", 0.9),
+    "write_none": ("write uncompressed", "write()", None),
+}
+
+result = json.load(open(sys.argv[1]))
+print("| | tactile | alone | | ratio | half of all between | goal |\n| --- | ---: | ---: | --- | ---: | ---: | ---: |")
+for benchmark in result["benchmarks"]:
+    row = ROWS.get(benchmark["name"].split("/")[0])
+    if row:
+        name, alone, goal = row
+        print(
+            f"| {name} | {benchmark['ours']:.0f} | {benchmark['alone']:.0f} | {alone} | **{benchmark['ratio']:.2f}** "
+            f"| {benchmark['ratio_low']:.2f}–{benchmark['ratio_high']:.2f} | {goal if goal else ''} |"
+        )
