@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 const fs::path bags = fs::path(TACTILE_TEST_DATA) / "bags";
 constexpr std::int64_t start_us = 1'700'000'000'000'000;
 
-nlohmann::json truth_of(const std::string& bag) { return read_json(bags / "truth.json").at(bag); }
+nlohmann::json truth_of(const std::string& bag) { return read_json(bags / "truth.json").at(bag + ".bag"); }
 
 void expect_events(const fs::path& recording, const nlohmann::json& truth) {
   const test::RecordingContents contents = test::contents_of(recording);

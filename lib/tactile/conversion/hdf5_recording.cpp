@@ -428,7 +428,8 @@ struct Hdf5RecordingReader::State {
   }
 };
 
-Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<SensorSize> size, std::optional<std::string> source)
+Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<SensorSize> size,
+                                         const std::optional<std::string>& source)
     : state_(std::make_unique<State>()) {
   const h5::Session session;
   state_->open(file, size, source);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
@@ -45,7 +46,7 @@ class Hdf5RecordingReader {
   /// @throws Error  if the file is none, lacks a column, its columns differ in length, hold another type or shape, or claim more
   ///                than the file can hold; or if it is the events file of a dataset
   explicit Hdf5RecordingReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt,
-                               std::optional<std::string> source = std::nullopt);
+                               const std::optional<std::string>& source = std::nullopt);
   ~Hdf5RecordingReader();
   Hdf5RecordingReader(Hdf5RecordingReader&&) noexcept;
   Hdf5RecordingReader& operator=(Hdf5RecordingReader&&) noexcept;

@@ -290,7 +290,7 @@ std::string read_text_attribute(hid_t object, const std::string& name, const std
   if (H5Tis_variable_str(type) > 0) {
     char* text = nullptr;
     if (H5Aread(attribute, type, &text) < 0) fail(where, "attribute '" + name + "' cannot be read");
-    const std::string copy = text == nullptr ? "" : text;
+    std::string copy = text == nullptr ? "" : text;
     H5free_memory(text);
     return copy;
   }

@@ -175,11 +175,12 @@ def write(path, messages, compression=None):
 
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
+    os.makedirs(folder, exist_ok=True)
     truth = {}
 
     def bag(name, messages, events, compression=None, **more):
         write(os.path.join(folder, name + ".bag"), messages, compression)
-        truth[name] = {**sums(events), **more}
+        truth[name + ".bag"] = {**sums(events), **more}
 
     # A whole run: events, robot, video, IMU.
     events = made_events(3_000, 1)
