@@ -34,6 +34,8 @@ using Steady = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds source_patience{50};  ///< within it a source's thread sees what it is asked to do
 constexpr std::chrono::seconds straggler_patience{1};     ///< for the other streams once the events have ended
+constexpr std::uint64_t kept_in_memory = std::uint64_t{512}
+                                         << 20;  ///< of the recording, by the system: whole runs of a usual length [B]
 
 /// One stream of the recording, and where it comes from.
 struct FileStream {
@@ -385,6 +387,8 @@ void OpenRun::sync_all() {
     lock.unlock();
     try {
       sync_to_disk(request.run.events());
+      // The pages of a long recording are used again for what follows: new ones cost more, and others need the memory too.
+      release_memory_of(request.run.events(), kept_in_memory);
     } catch (const std::exception& e) {
       fail(e.what());
     }

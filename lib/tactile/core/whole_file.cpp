@@ -113,4 +113,12 @@ void sync_to_disk(const fs::path& path) {
     throw Error(path.string() + ": cannot be synced to the disk (" + std::strerror(error) + "); expected a writable disk");
 }
 
+void release_memory_of(const fs::path& path, std::uint64_t kept) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return;
+  const off_t end = ::lseek(file, 0, SEEK_END);
+  if (end > static_cast<off_t>(kept)) ::posix_fadvise(file, 0, end - static_cast<off_t>(kept), POSIX_FADV_DONTNEED);
+  ::close(file);
+}
+
 }  // namespace tactile

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -37,5 +38,8 @@ std::string read_text(const std::filesystem::path& file, std::size_t limit = std
 
 /// Flushes a file's or a folder's data to the disk. @throws Error if that fails
 void sync_to_disk(const std::filesystem::path& path);
+
+/// Lets the system forget what it holds in memory of a file that was synced, but for its last `kept` bytes. Only a hint.
+void release_memory_of(const std::filesystem::path& file, std::uint64_t kept);
 
 }  // namespace tactile
