@@ -12,6 +12,7 @@
 #include "network/scripted_server.hpp"
 #include "robot/fake_controller.hpp"
 #include "support/comes_true.hpp"
+#include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -27,21 +28,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
+using test::events_in_file;
 using test::RunningCommand;
 using test::ScriptedServer;
 
 constexpr SensorSize size{640, 480};
-
-std::vector<Event> events_in(const fs::path& file) {
-  RecordingReader recording(file);
-  std::vector<Event> all;
-  for (const PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != StreamType::events) continue;
-    const auto events = recording.read_events(packet);
-    all.insert(all.end(), events.begin(), events.end());
-  }
-  return all;
-}
 
 std::ptrdiff_t lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
@@ -81,7 +72,7 @@ TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
   EXPECT_EQ(json.at("dropped").at("events"), 0);
   EXPECT_EQ(json.at("ended"), "source ended");
   EXPECT_EQ(json.at("robot"), nullptr);
-  EXPECT_EQ(events_in(folder / "data/fan/01/events.aedat4"), events_in(folder / "recordings/dv-lz4.aedat4"));
+  EXPECT_EQ(events_in_file(folder / "data/fan/01/events.aedat4"), events_in_file(folder / "recordings/dv-lz4.aedat4"));
   const CommandResult check = run("info --check data/fan/01");
   EXPECT_EQ(check.exit_code, 0) << check.err;
 
@@ -157,7 +148,7 @@ TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
     const nlohmann::json json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("ended"), "interrupted");
     EXPECT_EQ(json.at("complete"), true);
-    const std::vector<Event> kept = events_in(run.events());
+    const std::vector<Event> kept = events_in_file(run.events());
     EXPECT_EQ(json.at("events"), kept.size());
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
     EXPECT_EQ(test::run_tactile("info --check " + run.folder.string()).exit_code, 0);
@@ -175,7 +166,7 @@ TEST_F(RecordCommand, KeepsWhatCameFromAStreamThatBreaksOff) {
   const nlohmann::json json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("complete"), true);
   EXPECT_EQ(run_json("unnamed", "01").at("ended"), json.at("ended"));
-  EXPECT_EQ(events_in(run_folder("unnamed", "01").events()), events);
+  EXPECT_EQ(events_in_file(run_folder("unnamed", "01").events()), events);
 }
 
 TEST_F(RecordCommand, SaysThatAServerSendsGarbageOrNothing) {
@@ -302,7 +293,7 @@ TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {
   EXPECT_NE(result.err.find("data/unnamed/01/events.aedat4: cannot be written"), std::string::npos) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("complete"), false);
   EXPECT_EQ(run_json("unnamed", "01").at("complete"), false);
-  const std::vector<Event> kept = events_in(run_folder("unnamed", "01").events());
+  const std::vector<Event> kept = events_in_file(run_folder("unnamed", "01").events());
   EXPECT_GT(kept.size(), 10'000U);
   EXPECT_LT(kept.size(), sent.size());
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
@@ -330,11 +321,11 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
           folder.path());
       ASSERT_TRUE(has_begun(run, command)) << command.err();
       std::this_thread::sleep_for(std::chrono::milliseconds(random() % 2500));
-      seen = events_in(run.events()).size();
+      seen = events_in_file(run.events()).size();
       std::this_thread::sleep_for(std::chrono::milliseconds(random() % 50));
       ASSERT_FALSE(command.has_ended()) << command.err();
     }  // SIGKILL
-    const std::vector<Event> kept = events_in(run.events());
+    const std::vector<Event> kept = events_in_file(run.events());
     EXPECT_GE(kept.size(), seen);
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
     with_events += kept.empty() ? 0 : 1;
@@ -356,7 +347,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
       const fs::path whole = folder / ("whole-" + number + ".aedat4");
       EXPECT_EQ(test::run_tactile("repair " + run.events().string() + " " + whole.string()).exit_code, 0);
       EXPECT_EQ(test::run_tactile("info --check " + whole.string()).exit_code, 0);
-      EXPECT_EQ(events_in(whole), kept);
+      EXPECT_EQ(events_in_file(whole), kept);
     }
   }
   EXPECT_GT(with_events, 5U) << "too few kills came while events were written";

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "events/made_recording.hpp"
+#include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -25,14 +26,6 @@ using namespace std::chrono_literals;
 using Received = DvStreamClient::Received;
 
 const std::string recording = std::string(TACTILE_TEST_DATA) + "/aedat4/dv-lz4.aedat4";
-
-std::vector<Event> events_of(const std::string& file) {
-  RecordingReader reader(file);
-  std::vector<Event> all;
-  for_all_events(reader, event_stream(reader).id,
-                 [&](std::span<const Event> events) { all.insert(all.end(), events.begin(), events.end()); });
-  return all;
-}
 
 /// As a shell takes them.
 std::string words(std::initializer_list<std::string> arguments) {
@@ -82,7 +75,7 @@ TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
   EXPECT_EQ(client.stream().size, (SensorSize{160, 120}));
   EXPECT_FALSE(attribute(client.stream(), "simulated"));
   const Heard heard = hear(client);
-  EXPECT_EQ(heard.events, events_of(recording));
+  EXPECT_EQ(heard.events, events_in_file(recording));
   const CommandResult result = serving.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
@@ -101,7 +94,7 @@ TEST(ServeCommand, CutsPacketsByTheirSpan) {
     DvStreamClient client(events_address(serving));
     const Heard heard = hear(client);
     for (const auto& packet : heard.packets) EXPECT_LT(us_of(packet.back().t) - us_of(packet.front().t), span);
-    EXPECT_EQ(heard.events, events_of(recording));
+    EXPECT_EQ(heard.events, events_in_file(recording));
     EXPECT_EQ(serving.wait().exit_code, 0);
   }
 }
@@ -111,7 +104,7 @@ TEST(ServeCommand, ServesEveryCompression) {
     RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--compression", compression}));
     DvStreamClient client(events_address(serving));
     EXPECT_EQ(name_of(client.compression()), compression);
-    EXPECT_EQ(hear(client).events, events_of(recording));
+    EXPECT_EQ(hear(client).events, events_in_file(recording));
     EXPECT_EQ(serving.wait().exit_code, 0);
   }
 }
@@ -172,7 +165,7 @@ TEST(ServeCommand, TakesNoLessTimeThanTheRecordingOverTheSpeed) {
 TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--loop"}));
   DvStreamClient client(events_address(serving));
-  const std::vector<Event> once = events_of(recording);
+  const std::vector<Event> once = events_in_file(recording);
   std::vector<Event> heard;
   while (heard.size() < 4 * once.size()) {
     ASSERT_EQ(client.receive(60s), Received::packet);

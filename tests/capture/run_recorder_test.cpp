@@ -13,6 +13,7 @@
 #include <random>
 
 #include "capture/made_source.hpp"
+#include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/capture/new_run.hpp"
 #include "tactile/core/error.hpp"
@@ -27,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using test::event_at;
+using test::events_in_file;
 using test::MadeSource;
 
 constexpr SensorSize size{640, 480};
@@ -45,17 +47,6 @@ std::vector<std::unique_ptr<CameraSource>> sources_of(auto... sources) {
 
 std::unique_ptr<MadeSource> event_source(MadeSource::Step step, bool live = true) {
   return std::make_unique<MadeSource>("made:events", std::vector{event_stream()}, std::move(step), live);
-}
-
-std::vector<Event> events_in_file(const fs::path& file) {
-  RecordingReader recording(file);
-  std::vector<Event> all;
-  for (const PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != StreamType::events) continue;
-    const auto events = recording.read_events(packet);
-    all.insert(all.end(), events.begin(), events.end());
-  }
-  return all;
 }
 
 class RunRecorderTest : public testing::Test {

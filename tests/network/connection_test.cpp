@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "network/scripted_server.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 
@@ -25,16 +26,6 @@ std::string all_of(Connection& connection) {
   std::array<std::byte, 1000> bytes{};
   while (const auto got = connection.receive(bytes, 10s)) all.append(reinterpret_cast<const char*>(bytes.data()), *got);
   return all;
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
 }
 
 TEST(Connection, CarriesBytesBothWaysAndTellsWhenTheServerCloses) {

@@ -11,6 +11,7 @@
 #include "events/counted_memory.hpp"
 #include "network/dv_stream_bytes.hpp"
 #include "network/scripted_server.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 
@@ -51,16 +52,6 @@ std::vector<Event> all_events(DvStreamClient& client) {
     if (received == Received::closed) return all;
     if (received == Received::packet) all.insert(all.end(), client.events().begin(), client.events().end());
   }
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
 }
 
 std::string error_on_opening(const std::string& bytes) {

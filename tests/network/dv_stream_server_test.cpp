@@ -14,6 +14,7 @@
 
 #include "events/aedat4_bytes.hpp"
 #include "events/made_recording.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/network/connection.hpp"
@@ -62,16 +63,6 @@ void wait_until(const std::function<bool()>& condition, const char* what) {
 std::vector<Event> next_events(DvStreamClient& client) {
   EXPECT_EQ(client.receive(30s), Received::packet);
   return {client.events().begin(), client.events().end()};
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
 }
 
 TEST(DvStreamServer, ServesSeveralClientsTheSame) {

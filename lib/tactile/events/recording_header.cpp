@@ -1,6 +1,7 @@
 #include "tactile/events/recording_header.hpp"
 
 #include <flatbuffers/flatbuffers.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstring>
@@ -160,6 +161,21 @@ std::string xml_of(Compression compression, std::vector<Stream> streams) {
 }
 
 }  // namespace
+
+void check_readable_by_vendor(const Stream& stream, std::string_view where) {
+  const auto refuse = [&](std::string_view why) { throw Error(fmt::format("{}: stream {} {}", where, stream.id, why)); };
+  if (stream.id < 0) refuse("has a negative id; expected 0 or more");
+  if (stream.type == StreamType::other) refuse("is of another type; expected events, frames, imu or triggers");
+  if (!stream.type_identifier.empty() && stream.type_identifier != identifier_of(stream.type))
+    refuse(fmt::format("names its type {}; expected {}", stream.type_identifier, identifier_of(stream.type)));
+  if (stream.name.empty()) refuse("has no name; expected one such as 'events'");
+  if (stream.source.empty()) refuse("has no source; expected the camera's, such as 'DVXplorer_DXA00000'");
+  if (stream.type != StreamType::events && stream.type != StreamType::frames) return;
+  constexpr int most = std::numeric_limits<std::int16_t>::max();
+  const SensorSize size = stream.size.value_or(SensorSize{});
+  if (size.width < 1 || size.height < 1 || size.width > most || size.height > most)
+    refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most));
+}
 
 StreamType type_identified(std::string_view identifier) {
   for (const StreamType type : {StreamType::events, StreamType::frames, StreamType::imu, StreamType::triggers}) {

@@ -33,6 +33,10 @@ struct HeaderImage {
 /// The header as the vendor's software writes it, position -1, streams in order of id.
 HeaderImage header_image(Compression compression, std::span<const Stream> streams);
 
+/// @throws Error  that begins with `where`, if the stream lacks what the vendor's reader demands of it: a type of the four, an id of 0
+/// or more, a name, a source, and for events and frames a size
+void check_readable_by_vendor(const Stream& stream, std::string_view where);
+
 /// The type that a packet's four letters name.
 StreamType type_identified(std::string_view identifier);
 std::string_view identifier_of(StreamType type);  ///< empty for `other`

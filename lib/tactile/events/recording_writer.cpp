@@ -87,23 +87,10 @@ void RecordingWriter::State::check_streams(const std::vector<Stream>& declared) 
   if (declared.empty()) throw Error(name + ": no stream to write; expected at least one");
   for (std::size_t i = 0; i < declared.size(); ++i) {
     const Stream& stream = declared[i];
-    const auto refuse = [&](std::string_view why) { throw Error(fmt::format("{}: stream {} {}", name, stream.id, why)); };
-    if (stream.id < 0) refuse("has a negative id; expected 0 or more");
-    if (stream.type == StreamType::other) refuse("is of another type; expected events, frames, imu or triggers");
-    if (!stream.type_identifier.empty() && stream.type_identifier != identifier_of(stream.type)) {
-      refuse(fmt::format("names its type {}; expected {}", stream.type_identifier, identifier_of(stream.type)));
-    }
-    if (stream.name.empty()) refuse("has no name; expected one such as 'events'");
-    if (stream.source.empty()) refuse("has no source; expected the camera's, such as 'DVXplorer_DXA00000'");
-    if (stream.type == StreamType::events || stream.type == StreamType::frames) {
-      constexpr int most = std::numeric_limits<std::int16_t>::max();
-      const SensorSize size = stream.size.value_or(SensorSize{});
-      if (size.width < 1 || size.height < 1 || size.width > most || size.height > most) {
-        refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most));
-      }
-    }
+    check_readable_by_vendor(stream, name);
     for (std::size_t other = 0; other < i; ++other) {
-      if (declared[other].id == stream.id) refuse("is declared twice; expected an id of its own for each");
+      if (declared[other].id != stream.id) continue;
+      throw Error(fmt::format("{}: stream {} is declared twice; expected an id of its own for each", name, stream.id));
     }
   }
 }

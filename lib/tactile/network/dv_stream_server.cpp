@@ -104,20 +104,7 @@ struct DvStreamServer::State {
 };
 
 void DvStreamServer::State::check_stream() const {
-  const auto refuse = [&](const std::string& why) {
-    throw Error(fmt::format("{}: stream {} {}", address.text(), stream.id, why));
-  };
-  if (stream.id < 0) refuse("has a negative id; expected 0 or more");
-  if (stream.type == StreamType::other) refuse("is of another type; expected events, frames, imu or triggers");
-  if (stream.name.empty()) refuse("has no name; expected one such as 'events'");
-  if (stream.source.empty()) refuse("has no source; expected the camera's, such as 'DVXplorer_DXA00000'");
-  if (stream.type == StreamType::events || stream.type == StreamType::frames) {
-    constexpr int most = std::numeric_limits<std::int16_t>::max();
-    const SensorSize size = stream.size.value_or(SensorSize{});
-    if (size.width < 1 || size.height < 1 || size.width > most || size.height > most) {
-      refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most));
-    }
-  }
+  check_readable_by_vendor(stream, address.text());
   if (options.client_queue < 1) throw Error(address.text() + ": a client's queue of 0 bytes; expected more");
   if (options.clients < 1) throw Error(address.text() + ": no client allowed; expected 1 at least");
 }

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "tactile/events/recording_reader.hpp"
+
+namespace tactile::test {
+
+/// All events of a recording, stream after stream as its packets stand.
+inline std::vector<Event> events_in_file(const std::filesystem::path& file) {
+  RecordingReader recording(file);
+  std::vector<Event> all;
+  for (const PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != StreamType::events) continue;
+    const auto events = recording.read_events(packet);
+    all.insert(all.end(), events.begin(), events.end());
+  }
+  return all;
+}
+
+}  // namespace tactile::test
