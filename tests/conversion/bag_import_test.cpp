@@ -30,7 +30,7 @@ nlohmann::json truth_of(const std::string& bag) { return read_json(bags / "truth
 void expect_events(const fs::path& recording, const nlohmann::json& truth) {
   const test::RecordingContents contents = test::contents_of(recording);
   EXPECT_EQ(contents.events.size(), truth.at("events"));
-  EXPECT_EQ(contents.event_digest(), truth.at("digest"));
+  EXPECT_EQ(truth.at("digest"), contents.event_digest());
   EXPECT_EQ(us_of(contents.events.front().t), truth.at("first_us"));
   EXPECT_EQ(us_of(contents.events.back().t), truth.at("last_us"));
   EXPECT_TRUE(examine_recording(recording).healthy());
