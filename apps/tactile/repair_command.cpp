@@ -10,7 +10,9 @@
 #include "commands.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
+#include "tactile/core/error.hpp"
 #include "tactile/events/repair.hpp"
+#include "tactile/events/repair_run.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -112,7 +114,11 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
 }
 
 void repair(const RepairArguments& args, const CommonArguments& common) {
-  const RepairSummary summary = repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
+  const bool of_run = std::filesystem::is_directory(args.in);
+  if (of_run && args.force) throw Error(args.out + ": --force replaces a recording; expected it left out for a run's folder");
+  const RepairSummary summary =
+      of_run ? repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
+             : repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
@@ -122,8 +128,8 @@ void add_repair_command(CLI::App& app) {
   auto args = std::make_shared<RepairArguments>();
   CLI::App* command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
                                   [args](const CommonArguments& common) { repair(*args, common); });
-  command->add_option("in", args->in, "Damaged recording; it is left as it is")->type_name("IN")->required();
-  command->add_option("out", args->out, "Repaired recording, .aedat4")->type_name("OUT")->required();
+  command->add_option("in", args->in, "Damaged recording, or run folder; it is left as it is")->type_name("IN")->required();
+  command->add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")->type_name("OUT")->required();
   command->add_flag("--force", args->force, "Replace OUT if it exists; never IN");
 }
 

@@ -146,16 +146,18 @@ class ServeLine {
   std::uint64_t events_ = 0;
 };
 
-/// Until each server has had a client, and a moment longer, for a recorder begins its run once it is connected: then everyone who
-/// was waited for gets the whole.
+/// Until each server has a client that stays a moment: a recorder begins its run once it is connected, and one that only looks what
+/// is there goes again. Then everyone who was waited for gets the whole.
 void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
+  const auto all_have = [&] {
+    return std::all_of(served.begin(), served.end(), [](const Served& one) { return one.server->clients() > 0; });
+  };
   line.draw("waiting for a client");
-  while (!interrupted() &&
-         std::any_of(served.begin(), served.end(), [](const Served& one) { return one.server->joined_clients() == 0; })) {
+  SteadyClock::time_point ready = SteadyClock::now() + settling;
+  while (!interrupted() && SteadyClock::now() < ready) {
+    if (!all_have()) ready = SteadyClock::now() + settling;
     std::this_thread::sleep_for(10ms);
   }
-  const SteadyClock::time_point ready = SteadyClock::now() + settling;
-  while (!interrupted() && SteadyClock::now() < ready) std::this_thread::sleep_for(10ms);
   line.clear();
 }
 
@@ -198,6 +200,8 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
   const std::chrono::duration<double> duration = SteadyClock::now() - begun;
   const bool was_interrupted = interrupted();
   for (const Served& one : served) one.server->drain(was_interrupted ? 1s : longest_stall);
+  // The vendor's reader throws away what it has not handed over yet when the connection closes.
+  if (!was_interrupted && clients_of(served).now > 0) std::this_thread::sleep_for(settling);
   line.clear();
 
   const BroadcastCounts& counts = broadcast.counts();

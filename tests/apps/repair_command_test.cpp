@@ -47,6 +47,30 @@ TEST_F(RepairCommand, AccountsForEveryByteAsJson) {
   EXPECT_EQ(json.at("table_rebuilt"), true);
 }
 
+TEST_F(RepairCommand, MakesAWholeRunOfOneThatWasKilled) {
+  ASSERT_EQ(run("simulate data --preset tiny --objects fan --runs 1").exit_code, 0);
+  const fs::path events = folder / "data/fan/01/events.aedat4";
+  fs::resize_file(events, fs::file_size(events) - 3'000);
+  nlohmann::json info = nlohmann::json::parse(read_text(folder / "data/fan/01/run.json"));
+  info["complete"] = false;
+  info.erase("files");
+  write_whole(folder / "data/fan/01/run.json", info.dump());
+  EXPECT_EQ(run("info --check data/fan/01").exit_code, 2);
+
+  const test::CommandResult result = run("repair data/fan/01 data/fan/02");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const test::CommandResult check = run("info --check data/fan/02");
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+  const nlohmann::json repaired = nlohmann::json::parse(read_text(folder / "data/fan/02/run.json"));
+  EXPECT_EQ(repaired.at("run"), "02");
+  EXPECT_EQ(repaired.at("repaired").at("from"), "fan/01");
+  EXPECT_EQ(read_text(folder / "data/fan/02/robot.csv"), read_text(folder / "data/fan/01/robot.csv"));
+  EXPECT_EQ(run("label data/fan/02").exit_code, 0);
+
+  EXPECT_EQ(run("repair data/fan/01 data/fan/02").exit_code, 1);
+  EXPECT_EQ(run("repair data/fan/01 data/fan/second").exit_code, 1);
+}
+
 TEST_F(RepairCommand, SaysInOneLineWhyItDoesNotWrite) {
   write_whole(folder / "there.aedat4", "precious");
   fs::create_hard_link(folder / "cut.aedat4", folder / "same.aedat4");

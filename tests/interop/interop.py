@@ -389,6 +389,22 @@ def their_readers(folder):
             check_looped(expected.events, c.joined(parts), compression)
 
 
+@row("a recording that serve plays once is whole with dv-processing's NetworkReader", "dv_processing")
+def served_once(folder):
+    import dv_processing as dv
+    recording = simulated_run(folder) / "events.aedat4"
+    expected = as_csv(recording, folder)
+    with Process(TACTILE, "serve", recording, "--port", "0") as serve:
+        port = int(serve.wait_for(r"tcp://127\.0\.0\.1:(\d+)").group(1))
+        reader = dv.io.NetworkReader("127.0.0.1", port)
+        parts = []
+        read_network(reader, parts, len(expected.events))
+        serve.ended()
+    found = c.Contents()
+    found.events = c.joined(parts)
+    expect_equal(expected, found, "played once", ("events",))
+
+
 def check_looped(expected, found, what):
     """`found` began anywhere in the recording that goes round: one whole round of it, from its first event on, must be there."""
     key = expected[["x", "y", "on"]]

@@ -239,9 +239,8 @@ Plan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptio
     leave_out(plan, chosen[i], flags[i]);
   }
   if (plan.runs.empty())
-    throw Error(data.string() +
-                ": every labelled run is flagged or has changed since; expected one at least that is not, label them again with "
-                "'tactile label'");
+    throw Error(data.string() + ": no run is left (" + list_of(plan.warnings, "; ") +
+                "); expected a labelled one at least that is not flagged and has not changed since");
   plan.sensor = common_sensor(plan.runs);
 
   std::map<std::string, std::string> run_with;

@@ -1,0 +1,57 @@
+#include "tactile/events/repair_run.hpp"
+
+#include <array>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_files.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+
+RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned threads, const ProgressCallback& progress) {
+  const fs::path place = fs::absolute(out).lexically_normal();
+  const fs::path folder = place.has_filename() ? place : place.parent_path();
+  const std::string run = folder.filename().string(), object = folder.parent_path().filename().string();
+  if (!is_run_id(run) || !is_object_name(object)) {
+    throw Error(out.string() + ": is no place for a run; expected DATA/<object>/<run>, such as " +
+                (in.folder.parent_path() / "02").string());
+  }
+  if (fs::exists(fs::symlink_status(folder)))
+    throw Error(out.string() + ": is there already; expected a run's folder that is not");
+  RunInfo info = read_run_info(in);
+
+  WholeFile whole(folder);
+  fs::create_directory(whole.path());
+  const RunFolder made{whole.path(), object, run};
+  RepairSummary summary = repair_recording(in.events(), made.events(), false, threads, progress);
+  std::vector<fs::path> files{made.events()};
+  for (const auto& [from, to] : {std::pair(in.robot(), made.robot()), std::pair(in.video(), made.video()),
+                                 std::pair(in.video_times(), made.video_times()), std::pair(in.truth(), made.truth())}) {
+    if (!fs::exists(from)) continue;
+    std::error_code failed;
+    fs::copy_file(from, to, failed);
+    if (failed)
+      throw Error(from.string() + ": cannot be copied (" + failed.message() + "); expected a readable file and a disk with room");
+    sync_to_disk(to);
+    files.push_back(to);
+  }
+
+  info.object = object;
+  info.run = run;
+  info.complete = true;
+  info.extra.erase("simulation");  // the simulator replaces only what it made itself
+  info.extra["files"] = files_json(files);
+  info.extra["repaired"] = {{"from", in.name()},
+                            {"packets_kept", summary.packets_kept()},
+                            {"packets_lost", summary.packets_lost()},
+                            {"bytes_lost", summary.bytes_lost()},
+                            {"version", version()}};
+  write_run_info(made, info);
+  whole.commit();
+  return summary;
+}
+
+}  // namespace tactile
