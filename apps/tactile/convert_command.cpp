@@ -176,6 +176,7 @@ nlohmann::json json_of(const ConvertArguments& args, const BagImportSummary& sum
             {"late_events", drops.late_events},
             {"event_packets", drops.event_packets},
             {"broken_messages", drops.broken_messages},
+            {"other_sensor_messages", drops.other_sensor_messages},
             {"robot_states", drops.robot_states},
             {"frames", drops.frames},
             {"imu_samples", drops.imu_samples}}},
@@ -213,12 +214,14 @@ void warn(const ConvertArguments& args, const BagImportSummary& summary) {
   const BagImportDrops& drops = summary.drops;
   say(drops.events, "event", "outside the sensor dropped");
   say(drops.late_events, "event", "too far out of order dropped");
-  say(drops.event_packets, "packet of events", "never reached the bag");
+  say(drops.event_packets, "event packet", "never reached the bag");
   say(drops.broken_messages, "message", "could not be decoded and left nothing in the run");
-  say(drops.robot_states, "state of the robot", "dropped: no pose, or not later than the one before");
+  say(drops.other_sensor_messages, "message", "of events for a sensor of another size left out");
+  say(drops.robot_states, "robot state", "dropped: no pose, or not later than the one before");
   say(drops.frames, "frame", "dropped: of another size, or not later than the one before");
-  say(drops.imu_samples, "sample of the IMU", "dropped: not later than the one before");
-  say(summary.problems.truncated_bytes, "byte", "behind the last whole record lost: the bag is cut off");
+  say(drops.imu_samples, "IMU sample", "dropped: not later than the one before");
+  say(summary.problems.truncated_bytes, "byte",
+      "behind the last whole record: the bag is cut off, and what could be read of them is in the run");
   say(summary.problems.broken_chunks, "chunk", "could not be read");
   say(summary.problems.broken_records, "record", "could not be read");
   say(summary.problems.unknown_messages, "message", "of unknown topics passed over");

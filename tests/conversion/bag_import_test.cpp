@@ -142,6 +142,8 @@ TEST_F(ImportedRun, SaysInRunJsonWhereItComesFrom) {
   EXPECT_EQ(info.at("bag").at("topics").at("events"), "/dvs/events");
   EXPECT_EQ(info.at("host_time_us").at("begin"), start_us + 100);
   EXPECT_EQ(info.at("dropped").at("events"), 0);
+  EXPECT_EQ(info.at("dropped").at("late_events"), 0);
+  EXPECT_EQ(info.at("bag").at("problems").at("truncated_bytes"), 0);
   EXPECT_EQ(info.at("files").size(), 4U);
   for (const auto& [name, file] : info.at("files").items()) {
     EXPECT_EQ(file.at("sha256"), sha256_of_file(run / name));
@@ -219,6 +221,60 @@ TEST(ImportBag, TakesACutBagUpToTheCutAndSaysSo) {
   EXPECT_GT(summary.events, 100U);
   EXPECT_LT(summary.events, 3'000U);
   EXPECT_GT(summary.problems.truncated_bytes, 0U);
+  const nlohmann::json info = read_json(folder / "fan/01/run.json");
+  EXPECT_EQ(info.at("complete"), false);
+  EXPECT_EQ(info.at("bag").at("problems").at("truncated_bytes"), summary.problems.truncated_bytes);
+}
+
+/// What refusing a bag of these bytes says.
+std::string refusal_of_bytes(const std::string& bytes, const BagImportOptions& options = {}) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "made.bag", bytes);
+  try {
+    import_bag(folder / "made.bag", folder / "fan/01", options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "it was taken";
+  return {};
+}
+
+TEST(ImportBag, SaysThatADamagedBagIsOneWhereNothingIsFound) {
+  const std::string said = refusal_of_bytes(read_text(bags / "run.bag").substr(0, 4'200));
+  EXPECT_NE(said.find("bytes cut off"), std::string::npos) << said;
+}
+
+/// The plain bag with every image's encoding replaced by another of its length.
+std::string with_images_as(const std::string& encoding, const std::string& known) {
+  std::string bytes = read_text(bags / "run.bag");
+  for (std::size_t at = bytes.find(known); at != std::string::npos; at = bytes.find(known, at))
+    bytes.replace(at, known.size(), encoding);
+  return bytes;
+}
+
+TEST(ImportBag, RefusesImagesOfAnUnknownEncodingOnlyIfAskedByName) {
+  const test::TemporaryFolder folder;
+  const std::string bytes = with_images_as("mine", "rgb8");
+  ASSERT_NE(bytes, read_text(bags / "run.bag"));
+  write_whole(folder / "made.bag", bytes);
+  EXPECT_EQ(import_bag(folder / "made.bag", folder / "fan/01").warnings.size(), 1U);
+  EXPECT_FALSE(fs::exists(folder / "fan/01/video.mp4"));
+  const std::string said = refusal_of_bytes(bytes, {.video_topic = "/camera/image_raw"});
+  EXPECT_NE(said.find("topic /camera/image_raw has images encoded as 'mine', which is not known"), std::string::npos) << said;
+}
+
+TEST(ImportBag, CountsMessagesOfAnotherSensorApart) {
+  const test::TemporaryFolder folder;
+  std::string bytes = read_text(bags / "run.bag");
+  const std::string size("\x78\0\0\0\xa0\0\0\0", 8);  // 120 rows of 160 pixels
+  const std::size_t at = bytes.rfind(size);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = 0x79;
+  write_whole(folder / "made.bag", bytes);
+  const BagImportSummary summary = import_bag(folder / "made.bag", folder / "fan/01");
+  EXPECT_EQ(summary.drops.other_sensor_messages, 1U);
+  EXPECT_EQ(summary.drops.broken_messages, 0U);
+  EXPECT_EQ(read_json(folder / "fan/01/run.json").at("dropped").at("other_sensor_messages"), 1);
 }
 
 TEST(ImportBag, NeverTouchesARunThatIsThere) {

@@ -6,6 +6,7 @@
 #include "events/recording_contents.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/conversion/hdf5_recording.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/events/recording_health.hpp"
@@ -353,13 +354,56 @@ TEST(Convert, NeverWritesOverItsInputNorUnaskedOverAnother) {
   }
 }
 
+std::string refusal_of(const fs::path& in, const fs::path& out, const ConvertOptions& options = {}) {
+  try {
+    convert_recording(in, out, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << in << " was taken";
+  return {};
+}
+
+TEST(Convert, CutsByTheEventsWhateverTheDataTableSays) {
+  const test::TemporaryFolder folder;
+  test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 1'000, 100, {64, 48}), {64, 48});
+  std::string bytes = read_text(folder / "in.aedat4");
+  const auto text_of = [](std::int64_t number) { return std::string(reinterpret_cast<const char*>(&number), sizeof number); };
+  const std::size_t begin_in_table = bytes.rfind(text_of(11'000));  // the second packet's
+  ASSERT_GT(begin_in_table, test::packets_of(folder / "in.aedat4").back().payload_offset);
+  bytes.replace(begin_in_table, 8, text_of(20'900));
+  write_whole(folder / "in.aedat4", bytes);
+  const ConvertSummary cut = convert_recording(folder / "in.aedat4", folder / "cut.npz", {.to = camera_time(20'900)});
+  EXPECT_EQ(cut.streams.at(0).elements, 199U);
+}
+
+TEST(Convert, WantsASensorSizeOnlyWhereTheOutputDoes) {
+  const test::TemporaryFolder folder;
+  const Stream sizeless = test::stream_of(0, StreamType::events, "EVTS", "A");
+  {
+    Hdf5RecordingWriter writer(folder / "in.h5", {&sizeless, 1});
+    writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
+    writer.close();
+  }
+  EXPECT_NE(refusal_of(folder / "in.h5", folder / "out.aedat4").find("in.h5: does not say its sensor's size"), std::string::npos);
+  const ConvertSummary summary = convert_recording(folder / "in.h5", folder / "out.aedat4", {.size = SensorSize{64, 48}});
+  EXPECT_EQ(summary.streams.at(0).elements, 30U);
+}
+
 TEST(Convert, ExportsTimesThatStepBackButMakesNoRecordingOfThem) {
   const test::TemporaryFolder folder;
   test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 1'000, 100, {64, 48}), {64, 48});
   test::overwrite(folder / "in.aedat4", test::event_offset(test::packets_of(folder / "in.aedat4").front(), 4),
                   std::int64_t{1'000});
   EXPECT_EQ(convert_recording(folder / "in.aedat4", folder / "out.csv").steps_back, 1U);
-  EXPECT_THROW(convert_recording(folder / "in.aedat4", folder / "out.aedat4"), Error);
+  for (const char* out : {"out.aedat4", "out.h5"}) {
+    const std::string said = refusal_of(folder / "in.aedat4", folder / out);
+    EXPECT_TRUE(said.starts_with((folder / "in.aedat4").string() + ": stream 0 goes back in time, from 1300 to 1000 us")) << said;
+    EXPECT_NE(said.find("CSV and NPZ keep events as they are"), std::string::npos) << said;
+    const ConvertSummary cut = convert_recording(folder / "in.aedat4", folder / out, {.from = camera_time(1'301)});
+    EXPECT_EQ(cut.streams.at(0).elements, 295U);
+    fs::remove(folder / out);
+  }
   EXPECT_THROW(convert_recording(folder / "out.csv", folder / "again.aedat4"), Error);
   EXPECT_EQ(files_in(folder.path()), 2U);
 }

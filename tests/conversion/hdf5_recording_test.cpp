@@ -216,13 +216,36 @@ TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {
   EXPECT_NE(refusal_of(folder / "linked.h5").find("lies in another file"), std::string::npos);
 }
 
-TEST(Hdf5Recording, WritesTimesThatStepBackButMakesNoRecordingOfThem) {
+TEST(Hdf5Recording, NeverHoldsTimesThatStepBack) {
   const test::TemporaryFolder folder;
-  test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 1'000, 100, {64, 48}), {64, 48});
-  test::overwrite(folder / "in.aedat4", test::event_offset(test::packets_of(folder / "in.aedat4").front(), 4),
-                  std::int64_t{1'000});
-  EXPECT_EQ(convert_recording(folder / "in.aedat4", folder / "out.h5").steps_back, 1U);
-  EXPECT_NE(refusal_of(folder / "out.h5").find("time goes back in row 4"), std::string::npos);
+  const Stream stream = event_stream_declaration({64, 48}, "A");
+  Hdf5RecordingWriter writer(folder / "out.h5", {&stream, 1});
+  const std::vector<Event> events{test::event_at(5, 1, 1, 1), test::event_at(4, 1, 1, 1)};
+  EXPECT_THROW(writer.write_events(0, events), Error);
+}
+
+TEST(Hdf5Recording, LeavesOutASizeThatAStreamDoesNotHave) {
+  const test::TemporaryFolder folder;
+  Stream sized = event_stream_declaration({64, 48}, "A"), sizeless = test::stream_of(4, StreamType::events, "EVTS", "B");
+  const std::vector<Stream> streams{sized, sizeless};
+  Hdf5RecordingWriter writer(folder / "two.h5", streams);
+  writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
+  writer.write_events(4, test::steady_events(30, 0, 100, {320, 240}));
+  writer.close();
+  EXPECT_NE(refusal_of(folder / "two.h5").find("--size WxH"), std::string::npos);
+  const Hdf5RecordingReader reader(folder / "two.h5", SensorSize{320, 240});
+  EXPECT_EQ(reader.streams()[0].size, (SensorSize{64, 48}));
+  EXPECT_EQ(reader.streams()[1].size, (SensorSize{320, 240}));
+}
+
+TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
+  const test::TemporaryFolder folder;
+  python(folder,
+         "with h5py.File('theirs.h5', 'w') as f:\n"
+         "    for n in ('t_us', 'x', 'y', 'on'):\n"
+         "        f.create_dataset('events/' + n, data=np.zeros(1000, dtype='i8'), chunks=(100,), compression='lzf')\n");
+  const std::string said = refusal_of(folder / "theirs.h5", {.size = SensorSize{64, 48}});
+  EXPECT_NE(said.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ constexpr microseconds sorted_span{20'000};                 // messages of sever
 constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; a faster camera's are sorted over less time
 constexpr std::int32_t events_id = 0, imu_id = 2;           // as the vendor numbers its streams
 constexpr std::size_t most_topics = 4096;
+constexpr int most_video_side = 16'384;  // [px], of a frame that H.264 takes
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
@@ -84,11 +85,12 @@ struct SurveyedTopic {
   std::string type, md5sum;
   RosMessage message = RosMessage::other;
   std::uint64_t messages = 0;
-  std::uint64_t useful = 0;        ///< that hold what we look for: events, a joint, the pose
-  JointPositions first_joints{};   ///< the first known of each
-  std::optional<SensorSize> size;  ///< of the first message that decodes
-  std::string encoding;            ///< of its events or image
-  std::string other_encoding;      ///< of events, where one is not known
+  std::uint64_t useful = 0;                 ///< that hold what we look for: events, a joint, the pose
+  JointPositions first_joints{};            ///< the first known of each
+  std::optional<SensorSize> size;           ///< of the first message that decodes
+  std::string encoding;                     ///< of its events or image
+  std::optional<SensorSize> unusable_size;  ///< of the first image that no video can hold
+  std::string other_encoding;               ///< of events, where one is not known
 };
 
 struct Survey {
@@ -139,6 +141,10 @@ void look_at(SurveyedTopic& topic, std::span<const std::byte> data, Decoded& dec
       if (topic.size || !decode_image(data, decoded.image)) return;
       topic.encoding = decoded.image.encoding;
       if (decoded.image.pixels.empty()) return;
+      if (std::max(decoded.image.pixels.cols, decoded.image.pixels.rows) > most_video_side) {
+        if (!topic.unusable_size) topic.unusable_size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
+        return;
+      }
       topic.size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
       ++topic.useful;
       break;
@@ -183,6 +189,25 @@ std::string topics_text(const Survey& found) {
   std::vector<std::string> names;
   for (const auto& [name, topic] : found.topics) names.push_back(fmt::format("{} ({})", name, topic.type));
   return names.empty() ? "no message at all" : list_of(names);
+}
+
+/// What a bag lost, for the end of a sentence; empty of a sound one.
+std::string damage_text(const BagProblems& problems) {
+  std::string text;
+  if (problems.truncated_bytes > 0) text += fmt::format("; {} bytes cut off", problems.truncated_bytes);
+  if (problems.broken_chunks > 0)
+    text += fmt::format("{} {} chunks could not be read", text.empty() ? ";" : ",", problems.broken_chunks);
+  return text;
+}
+
+/// Why a topic's images cannot become a video.
+std::string unusable_text(const SurveyedTopic& topic) {
+  if (topic.unusable_size) {
+    return fmt::format("has images of {}x{} px, and a video holds at most {} px each way", topic.unusable_size->width,
+                       topic.unusable_size->height, most_video_side);
+  }
+  if (topic.encoding.empty()) return "has no image that can be decoded";
+  return fmt::format("has images encoded as '{}', which is not known", topic.encoding);
 }
 
 /// @throws Error if the topic's type is one of ours in another version, or its events come in an encoding that is not known
@@ -232,12 +257,13 @@ Choice choose_topics(const std::string& bag, const Survey& found, const BagImpor
   }
   if (!choice.contains(Kind::events)) {
     for (const auto& [name, topic] : found.topics) check_topic(bag, name, topic);  // the reason may be a version
-    throw Error(fmt::format("{}: no topic holds events; expected dvs_msgs/EventArray or event_camera_msgs/EventPacket among {}",
-                            bag, topics_text(found)));
+    throw Error(fmt::format("{}: no topic holds events; expected dvs_msgs/EventArray or event_camera_msgs/EventPacket among {}{}",
+                            bag, topics_text(found), damage_text(found.problems)));
   }
   const std::string& events = choice.at(Kind::events);
   if (!found.topics.at(events).size)
-    throw Error(fmt::format("{}: topic {} holds no message that can be decoded; expected events", bag, events));
+    throw Error(fmt::format("{}: topic {} holds no message that can be decoded; expected events{}", bag, events,
+                            damage_text(found.problems)));
 
   if (choice.contains(Kind::joints) && !choice.contains(Kind::pose)) {
     warnings.push_back(
@@ -256,8 +282,10 @@ Choice choose_topics(const std::string& bag, const Survey& found, const BagImpor
     }
   }
   if (const auto video = choice.find(Kind::video); video != choice.end() && !found.topics.at(video->second).size) {
-    warnings.push_back(fmt::format("{}: {} has images encoded as '{}', which is not known; the run has no video", bag,
-                                   video->second, found.topics.at(video->second).encoding));
+    const std::string why = unusable_text(found.topics.at(video->second));
+    if (!options.video_topic.empty())
+      throw Error(fmt::format("{}: topic {} {}; expected images as mono8, bgr8, rgb8 or the like", bag, video->second, why));
+    warnings.push_back(fmt::format("{}: {} {}; the run has no video", bag, video->second, why));
     choice.erase(video);
   }
   return choice;
@@ -545,7 +573,7 @@ class Import {
       return;
     }
     if (events.size != summary_.size) {  // another sensor's, which its declaration cannot hold
-      ++summary_.drops.broken_messages;
+      ++summary_.drops.other_sensor_messages;
       return;
     }
     if (events.sequence) {
@@ -596,20 +624,29 @@ nlohmann::json run_json_extra(const fs::path& bag, const Choice& choice, const S
   std::vector<fs::path> files{written.events(), written.robot(), written.video(), written.video_times()};
   std::erase_if(files, [](const fs::path& file) { return !fs::exists(file); });
   const BagImportDrops& drops = summary.drops;
-  nlohmann::json extra = {
-      {"camera", camera},
-      {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-      {"host_time_us", {{"begin", us_of(*import.begin)}, {"end", us_of(*import.end)}}},
-      {"dropped",
-       {{"events", drops.events + drops.late_events},
-        {"event_packets", drops.event_packets},
-        {"robot_packages", drops.robot_states},
-        {"frames", drops.frames},
-        {"imu_samples", drops.imu_samples},
-        {"broken_messages", drops.broken_messages}}},
-      {"files", files_json(files)},
-      {"bag",
-       {{"file", bag.filename().string()}, {"bytes", fs::file_size(bag)}, {"sha256", sha256_of_file(bag)}, {"topics", topics}}}};
+  nlohmann::json extra = {{"camera", camera},
+                          {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+                          {"host_time_us", {{"begin", us_of(*import.begin)}, {"end", us_of(*import.end)}}},
+                          {"dropped",
+                           {{"events", drops.events},
+                            {"late_events", drops.late_events},
+                            {"event_packets", drops.event_packets},
+                            {"robot_packages", drops.robot_states},
+                            {"frames", drops.frames},
+                            {"imu_samples", drops.imu_samples},
+                            {"broken_messages", drops.broken_messages},
+                            {"other_sensor_messages", drops.other_sensor_messages}}},
+                          {"files", files_json(files)},
+                          {"bag",
+                           {{"file", bag.filename().string()},
+                            {"bytes", fs::file_size(bag)},
+                            {"sha256", sha256_of_file(bag)},
+                            {"topics", topics},
+                            {"problems",
+                             {{"truncated_bytes", summary.problems.truncated_bytes},
+                              {"broken_chunks", summary.problems.broken_chunks},
+                              {"broken_records", summary.problems.broken_records},
+                              {"unknown_messages", summary.problems.unknown_messages}}}}}};
   if (choice.contains(Kind::pose)) {
     extra["robot_clock"] = "host";
     extra["robot_speed"] = "differences of the pose";
@@ -664,13 +701,15 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   }
   import.finish(written);
   summary.problems = reader.problems();
-  if (summary.events == 0) throw Error(fmt::format("{}: topic {} holds no event; expected some", name, choice.at(Kind::events)));
+  if (summary.events == 0)
+    throw Error(fmt::format("{}: topic {} holds no event; expected some{}", name, choice.at(Kind::events),
+                            damage_text(summary.problems)));
 
   write_run_info(written, {.object = summary.run.object,
                            .run = summary.run.run,
                            .session = {},
                            .simulated = false,
-                           .complete = true,
+                           .complete = summary.problems.truncated_bytes == 0 && summary.problems.broken_chunks == 0,
                            .width = summary.size.width,
                            .height = summary.size.height,
                            .extra = run_json_extra(bag, choice, found, import, summary, written)});

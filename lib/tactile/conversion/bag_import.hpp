@@ -26,13 +26,14 @@ struct BagImportOptions {
 
 /// What a run lost on its way out of the bag, or had lost before.
 struct BagImportDrops {
-  std::uint64_t events = 0;           ///< outside the sensor
-  std::uint64_t late_events = 0;      ///< more than 20 ms earlier than what came before them
-  std::uint64_t event_packets = 0;    ///< missing in the row of EventPackets' numbers
-  std::uint64_t broken_messages = 0;  ///< of the topics taken, that could not be decoded
-  std::uint64_t robot_states = 0;     ///< no pose, or not later than the one before
-  std::uint64_t frames = 0;           ///< of another size, or not later than the one before
-  std::uint64_t imu_samples = 0;      ///< not later than the one before
+  std::uint64_t events = 0;                 ///< outside the sensor
+  std::uint64_t late_events = 0;            ///< more than 20 ms earlier than what came before them
+  std::uint64_t event_packets = 0;          ///< missing in the row of EventPackets' numbers
+  std::uint64_t broken_messages = 0;        ///< of the topics taken, that could not be decoded
+  std::uint64_t other_sensor_messages = 0;  ///< of events for a sensor of another size than the first's
+  std::uint64_t robot_states = 0;           ///< no pose, or not later than the one before
+  std::uint64_t frames = 0;                 ///< of another size, or not later than the one before
+  std::uint64_t imu_samples = 0;            ///< not later than the one before
 };
 
 struct BagTopic {
@@ -63,6 +64,7 @@ void refuse_ros2_bag(const std::filesystem::path& file);
 /// Makes a run folder, whole or not at all, of a ROS 1 bag: `events.aedat4` (with the IMU), `robot.csv`, `video.mp4`, `video.csv`
 /// and `run.json`, as far as the bag has what they are made of. The bag is read twice; memory follows the chunk and the message.
 ///
+/// - `complete` in run.json is false if the bag is cut off or has a chunk that cannot be read.
 /// - Events keep their own stamps as camera time. Those up to 20 ms out of order are sorted, earlier ones dropped and counted.
 /// - A bag holds no controller time: `timestamp` is the transform's stamp in seconds, and run.json says `"robot_clock": "host"`.
 ///   A row is a pose; its joint positions are the newest before it, its speed the pose's difference from the row before to the
@@ -71,7 +73,8 @@ void refuse_ros2_bag(const std::filesystem::path& file);
 ///
 /// @param folder  DATA/<object>/<run>, which must not exist
 /// @throws Error  if the bag cannot be read, has no event, or several topics of a kind and none is chosen; if events come in an
-///                encoding that is not known, a topic's type has another definition, or the run exists already
+///                encoding that is not known, as the images of a topic that is chosen by name do; if a topic's type has another
+///                definition, or the run exists already
 BagImportSummary import_bag(const std::filesystem::path& bag, const std::filesystem::path& folder,
                             const BagImportOptions& options = {}, const ProgressCallback& progress = {});
 

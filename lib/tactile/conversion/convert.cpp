@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <memory>
 #include <span>
 #include <utility>
@@ -35,10 +36,6 @@ class Cut {
 
   bool holds(CameraTime t) const { return t >= from_ && (!to_ || t < *to_); }
   bool asked() const { return asked_; }
-  /// Whether the list of packets tells that nothing of this one is inside.
-  bool misses(const PacketRecord& packet) const {
-    return asked_ && packet.elements > 0 && (packet.last < from_ || (to_ && packet.first >= *to_));
-  }
   std::string text() const {
     return fmt::format("[{}, {})", from_ == CameraTime::min() ? "begin" : std::to_string(us_of(from_)),
                        to_ ? std::to_string(us_of(*to_)) : "end");
@@ -185,7 +182,6 @@ class Hdf5Output : public Output {
   void write(std::int32_t id, std::span<const Event> events) override { writer_.write_events(id, events); }
   void write(std::int32_t id, std::span<const ImuSample> samples) override { writer_.write_imu(id, samples); }
   void write(std::int32_t id, std::span<const Trigger> triggers) override { writer_.write_triggers(id, triggers); }
-  std::uint64_t steps_back() const override { return writer_.steps_back(); }
   void close() override { writer_.close(); }
 
  private:
@@ -209,16 +205,23 @@ class EventOutput : public Output {
 
 std::unique_ptr<Output> open_output(const fs::path& file, const fs::path& in, const ConvertSummary& summary) {
   std::vector<Stream> streams;
+  const auto check_size = [&](const Stream& stream) {
+    if (stream.type == StreamType::events && !stream.size) {
+      throw Error(fmt::format("{}: its events have no sensor size (stream {}); expected a stream that declares one, or --crop",
+                              in.string(), stream.id));
+    }
+  };
   for (const ConvertedStream& kept : summary.streams) streams.push_back(kept.stream);
   switch (summary.to) {
     case RecordingFormat::csv:
       return std::make_unique<EventOutput<EventCsvWriter>>(file);
     case RecordingFormat::npz:
-      if (!summary.size) throw Error(in.string() + ": its events have no sensor size; expected a stream that declares one");
+      check_size(streams.front());
       return std::make_unique<EventOutput<EventNpzWriter>>(file, *summary.size);
     case RecordingFormat::hdf5:
       return std::make_unique<Hdf5Output>(file, streams);
     case RecordingFormat::aedat4:
+      std::for_each(streams.begin(), streams.end(), check_size);
       break;
   }
   return std::make_unique<Aedat4Output>(file, std::move(streams), *summary.compression);
@@ -241,14 +244,6 @@ class Passage {
                                     [&](const ConvertedStream& s) { return s.stream.id == stream_id; });
     return found == summary_.streams.end() ? nullptr : &*found;
   }
-  /// Whether nothing of the packet is inside the cut; if so it need not be read.
-  bool passes_over(const PacketRecord& packet) {
-    if (!cut_.misses(packet)) return false;
-    all_.add(packet.first);
-    all_.add(packet.last);
-    return true;
-  }
-
   void pass(ConvertedStream& to, std::span<const Event> events) {
     all_.add(events);
     std::span<const Event> inside = cut_.of(events, events_kept_);
@@ -276,7 +271,7 @@ class Passage {
       ++summary_.cropped_frames;
       return;
     }
-    written_.add(frame.t);
+    note_time(to, frame.t);
     ++to.elements;
     output_->write(to.stream.id, crop_ ? *part : frame);
   }
@@ -303,9 +298,24 @@ class Passage {
   template <class Element>
   void hand_over(ConvertedStream& to, std::span<const Element> inside) {
     if (inside.empty()) return;
-    written_.add(inside);
+    for (const Element& element : inside) note_time(to, element.t);
     to.elements += inside.size();
     output_->write(to.stream.id, inside);
+  }
+
+  /// Notes the time of an element that is about to be written.
+  /// @throws Error  that names the input, if it steps back and the output is a recording, whose times never fall
+  void note_time(const ConvertedStream& to, CameraTime t) {
+    written_.add(t);
+    if (holds_one_stream(summary_.to)) return;
+    const auto [newest, is_first] = newest_.try_emplace(to.stream.id, t);
+    if (!is_first && t < newest->second) {
+      throw Error(
+          fmt::format("{}: stream {} goes back in time, from {} to {} us; expected times that never fall: CSV and NPZ "
+                      "keep events as they are, and a cut leaves the step out, with --from-us above {} or --to-us up to {}",
+                      in_.string(), to.stream.id, us_of(newest->second), us_of(t), us_of(newest->second), us_of(t)));
+    }
+    newest->second = t;
   }
 
   fs::path in_;
@@ -315,6 +325,7 @@ class Passage {
   WholeFile whole_;
   std::unique_ptr<Output> output_;
   TimeRange all_, written_;
+  std::map<std::int32_t, CameraTime> newest_;  ///< written of each stream
   std::vector<Event> events_kept_, events_cropped_;
   std::vector<ImuSample> imu_kept_;
   std::vector<Trigger> triggers_kept_;
@@ -329,7 +340,7 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
     ConvertedStream* const to = passage.place_of(packet.stream_id);
-    if (to == nullptr || passage.passes_over(packet)) continue;
+    if (to == nullptr) continue;  // every packet of a kept stream is read: the data table's times may be wrong
     switch (to->stream.type) {
       case StreamType::events:
         passage.pass(*to, std::span<const Event>(recording.read_events(packet)));

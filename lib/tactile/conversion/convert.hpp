@@ -58,17 +58,17 @@ struct ConvertSummary {
   std::optional<CameraTime> first, last;   ///< of the elements written, over all streams
   std::uint64_t cropped_events = 0;        ///< within the cut, but outside the crop
   std::uint64_t cropped_frames = 0;        ///< wholly outside it
-  std::uint64_t steps_back = 0;            ///< in time, of the events written to CSV, HDF5 or NPZ as they are
+  std::uint64_t steps_back = 0;            ///< in time, of the events written to CSV or NPZ as they are
   RecordingProblems problems;              ///< of an AEDAT4 input
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
 /// From AEDAT4, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ; cut by time, cropped. CSV and NPZ hold the events of one stream, HDF5
-/// several of them, IMU and triggers, AEDAT4 frames too. The output appears only once it is whole. Memory follows the packet or
-/// the chunk.
+/// several of them, IMU and triggers, AEDAT4 frames too. A cut reads every packet too, for a data table's times may be wrong. The
+/// output appears only once it is whole. Memory follows the packet or the chunk.
 /// @throws Error  if input and output are one file, the output exists already, a format is unknown, an option does not apply, cut
-///                or crop leave nothing, or the input cannot be used: of several event streams a CSV or NPZ takes one, and an
-///                AEDAT4 output takes no times that step back
+///                or crop leave nothing, or the input cannot be used: of several event streams a CSV or NPZ takes one, an
+///                AEDAT4 or HDF5 output takes no times that step back, and an AEDAT4 or NPZ no events without a sensor size
 ConvertSummary convert_recording(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const ConvertOptions& options = {}, const ProgressCallback& progress = {});
 

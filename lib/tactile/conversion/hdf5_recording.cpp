@@ -84,7 +84,6 @@ struct Hdf5RecordingWriter::State {
   fs::path path;
   h5::Id file;
   std::vector<StreamOut> streams;
-  std::uint64_t steps_back = 0;
 
   ~State() {
     const h5::Session session;
@@ -99,9 +98,13 @@ struct Hdf5RecordingWriter::State {
     const auto events =
         std::find_if(declared.begin(), declared.end(), [](const Stream& s) { return s.type == StreamType::events; });
     if (events != declared.end()) {
-      const SensorSize size = events->size.value_or(SensorSize{});
-      h5::write_attribute(file, "sensor_width", std::int64_t{size.width}, name);
-      h5::write_attribute(file, "sensor_height", std::int64_t{size.height}, name);
+      // They hold for every stream without a size of its own, so one that has none gets none by them.
+      const bool all_have_size =
+          std::all_of(declared.begin(), declared.end(), [](const Stream& s) { return s.type != StreamType::events || s.size; });
+      if (all_have_size) {
+        h5::write_attribute(file, "sensor_width", std::int64_t{events->size->width}, name);
+        h5::write_attribute(file, "sensor_height", std::int64_t{events->size->height}, name);
+      }
       h5::write_attribute(file, "source", events->source, name);
     }
     streams.reserve(declared.size());
@@ -152,7 +155,10 @@ struct Hdf5RecordingWriter::State {
     const auto out = std::find_if(streams.begin(), streams.end(), [id](const StreamOut& s) { return s.stream.id == id; });
     if (out == streams.end()) throw Error(fmt::format("{}: has no stream {}; expected one of its own", path.string(), id));
     for (const Element& element : elements) {
-      if (element.t < out->previous) ++steps_back;
+      if (element.t < out->previous) {
+        throw Error(fmt::format("{}: goes back in time, from {} to {} us; expected times that never fall", out->where,
+                                us_of(out->previous), us_of(element.t)));
+      }
       out->previous = element.t;
       out->t.waiting.push_back(us_of(element.t));
       append(*out, element);
@@ -195,8 +201,6 @@ void Hdf5RecordingWriter::write_triggers(std::int32_t stream_id, std::span<const
   state_->write(stream_id, triggers, [](StreamOut& out, const Trigger& trigger) { out.type.waiting.push_back(trigger.type); });
 }
 
-std::uint64_t Hdf5RecordingWriter::steps_back() const { return state_->steps_back; }
-
 void Hdf5RecordingWriter::close() {
   const h5::Session session;
   for (StreamOut& out : state_->streams) {
@@ -219,6 +223,7 @@ class ColumnIn {
     if (!h5::linked_file(group, name).empty())
       throw Error(where_ + ": lies in another file; expected a recording whole in one file");
     table_ = h5::open_table(group, name, where_);
+    h5::check_filters(table_, where_);
     const h5::Id type(H5Dget_type(table_), H5Tclose);
     const H5T_class_t stored = H5Tget_class(type);
     const bool fits = std::is_floating_point_v<T> ? stored == H5T_FLOAT : stored == H5T_INTEGER || stored == H5T_ENUM;
@@ -323,6 +328,7 @@ struct Hdf5RecordingReader::State {
   h5::Id file;
   std::vector<StreamIn> inputs;
   std::vector<Stream> streams;
+  bool is_given_size_used = false;
 
   ~State() {
     const h5::Session session;
@@ -330,15 +336,16 @@ struct Hdf5RecordingReader::State {
     file = h5::Id();
   }
 
-  SensorSize size_of_events(hid_t group, const std::string& where, std::optional<SensorSize> given) const {
+  SensorSize size_of_events(hid_t group, const std::string& where, std::optional<SensorSize> given) {
     std::optional<std::int64_t> width = number_of(group, "width", where), height = number_of(group, "height", where);
     if (!width || !height) {
       width = number_of(file, "sensor_width", name);
       height = number_of(file, "sensor_height", name);
     }
-    if (width && height && given)
-      throw Error(fmt::format("{}: says that its sensor has {}x{} pixels; expected --size left out", name, *width, *height));
-    if (given) return *given;
+    if ((!width || !height) && given) {
+      is_given_size_used = true;
+      return *given;
+    }
     if (!width || !height) {
       throw Error(name +
                   ": does not say its sensor's size; expected the attributes sensor_width and sensor_height, or --size WxH");
@@ -418,6 +425,11 @@ struct Hdf5RecordingReader::State {
         const bool is_further = member.size() > group.size() && member.starts_with(group) && member[group.size()] == '_';
         if (member == group || is_further) add(type, member, size, source);
       }
+    }
+    const auto sized = std::find_if(streams.begin(), streams.end(), [](const Stream& s) { return s.size.has_value(); });
+    if (size && !is_given_size_used && sized != streams.end()) {
+      throw Error(fmt::format("{}: says that its sensor has {}x{} pixels; expected --size left out", name, sized->size->width,
+                              sized->size->height));
     }
     if (inputs.empty()) {
       std::string list;

@@ -28,11 +28,11 @@ class Hdf5RecordingWriter {
   Hdf5RecordingWriter(Hdf5RecordingWriter&&) noexcept;
   Hdf5RecordingWriter& operator=(Hdf5RecordingWriter&&) noexcept;
 
-  void write_events(std::int32_t stream_id, std::span<const Event> events);  ///< places must be >= 0
+  /// Places must be >= 0. @throws Error, as its siblings, if a stream's time goes back: what reads the file refuses that
+  void write_events(std::int32_t stream_id, std::span<const Event> events);
   void write_imu(std::int32_t stream_id, std::span<const ImuSample> samples);
   void write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers);
-  std::uint64_t steps_back() const;  ///< in time, of each stream, so far
-  void close();                      ///< @throws Error if the file cannot be written
+  void close();  ///< @throws Error if the file cannot be written
 
  private:
   struct State;
@@ -42,7 +42,7 @@ class Hdf5RecordingWriter {
 /// Reads one, also if another program made it: whole numbers of any width, a stream's attributes where they are there.
 class Hdf5RecordingReader {
  public:
-  /// `size`, `source`: of the events where the file does not say them.
+  /// `size`, `source`: of the events where the file does not say them; it is an error to give what it says.
   /// @throws Error  if the file is none, lacks a column, its columns differ in length, hold another type or shape, or claim more
   ///                than the file can hold; or if it is the events file of a dataset
   explicit Hdf5RecordingReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt,

@@ -3,6 +3,7 @@
 #include <bzlib.h>
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <lz4frame.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +26,7 @@ namespace {
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
 constexpr std::uint32_t most_header = 1U << 20;
 constexpr std::uint64_t most_chunk = std::uint64_t{256} << 20;
+constexpr std::size_t lz4_spare = std::size_t{128} << 10;  // room to decode a chunk's last block in place
 constexpr std::size_t most_connections = 65'536;
 constexpr std::size_t most_name = 4096;  // of a topic or type
 
@@ -64,32 +67,49 @@ std::optional<std::string> text_field(Bytes header, std::string_view name) {
   return std::string(reinterpret_cast<const char*>(value->data()), value->size());
 }
 
-/// `stored` as bzip2 made it, into the front of `content`, which grows as it turns out; whether it gives exactly `size` bytes.
-bool decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t size) {
+/// `stored` as bzip2 made it, into the front of `content`: whole only if it gives exactly `size` bytes; else what could be
+/// decompressed.
+Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t size) {
   bz_stream stream{};
-  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return false;
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return {};
   struct End {
     bz_stream& stream;
     ~End() { BZ2_bzDecompressEnd(&stream); }
   } const end{stream};
   stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(stored.data()));
   stream.avail_in = static_cast<unsigned>(stored.size());
+  content.grow(size + 1, 0);  // one more than is right tells that it is too long; memory that is not written to takes none
   std::size_t done = 0;
-  for (int result = BZ_OK; result == BZ_OK;) {
-    if (content.capacity() <= done)
-      content.grow(std::min(size + 1, std::max<std::size_t>({2 * done, 4 * stored.size(), 65'536})), done);
-    const std::size_t room = std::min(content.capacity(), size + 1) - done;  // one more than is right tells that it is too long
-    if (room == 0) return false;
+  while (done <= size) {
+    const std::size_t room = size + 1 - done;
     stream.next_out = reinterpret_cast<char*>(content.data() + done);
     stream.avail_out = static_cast<unsigned>(room);
     const unsigned had_in = stream.avail_in;
-    result = BZ2_bzDecompress(&stream);
+    const int result = BZ2_bzDecompress(&stream);
     const std::size_t got = room - stream.avail_out;
     done += got;
-    if (result == BZ_STREAM_END) return done == size;
-    if (result == BZ_OK && got == 0 && had_in == stream.avail_in) return false;  // cut off
+    if (result == BZ_STREAM_END) return {.whole = done == size, .size = done};
+    if (result != BZ_OK || (got == 0 && had_in == stream.avail_in)) break;  // damaged, or cut off
   }
-  return false;
+  return {.whole = false, .size = done};
+}
+
+/// What the front of an LZ4 frame gives, into the front of `content`; `size` bytes at the most.
+std::size_t decompress_lz4_front(Bytes stored, PacketBuffer& content, std::size_t size) {
+  LZ4F_dctx* context = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) return 0;
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> end(context, LZ4F_freeDecompressionContext);
+  content.grow(size, 0);
+  std::size_t used = 0, done = 0;
+  while (used < stored.size() && done < size) {
+    std::size_t input = stored.size() - used, output = size - done;
+    const std::size_t rest = LZ4F_decompress(context, content.data() + done, &output, stored.data() + used, &input, nullptr);
+    if (LZ4F_isError(rest) != 0U) break;
+    used += input;
+    done += output;
+    if (rest == 0 || (input == 0 && output == 0)) break;
+  }
+  return done;
 }
 
 }  // namespace
@@ -104,7 +124,8 @@ struct RosBagReader::State {
   std::vector<std::byte> header;
   PacketBuffer stored, content;
   PacketDecompressor decompressor;
-  Bytes rest;  ///< of the chunk being read
+  Bytes rest;                ///< of the chunk being read
+  bool is_rest_cut = false;  ///< the file ends amid that chunk, which is counted already
 
   void open(const fs::path& path) {
     name = path.string();
@@ -132,10 +153,11 @@ struct RosBagReader::State {
   struct Record {
     Bytes header;
     std::uint64_t data_at = 0;
-    std::uint32_t data_size = 0;
+    std::uint32_t data_size = 0;  ///< that is there
+    bool is_cut = false;          ///< the file ends amid its data
   };
 
-  /// The next record of the file, its data not read yet; nothing where the file ends or is cut off.
+  /// The next record of the file, its data not read yet; nothing where the file ends or is cut off, unless that is amid a chunk.
   std::optional<Record> next_record() {
     const auto cut_off = [this] {
       problems.truncated_bytes = size - at;
@@ -152,7 +174,13 @@ struct RosBagReader::State {
     read(at + 4, header);
     read(at + 4 + header_size, length);
     Record record{.header = header, .data_at = at + 8 + header_size, .data_size = number_at<std::uint32_t>(length)};
-    if (record.data_size > size - record.data_at) return cut_off();
+    if (record.data_size > size - record.data_at) {
+      cut_off();
+      if (number_field<std::uint8_t>(record.header, "op") != Operation::chunk) return std::nullopt;
+      record.data_size = static_cast<std::uint32_t>(size - record.data_at);
+      record.is_cut = true;
+      return record;
+    }
     at = record.data_at + record.data_size;
     return record;
   }
@@ -193,25 +221,32 @@ struct RosBagReader::State {
                       .data = data};
   }
 
-  /// Whether the chunk could be opened; `rest` is then what it holds.
+  /// Whether the chunk could be opened; `rest` is then what it holds, or of one that is cut off what can be had of its front.
   bool open_chunk(const Record& record) {
     const auto compression = text_field(record.header, "compression");
     const auto claimed = number_field<std::uint32_t>(record.header, "size");
     if (!compression || !claimed || *claimed > most_chunk || record.data_size > most_chunk) return false;
+    is_rest_cut = record.is_cut;
     if (*compression == "none") {
       rest = data_of(record, content);
       return true;
     }
     const Bytes data = data_of(record, stored);
-    if (*compression == "lz4") {
+    std::size_t size_made = *claimed;
+    if (*compression == "lz4" && record.is_cut) {
+      size_made = decompress_lz4_front(data, content, std::min<std::size_t>(*claimed, 255 * data.size()));
+    } else if (*compression == "lz4") {
+      content.grow(std::min<std::size_t>(*claimed, 255 * data.size()) + lz4_spare, 0);  // else it grows by doubling
       const Decompressed made = decompressor.decompress(Compression::lz4, data, content, *claimed);
       if (!made.whole || made.size != *claimed) return false;
     } else if (*compression == "bz2") {
-      if (!decompress_bz2(data, content, *claimed)) return false;
+      const Decompressed made = decompress_bz2(data, content, *claimed);
+      if (!made.whole && !record.is_cut) return false;
+      size_made = std::min<std::size_t>(made.size, *claimed);
     } else {
       return false;
     }
-    rest = {content.data(), *claimed};
+    rest = {content.data(), size_made};
     return true;
   }
 
@@ -229,7 +264,7 @@ struct RosBagReader::State {
       const std::optional<Bytes> record_header = part();
       const std::optional<Bytes> data = record_header ? part() : std::nullopt;
       if (!data) {
-        ++problems.broken_chunks;
+        if (!is_rest_cut) ++problems.broken_chunks;
         rest = {};
         return std::nullopt;
       }
@@ -252,7 +287,7 @@ struct RosBagReader::State {
         if (!text_field(record->header, "encryptor").value_or("").empty())
           throw Error(name + ": is encrypted; expected a plain bag");
       } else if (operation == Operation::chunk) {
-        if (!open_chunk(*record)) ++problems.broken_chunks;
+        if (!open_chunk(*record) && !record->is_cut) ++problems.broken_chunks;
       } else if (operation == Operation::connection) {
         if (record->data_size > most_header) {
           ++problems.broken_records;

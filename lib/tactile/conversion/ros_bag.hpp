@@ -25,14 +25,14 @@ struct BagMessage {
 
 /// What was wrong with a bag and was passed over; all 0 in a sound one.
 struct BagProblems {
-  std::uint64_t truncated_bytes = 0;   ///< behind the last whole record
+  std::uint64_t truncated_bytes = 0;   ///< behind the last whole record, even if the messages of a chunk cut off were read
   std::uint64_t broken_chunks = 0;     ///< that do not decompress, or end amid a record
   std::uint64_t broken_records = 0;    ///< whose header lacks what it must have
   std::uint64_t unknown_messages = 0;  ///< of a connection that no record before them names
 };
 
 /// Reads the messages of a ROS 1 bag, version 2.0, from front to back. The index at the bag's end is not used, so one that was
-/// cut off, or never closed, is read up to there.
+/// cut off, or never closed, is read up to there: of a chunk cut off its front, as far as that decompresses.
 ///
 /// Every length is checked against what is there before anything is allocated for it: no record may be longer than the file, no
 /// header than 1 MiB, and no chunk or message than 256 MiB, compressed or not.

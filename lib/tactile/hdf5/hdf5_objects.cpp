@@ -35,7 +35,8 @@ void write_plain_attribute(hid_t object, const std::string& name, hid_t type, hi
                            const std::string& where) {
   const Id space(H5Screate(H5S_SCALAR), H5Sclose);
   const Id attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (attribute < 0 || H5Awrite(attribute, in_memory, value) < 0) fail(where, "attribute '" + name + "' cannot be written");
+  if (attribute < 0 || H5Awrite(attribute, in_memory, value) < 0)
+    fail_writing(where, "attribute '" + name + "' cannot be written");
 }
 
 Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class, const std::string& where) {
@@ -58,7 +59,7 @@ Session::Session() {
 }
 
 void Id::close(const std::string& where) {
-  if (id_ >= 0 && close_(std::exchange(id_, -1)) < 0) fail(where, "cannot be closed");
+  if (id_ >= 0 && close_(std::exchange(id_, -1)) < 0) fail_writing(where, "cannot be closed");
 }
 
 std::string last_error() {
@@ -74,13 +75,17 @@ std::string last_error() {
 }
 
 void fail(const std::string& where, const std::string& what) {
+  throw Error(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file");
+}
+
+void fail_writing(const std::string& where, const std::string& what) {
   throw Error(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file in a place with room");
 }
 
 Id create_file(const std::filesystem::path& file) {
   const Id properties = untimed(H5P_FILE_CREATE);
   Id id(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT), H5Fclose);
-  if (id < 0) fail(file.string(), "cannot be made");
+  if (id < 0) fail_writing(file.string(), "cannot be made");
   return id;
 }
 
@@ -94,7 +99,7 @@ Id open_file(const std::filesystem::path& file, bool for_writing) {
 Id create_group(hid_t parent, const std::string& name, const std::string& where) {
   const Id properties = untimed(H5P_GROUP_CREATE);
   Id id(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose);
-  if (id < 0) fail(where, "group '" + name + "' cannot be made");
+  if (id < 0) fail_writing(where, "group '" + name + "' cannot be made");
   return id;
 }
 
@@ -130,7 +135,7 @@ std::vector<std::string> members_of(hid_t group) {
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
                   const std::string& where) {
   if (H5Lcreate_external(file.c_str(), path_there.c_str(), parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0) {
-    fail(where, "link '" + name + "' cannot be made");
+    fail_writing(where, "link '" + name + "' cannot be made");
   }
 }
 
@@ -157,7 +162,7 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
   if (H5Tget_size(type) > 1 && H5Tget_class(type) == H5T_INTEGER) H5Pset_shuffle(properties);
   H5Pset_deflate(properties, deflate_level);
   Id table(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
-  if (table < 0) fail(where, "'" + name + "' cannot be made");
+  if (table < 0) fail_writing(where, "'" + name + "' cannot be made");
   return table;
 }
 
@@ -168,12 +173,12 @@ void append_rows(hid_t table, hid_t in_memory, const void* rows, hsize_t count, 
   first[0] = shape[0];
   rows_shape[0] = count;
   shape[0] += count;
-  if (H5Dset_extent(table, shape.data()) < 0) fail(where, "cannot grow");
+  if (H5Dset_extent(table, shape.data()) < 0) fail_writing(where, "cannot grow");
   const Id in_file(H5Dget_space(table), H5Sclose);
   const Id given(H5Screate_simple(static_cast<int>(rows_shape.size()), rows_shape.data(), nullptr), H5Sclose);
   if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, first.data(), nullptr, rows_shape.data(), nullptr) < 0 ||
       H5Dwrite(table, in_memory, given, in_file, H5P_DEFAULT, rows) < 0) {
-    fail(where, "cannot be written");
+    fail_writing(where, "cannot be written");
   }
 }
 
@@ -222,6 +227,22 @@ hsize_t rows_per_chunk(hid_t table, const std::string& where) {
     if (size > largest_chunk) throw Error(where + ": has chunks of more than 64 MiB; expected smaller ones");
   }
   return chunk[0];
+}
+
+void check_filters(hid_t table, const std::string& where) {
+  const Id properties(H5Dget_create_plist(table), H5Pclose);
+  const int filters = properties < 0 ? 0 : H5Pget_nfilters(properties);
+  for (int i = 0; i < filters; ++i) {
+    std::array<char, 64> text{};
+    unsigned flags = 0, config = 0;
+    std::size_t parameters = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &parameters, nullptr, text.size(), text.data(), &config);
+    if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
+    const std::string name = text_at(text.data(), text.size());
+    throw Error(where + ": compressed with " + (name.empty() ? "filter " + std::to_string(filter) : name) +
+                "; expected gzip or none");
+  }
 }
 
 void check_stored_size(hid_t table, const std::string& where) {

@@ -57,6 +57,7 @@ class Id {
 /// What HDF5 says went wrong, innermost first.
 std::string last_error();
 [[noreturn]] void fail(const std::string& where, const std::string& what);
+[[noreturn]] void fail_writing(const std::string& where, const std::string& what);  ///< which may be for want of room
 
 Id create_file(const std::filesystem::path& file);                  ///< replaces what is there
 Id open_file(const std::filesystem::path& file, bool for_writing);  ///< @throws Error if it is missing or no HDF5
@@ -109,6 +110,8 @@ void read_rows(hid_t table, hid_t memory_type, void* rows, hsize_t first, hsize_
 /// How many rows HDF5 reads at once: those of a chunk, 0 where the table has none. @throws Error if the table's values lie in
 /// other files, or a chunk claims more than 64 MiB
 hsize_t rows_per_chunk(hid_t table, const std::string& where);
+/// @throws Error  that names the filter, if the table's values went through one that this HDF5 lacks
+void check_filters(hid_t table, const std::string& where);
 /// @throws Error  if a table claims to hold more than what it takes of its file can expand to
 void check_stored_size(hid_t table, const std::string& where);
 
