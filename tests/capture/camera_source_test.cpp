@@ -77,6 +77,15 @@ TEST(OpenCameraSource, SetsAReadOutModeOnlyOnACamera) {
   EXPECT_NE(refusal.find("variable-15000"), std::string::npos);
 }
 
+TEST(OpenCameraSource, ChoosesAStreamOnlyOfAFile) {
+  CameraSourceOptions options;
+  options.stream = "1";
+  for (const char* text : {"sim", "sim:fan", "tcp://127.0.0.1:1", "unix:/none", "camera"}) {
+    const std::string refusal = refusal_of(text, options);
+    EXPECT_NE(refusal.find(std::string(text) + ": has no streams to choose from"), std::string::npos) << refusal;
+  }
+}
+
 TEST(OpenCameraSource, SaysWhyThereIsNoCameraAndWhatElseThereIs) {
   const std::string refusal = refusal_of("camera:NOTHERE");
   EXPECT_EQ(refusal.find("camera:NOTHERE: "), 0U) << refusal;

@@ -23,27 +23,50 @@ std::vector<std::int64_t> times_of(const CameraPacket& packet) {
 
 TEST(AscendingTimes, TakesOutWhatStepsBackWithinAPacketAndBetweenTwo) {
   AscendingTimes times;
+  SourceDrops drops;
   CameraPacket packet = packet_at({10, 10, 30, 20, 30, 40});
-  EXPECT_EQ(times.keep(packet, "a"), 1U);
+  times.keep(packet, "a", drops);
+  EXPECT_EQ(drops.events, 1U);
   EXPECT_EQ(times_of(packet), (std::vector<std::int64_t>{10, 10, 30, 30, 40}));
   packet = packet_at({35, 39, 40, 41});
-  EXPECT_EQ(times.keep(packet, "a"), 2U);
+  times.keep(packet, "a", drops);
+  EXPECT_EQ(drops.events, 3U);
   EXPECT_EQ(times_of(packet), (std::vector<std::int64_t>{40, 41}));
   packet = packet_at({});
-  EXPECT_EQ(times.keep(packet, "a"), 0U);
+  times.keep(packet, "a", drops);
+  EXPECT_EQ(drops.packets, 0U);
+  packet = packet_at({11, 12});
+  times.keep(packet, "a", drops);
+  EXPECT_EQ(drops.events, 5U);
+  EXPECT_EQ(drops.packets, 1U) << "the whole of it was earlier";
+  EXPECT_EQ(drops.back_in_time, drops.total());
+}
+
+TEST(AscendingTimes, CountsWhatIsNoEventApart) {
+  AscendingTimes times;
+  SourceDrops drops;
+  CameraPacket packet;
+  packet.imu = {{.t = camera_time(10)}, {.t = camera_time(5)}, {.t = camera_time(11)}};
+  times.keep(packet, "a", drops);
+  EXPECT_EQ(packet.imu.size(), 2U);
+  EXPECT_EQ(drops.events, 0U);
+  EXPECT_EQ(drops.others, 1U);
+  EXPECT_EQ(drops.back_in_time.others, 1U);
 }
 
 TEST(AscendingTimes, ThrowsWhereTheClockWasSetBack) {
   AscendingTimes times;
+  SourceDrops drops;
   CameraPacket packet = packet_at({5'000'000});
-  times.keep(packet, "tcp://camera:1");
-  packet = packet_at({3'999'999});
+  times.keep(packet, "tcp://camera:1", drops);
+  packet = packet_at({5'000'001, 3'999'999, 4'000'000});
   try {
-    times.keep(packet, "tcp://camera:1");
+    times.keep(packet, "tcp://camera:1", drops);
     FAIL() << "it was taken";
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).find("tcp://camera:1: its time went back by 1.000 s"), 0U) << error.what();
   }
+  EXPECT_EQ(drops.back_in_time, (LostElements{.packets = 1, .events = 3, .others = 0})) << "the packet is lost whole";
 }
 
 TEST(CameraJson, TellsWhatTheStreamsSay) {

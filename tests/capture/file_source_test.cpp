@@ -169,6 +169,7 @@ TEST(FileSource, LeavesOutAndCountsWhatCannotBeRecorded) {
   const test::Received all = test::receive_all(*source);
   EXPECT_EQ(all.streams.at(0).events.size(), 98U);
   EXPECT_EQ(source->drops().events, 2U);
+  EXPECT_EQ(source->drops().back_in_time.events, 1U);
 }
 
 TEST(FileSource, PlaysRealRecordingsOfTheVendors) {

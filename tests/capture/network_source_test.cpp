@@ -105,6 +105,7 @@ TEST(NetworkSource, LeavesOutAndCountsEventsThatStepBack) {
   EXPECT_EQ(next_packet(*source).events.size(), 2U);
   EXPECT_EQ(next_packet(*source).events.size(), 2U);
   EXPECT_EQ(source->drops().events, 1U);
+  EXPECT_EQ(source->drops().back_in_time.events, 1U);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/capture/new_run.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -178,17 +179,17 @@ TEST_F(RunRecorderTest, LeavesOutAndCountsWhatCannotBeWritten) {
 }
 
 /// Noise, so that the strongest compression takes its time.
-MadeSource::Step noise(int packets, std::atomic<std::uint64_t>& sent) {
-  return
-      [packets, &sent, random = std::mt19937(1), t = std::int64_t{0}](CameraPacket& packet, std::chrono::milliseconds) mutable {
-        if (packets-- == 0) return CameraSource::Received::ended;
-        packet.stream_id = 0;
-        for (int i = 0; i < 8192; ++i)
-          packet.events.push_back(
-              event_at(++t, static_cast<int>(random() % 640), static_cast<int>(random() % 480), static_cast<int>(random() % 2)));
-        sent += packet.events.size();
-        return CameraSource::Received::packet;
-      };
+MadeSource::Step noise(int packets, std::atomic<std::uint64_t>& sent, int packet_events = 8192) {
+  return [packets, packet_events, &sent, random = std::mt19937(1), t = std::int64_t{0}](CameraPacket& packet,
+                                                                                        std::chrono::milliseconds) mutable {
+    if (packets-- == 0) return CameraSource::Received::ended;
+    packet.stream_id = 0;
+    for (int i = 0; i < packet_events; ++i)
+      packet.events.push_back(
+          event_at(++t, static_cast<int>(random() % 640), static_cast<int>(random() % 480), static_cast<int>(random() % 2)));
+    sent += packet.events.size();
+    return CameraSource::Received::packet;
+  };
 }
 
 TEST_F(RunRecorderTest, DropsAndCountsWholePacketsWhereWritingIsTooSlow) {
@@ -222,6 +223,24 @@ TEST_F(RunRecorderTest, CutsAReplayToItsDurationToTheMicrosecond) {
   EXPECT_EQ(summary.ended, "duration");
   EXPECT_EQ(events_in_file(summary.run.events()), std::vector<Event>(events.begin(), events.begin() + 500));
   EXPECT_EQ(summary.drops.total().events, 0U);
+  EXPECT_TRUE(read_json(summary.run.info()).at("host_from_camera").empty()) << "nothing was live";
+}
+
+TEST_F(RunRecorderTest, SpansFromTheEarliestElementToTheLatest) {
+  auto step = [next = 0](CameraPacket& packet, std::chrono::milliseconds) mutable {
+    if (next == 2) return CameraSource::Received::ended;
+    packet.stream_id = next;
+    if (next++ == 0) {
+      packet.events = {event_at(2'000), event_at(3'000)};
+    } else {
+      packet.imu = {{.t = camera_time(500)}, {.t = camera_time(2'500)}};
+    }
+    return CameraSource::Received::packet;
+  };
+  RunRecorder recorder(
+      sources_of(std::make_unique<MadeSource>("made:both", std::vector{event_stream(), imu_stream(1)}, step, false)), nullptr,
+      nullptr);
+  EXPECT_EQ(record(recorder).span, 2'500us);
 }
 
 TEST_F(RunRecorderTest, EndsALiveRunByTheHostsClock) {
@@ -329,6 +348,65 @@ TEST_F(RunRecorderTest, CountsWhatTheSourceLostDuringTheRunOnly) {
   EXPECT_EQ(summary.drops.source.events, 55U);
 }
 
+TEST_F(RunRecorderTest, CountsWhatTheSourceLostThoughNothingGoodFollows) {
+  class Broken : public MadeSource {
+   public:
+    using MadeSource::MadeSource;
+    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+      if (lost.packets == 0)
+        lost = {.packets = 7, .events = 5, .others = 4, .back_in_time = {.packets = 1, .events = 2, .others = 3}};
+      return MadeSource::receive(packet, patience);
+    }
+  };
+  RunRecorder recorder(sources_of(std::make_unique<Broken>(
+                           "made:broken", std::vector{event_stream()},
+                           [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); })),
+                       nullptr, nullptr);
+  const RunFolder run = make_run_folder(data.path(), "fan");
+  recorder.begin({.run = run, .session = "", .duration = {}});
+  EXPECT_TRUE(test::comes_true([&] { return recorder.state().drops.source.packets > 0; }));
+  const RunSummary summary = recorder.end("interrupted");
+  EXPECT_EQ(summary.drops.source, (LostElements{.packets = 6, .events = 3, .others = 1}));
+  EXPECT_EQ(summary.drops.back_in_time, (LostElements{.packets = 1, .events = 2, .others = 3}));
+  EXPECT_EQ(read_json(run.info()).at("dropped").at("packets"), 7);
+}
+
+TEST_F(RunRecorderTest, BeginsOnceTheSourcesAreReady) {
+  class Slow : public MadeSource {
+   public:
+    using MadeSource::MadeSource;
+    void begin_run(const RunFolder& /*run*/) override {
+      std::this_thread::sleep_for(50ms);
+      ready = us_of(host_now());
+    }
+    std::atomic<std::int64_t> ready{0};
+  };
+  auto source =
+      std::make_unique<Slow>("made:slow", std::vector{event_stream()}, test::packets_of_events({event_at(1)}, 1, false));
+  const Slow& slow = *source;
+  RunRecorder recorder(sources_of(std::move(source)), nullptr, nullptr);
+  const RunSummary summary = record(recorder, 10ms);
+  EXPECT_GE(read_json(summary.run.info()).at("host_time_us").at("begin").get<std::int64_t>(), slow.ready);
+}
+
+TEST_F(RunRecorderTest, TellsOnceOfAStreamThatEndsWhileEventsGoOn) {
+  auto imu = std::make_unique<MadeSource>("made:imu", std::vector{imu_stream()},
+                                          [](CameraPacket&, std::chrono::milliseconds) { return CameraSource::Received::ended; });
+  const auto silent = [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); };
+  std::vector<std::string> told;
+  RunRecorder recorder(sources_of(event_source(silent), std::move(imu)), nullptr, nullptr,
+                       {.log = [&](const std::string& text) { told.push_back(text); }});
+  const RunFolder run = make_run_folder(data.path(), "fan");
+  recorder.begin({.run = run, .session = "", .duration = {}});
+  EXPECT_TRUE(test::comes_true([&] { return recorder.state().ended.empty() && !told.empty(); }));
+  EXPECT_EQ(recorder.state().ended, "");
+  recorder.end("interrupted");
+  EXPECT_EQ(told, std::vector<std::string>{"made:imu: has ended, and the run goes on without it"});
+  const nlohmann::json sources = read_json(run.info()).at("sources");
+  EXPECT_TRUE(sources.at(0).at("ended").is_null());
+  EXPECT_TRUE(sources.at(1).at("ended").is_number_integer());
+}
+
 /// A recording that outgrows what it may take: one clear line, and what is written stays readable.
 void expect_a_kept_beginning(const RunSummary& summary, std::uint64_t sent) {
   EXPECT_FALSE(summary.complete);
@@ -339,6 +417,10 @@ void expect_a_kept_beginning(const RunSummary& summary, std::uint64_t sent) {
   EXPECT_GT(kept.size(), 8192U);
   EXPECT_LT(kept.size(), sent);
   for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_EQ(us_of(kept[i].t), static_cast<std::int64_t>(i) + 1);
+  EXPECT_EQ(summary.events, kept.size());
+  EXPECT_EQ((summary.events + summary.drops.unwritten.events) % 5000, 0U) << "of each packet that came all is counted";
+  EXPECT_EQ(summary.span, between(kept.front().t, kept.back().t));
+  EXPECT_EQ(read_json(summary.run.info()).at("ended"), summary.ended) << "there was room for it";
 }
 
 TEST_F(RunRecorderTest, KeepsWhatFitsIfTheFileMayNotGrow) {
@@ -350,14 +432,14 @@ TEST_F(RunRecorderTest, KeepsWhatFitsIfTheFileMayNotGrow) {
   std::atomic<std::uint64_t> sent{0};
   RunSummary summary;
   {
-    RunRecorder recorder(sources_of(event_source(noise(100, sent), false)), nullptr, nullptr, {.compression = Compression::none});
+    RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
+                         {.compression = Compression::none});
     summary = record(recorder);
   }
   EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, old_action);
   expect_a_kept_beginning(summary, 100 * 8192);
   EXPECT_GT(summary.drops.unwritten.events, 0U);
-  EXPECT_EQ(read_json(summary.run.info()).at("ended"), summary.ended);
 }
 
 TEST_F(RunRecorderTest, KeepsWhatFitsOnAFullDisk) {
@@ -367,7 +449,8 @@ TEST_F(RunRecorderTest, KeepsWhatFitsOnAFullDisk) {
   RunSummary summary;
   std::atomic<std::uint64_t> sent{0};
   {
-    RunRecorder recorder(sources_of(event_source(noise(100, sent), false)), nullptr, nullptr, {.compression = Compression::none});
+    RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
+                         {.compression = Compression::none});
     recorder.begin({.run = make_run_folder(disk, "fan"), .session = "", .duration = {}});
     EXPECT_TRUE(test::comes_true([&] { return !recorder.state().ended.empty(); }));
     summary = recorder.end(recorder.state().ended);

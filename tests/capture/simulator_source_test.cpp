@@ -92,13 +92,21 @@ TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {
 
   const RobotLog robot = read_robot_log(cut.robot()), whole_robot = read_robot_log(whole.robot());
   EXPECT_LT(robot.states.size(), whole_robot.states.size());
-  const CameraTime last_state = part.robot_clock.camera_from(robot.states.back().t);
+  const CameraTime last_state = part.robot_clock->camera_from(robot.states.back().t);
   EXPECT_GE(last_state, end);
   EXPECT_LE(last_state, end + 250ms);
   const std::vector<VideoTime> frames = read_video_times(cut.video_times());
-  const CameraTime last_frame = part.video_clock.camera_from(frames.back());
+  const CameraTime last_frame = part.video_clock->camera_from(frames.back());
   EXPECT_GE(last_frame, end);
   EXPECT_LE(last_frame, end + 150ms);
+
+  // The whole of it beside a real robot and a real film: what is simulated of these is not what was recorded.
+  const auto beside = open_simulator_source("sim", "water-bottle", 0, 1);
+  const RunFolder real = make_run(folder / "real", "water-bottle", "01");
+  record(*beside, real, 1.0, false, false);
+  const Truth of_skin = read_truth(real.truth());
+  EXPECT_EQ(of_skin.intervals.size(), 2U);
+  EXPECT_FALSE(of_skin.lift_start || of_skin.robot_clock || of_skin.video_clock);
 
   // And before anything happened.
   const auto third = open_simulator_source("sim", "water-bottle", 0, 1);
@@ -119,7 +127,8 @@ TEST(SimulatorSource, RunsOneClockThroughASession) {
   EXPECT_EQ(source->camera().at("simulator").at("object"), "sprayer") << "the object is the run's where the source names none";
   EXPECT_GT(second.front().t, first.back().t);
   EXPECT_LT(second.front().t, first.back().t + 60s);
-  const ClockRelation robot_one = read_truth(one.truth()).robot_clock, robot_two = read_truth(two.truth()).robot_clock;
+  const ClockRelation robot_one = read_truth(one.truth()).robot_clock.value(),
+                      robot_two = read_truth(two.truth()).robot_clock.value();
   EXPECT_EQ(robot_one.drift_ppm, robot_two.drift_ppm);
   const std::int64_t stamp = robot_two.reference_us;
   EXPECT_NEAR(static_cast<double>(us_of(robot_one.camera_from(stamp)) - us_of(robot_two.camera_from(stamp))), 0.0, 1.0)

@@ -534,6 +534,39 @@ TEST(KilledRecording, HoldsEveryFlushedPacketAndAnExactPrefix) {
   EXPECT_GT(most, 9'000) << "no kill came late enough to say anything";
 }
 
+TEST(KilledRecording, OnAFullDiskGivesBackTheRoomOfAPartOfAPacket) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "full.aedat4";
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const auto old_action = ::signal(SIGXFSZ, SIG_IGN);
+  std::uintmax_t whole = 0;
+  {
+    RecordingWriter writer(file, {mini}, {.compression = Compression::none});
+    std::vector<Event> events(1000);
+    for (std::int64_t i = 0; i < 1000; ++i) events[static_cast<std::size_t>(i)] = numbered_event(i);
+    writer.write_events(0, events);
+    writer.flush();
+    whole = std::filesystem::file_size(file);
+    writer.write_events(0, std::array{numbered_event(1000)});
+    // Room for a part of the next packet, and none for a table.
+    const rlimit little{.rlim_cur = whole + 10, .rlim_max = limit.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+    EXPECT_THROW(writer.close(), Error);
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::int64_t held = 0;
+    for (const PacketRecord& packet : writer.packets()) held += packet.elements;
+    EXPECT_EQ(held, 1000) << "what waited is not in the file";
+  }
+  ::signal(SIGXFSZ, old_action);
+  EXPECT_EQ(std::filesystem::file_size(file), whole);
+  RecordingReader recording(file);
+  EXPECT_EQ(recording.index(), PacketIndex::scan);
+  std::int64_t read = 0;
+  for_all_events(recording, 0, [&](std::span<const Event> events) { read += static_cast<std::int64_t>(events.size()); });
+  EXPECT_EQ(read, 1000);
+}
+
 TEST(KilledRecording, OnAFullDiskSaysSoAndKeepsItsWholePackets) {
   const test::TemporaryFolder folder;
   const auto file = folder / "full.aedat4";

@@ -102,7 +102,7 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   const auto moving =
       std::find_if(robot.states.begin(), robot.states.end(), [](const RobotState& s) { return s.tcp_speed[2] > 0.003; });
   ASSERT_NE(moving, robot.states.end());
-  const microseconds late = truth.robot_clock.camera_from(moving->t) - *truth.lift_start;
+  const microseconds late = truth.robot_clock->camera_from(moving->t) - *truth.lift_start;
   EXPECT_GT(late, 0us);
   EXPECT_LT(late, 12ms) << "one period of 8 ms, and 3 ms until the speed stands out of its noise";
 }

@@ -37,11 +37,20 @@ TEST(Truth, ComesBackAsItWasWritten) {
     EXPECT_EQ(back.intervals[i].labelled, truth.intervals[i].labelled);
   }
   EXPECT_EQ(back.lift_start, truth.lift_start);
-  EXPECT_EQ(back.robot_clock.offset_us, truth.robot_clock.offset_us);
-  EXPECT_EQ(back.robot_clock.drift_ppm, truth.robot_clock.drift_ppm);
-  EXPECT_EQ(back.robot_clock.reference_us, truth.robot_clock.reference_us);
-  EXPECT_EQ(back.video_clock.offset_us, truth.video_clock.offset_us);
+  EXPECT_EQ(back.robot_clock->offset_us, truth.robot_clock->offset_us);
+  EXPECT_EQ(back.robot_clock->drift_ppm, truth.robot_clock->drift_ppm);
+  EXPECT_EQ(back.robot_clock->reference_us, truth.robot_clock->reference_us);
+  EXPECT_EQ(back.video_clock->offset_us, truth.video_clock->offset_us);
   EXPECT_EQ(back.parameters, truth.parameters);
+}
+
+TEST(Truth, KnowsNoClockOfWhatWasNotSimulated) {
+  const test::TemporaryFolder folder;
+  Truth truth;
+  truth.video_clock = {.offset_us = 17, .drift_ppm = 0, .reference_us = 0};
+  write_truth(folder / "truth.json", truth);
+  EXPECT_FALSE(read_truth(folder / "truth.json").robot_clock.has_value());
+  EXPECT_EQ(read_truth(folder / "truth.json").video_clock->offset_us, 17);
 }
 
 TEST(Truth, RefusesWhatIsNone) {

@@ -25,6 +25,12 @@ bool is_kind(const std::string& kind, const std::string& text) { return text == 
 
 }  // namespace
 
+LostElements count_of(const CameraPacket& packet) {
+  return {.packets = 1,
+          .events = packet.events.size(),
+          .others = packet.imu.size() + packet.triggers.size() + (packet.frame ? 1 : 0)};
+}
+
 std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const CameraSourceOptions& options) {
   const bool is_camera = is_kind("camera", text);
   if (!options.readout_mode.empty()) {
@@ -33,13 +39,17 @@ std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const 
       throw Error(text +
                   ": its read-out mode cannot be set from here; expected one only for a source of the kind camera[:SERIAL]");
   }
+  const bool is_network = text.starts_with("tcp://") || text.starts_with("unix:");
+  if (!options.stream.empty() && (is_camera || is_network || is_kind("sim", text)))
+    throw Error(text + ": has no streams to choose from, but stream '" + options.stream +
+                "' was asked for; expected one only for a source of the kind file:PATH");
   if (is_camera) return open_libcaer_camera(text, behind("camera", text), options.readout_mode);
   if (is_kind("sim", text)) return open_simulator_source(text, behind("sim", text), options.speed, options.seed);
   if (text.starts_with("file:")) {
     const auto path = behind("file", text);
     return open_file_source(text, path.value_or(""), options);
   }
-  if (text.starts_with("tcp://") || text.starts_with("unix:")) return open_network_source(text);
+  if (is_network) return open_network_source(text);
   std::error_code ignored;
   const bool is_path = std::filesystem::exists(text, ignored);
   throw Error("'" + text + "' is no source; expected " +

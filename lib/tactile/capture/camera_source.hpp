@@ -32,10 +32,39 @@ struct CameraPacket {
   }
 };
 
-/// What was lost before it came to us, or was not fit to be recorded.
+/// What became of elements that were not recorded.
+struct LostElements {
+  std::uint64_t packets = 0;  ///< lost whole
+  std::uint64_t events = 0;
+  std::uint64_t others = 0;  ///< IMU samples, triggers and frames
+
+  LostElements& operator+=(const LostElements& more) {
+    packets += more.packets, events += more.events, others += more.others;
+    return *this;
+  }
+  friend LostElements operator-(const LostElements& all, const LostElements& part) {
+    return {.packets = all.packets - part.packets, .events = all.events - part.events, .others = all.others - part.others};
+  }
+  friend bool operator==(const LostElements&, const LostElements&) = default;
+};
+
+/// Of one packet with all that is in it.
+LostElements count_of(const CameraPacket& packet);
+
+/// What was lost before it came to us, or was not fit to be recorded. Counts never fall.
 struct SourceDrops {
-  std::uint64_t packets = 0;  ///< broken, or lost by the device's driver
-  std::uint64_t events = 0;   ///< outside the sensor
+  std::uint64_t packets = 0;  ///< broken, lost by the device's driver, or earlier as a whole
+  std::uint64_t events = 0;   ///< outside the sensor, or earlier
+  std::uint64_t others = 0;   ///< IMU samples, triggers and frames that were earlier
+  LostElements back_in_time;  ///< of all these: what was earlier than what its stream had brought before
+
+  LostElements total() const { return {.packets = packets, .events = events, .others = others}; }
+  SourceDrops& operator+=(const SourceDrops& more) {
+    packets += more.packets, events += more.events, others += more.others;
+    back_in_time += more.back_in_time;
+    return *this;
+  }
+  friend bool operator==(const SourceDrops&, const SourceDrops&) = default;
 };
 
 /// A live camera, or what stands for one. Used from one thread.
@@ -77,7 +106,8 @@ struct CameraSourceOptions {
   double speed = 1;                               ///< of files and the simulator: 1 real time, 0 as fast as it goes, >= 0
   std::uint64_t seed = 1;                         ///< of the simulator
   std::string readout_mode = {};                  ///< of a camera, such as "variable-5000"; empty: the default
-  std::string stream = {};                        ///< of a file with several event streams: the one to play, by id or source
+  std::string stream = {};                        ///< of a file with several event streams: the one to play, by id or source;
+                                                  ///< other sources take none
   std::chrono::microseconds packet_span{10'000};  ///< of a file: a packet's elements lie less than this apart, > 0
 };
 

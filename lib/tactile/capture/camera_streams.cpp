@@ -28,14 +28,14 @@ struct Keeper {
   }
 
   template <class T>
-  std::uint64_t keep(std::vector<T>& elements) {
-    if (elements.empty()) return 0;
+  void keep(std::vector<T>& elements) {
+    if (elements.empty()) return;
     const auto earlier = [](const T& a, const T& b) { return a.t < b.t; };
     if ((!latest || elements.front().t >= *latest) && std::is_sorted(elements.begin(), elements.end(), earlier)) {
       latest = elements.back().t;
-      return 0;
+      return;
     }
-    return std::erase_if(elements, [&](const T& element) { return !keeps(element.t); });
+    std::erase_if(elements, [&](const T& element) { return !keeps(element.t); });
   }
 };
 
@@ -73,14 +73,27 @@ nlohmann::json camera_json(std::span<const Stream> streams) {
   return json;
 }
 
-std::uint64_t AscendingTimes::keep(CameraPacket& packet, std::string_view name) {
+void AscendingTimes::keep(CameraPacket& packet, std::string_view name, SourceDrops& drops) {
+  const LostElements came = count_of(packet);
+  const auto lose = [&drops](const LostElements& lost) {
+    drops += {.packets = lost.packets, .events = lost.events, .others = lost.others, .back_in_time = lost};
+  };
   Keeper keeper{latest_, name};
-  std::uint64_t dropped = keeper.keep(packet.events) + keeper.keep(packet.imu) + keeper.keep(packet.triggers);
-  if (packet.frame && !keeper.keeps(packet.frame->t)) {
-    packet.frame.reset();
-    ++dropped;
+  try {
+    keeper.keep(packet.events);
+    keeper.keep(packet.imu);
+    keeper.keep(packet.triggers);
+    if (packet.frame && !keeper.keeps(packet.frame->t)) packet.frame.reset();
+  } catch (const Error&) {
+    lose(came);
+    packet.clear();
+    throw;
   }
-  return dropped;
+  const LostElements left = count_of(packet);
+  LostElements lost = came - left;
+  if (lost == LostElements{}) return;
+  if (left.events + left.others == 0) lost.packets = 1;
+  lose(lost);
 }
 
 }  // namespace tactile

@@ -26,9 +26,10 @@ nlohmann::json camera_json(std::span<const Stream> streams);
 /// Holds a stream to times that never go back, as recordings must.
 class AscendingTimes {
  public:
-  /// Takes out of the packet whatever is earlier than an element before it. @return how many elements that were
-  /// @throws Error  that begins with `name`, if an element is earlier by more than a second: the clock was set back
-  std::uint64_t keep(CameraPacket& packet, std::string_view name);
+  /// Takes out of the packet whatever is earlier than an element before it, and adds it to `drops`.
+  /// @throws Error  that begins with `name`, if an element is earlier by more than a second: the clock was set back. The packet
+  ///                is then lost whole, and so counted.
+  void keep(CameraPacket& packet, std::string_view name, SourceDrops& drops);
 
  private:
   std::optional<CameraTime> latest_;

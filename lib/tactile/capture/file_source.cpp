@@ -134,7 +134,10 @@ class FileSource final : public CameraSource {
 
   SourceDrops drops() const override {
     const RecordingProblems& problems = reader_.problems();
-    return {.packets = problems.broken_packets + problems.mismatched_packets, .events = problems.out_of_range_events + backward_};
+    SourceDrops drops = backward_;
+    drops.packets += problems.broken_packets + problems.mismatched_packets;
+    drops.events += problems.out_of_range_events;
+    return drops;
   }
 
  private:
@@ -171,7 +174,7 @@ class FileSource final : public CameraSource {
       case StreamType::other:
         assert(false && "streams of other types have no lane");
     }
-    backward_ += lane->times.keep(next_, name_);
+    lane->times.keep(next_, name_, backward_);
     cut(next_.events, lane->events, span_);
     cut(next_.imu, lane->imu, span_);
     cut(next_.triggers, lane->triggers, span_);
@@ -186,8 +189,8 @@ class FileSource final : public CameraSource {
   std::vector<Stream> streams_;
   std::vector<Lane> lanes_;
   std::optional<CameraTime> first_;
-  CameraPacket next_;  ///< waits until it is due
-  std::uint64_t backward_ = 0;
+  CameraPacket next_;     ///< waits until it is due
+  SourceDrops backward_;  ///< what stepped back in time
   bool simulated_ = false;
   nlohmann::json camera_ = nlohmann::json::object();
 };

@@ -194,7 +194,9 @@ class LibcaerCamera final : public CameraSource {
   }
 
   SourceDrops drops() const override {
-    return {.packets = DriverLog::instance().lost_containers() - lost_before_, .events = dropped_events_};
+    SourceDrops drops = drops_;
+    drops.packets += DriverLog::instance().lost_containers() - lost_before_;
+    return drops;
   }
 
  private:
@@ -298,7 +300,7 @@ class LibcaerCamera final : public CameraSource {
     switch (caerEventPacketHeaderGetEventType(from)) {
       case POLARITY_EVENT:
         packet.stream_id = 0;
-        dropped_events_ += append_events(caerPolarityEventPacketFromPacketHeaderConst(from), *offset_, size_, packet.events);
+        drops_.events += append_events(caerPolarityEventPacketFromPacketHeaderConst(from), *offset_, size_, packet.events);
         break;
       case IMU6_EVENT:
         packet.stream_id = imu_stream;
@@ -313,7 +315,7 @@ class LibcaerCamera final : public CameraSource {
     }
     for (std::size_t i = 0; i < streams_.size(); ++i) {
       if (streams_[i].id != packet.stream_id) continue;
-      dropped_events_ += times_[i].keep(packet, name_);
+      times_[i].keep(packet, name_, drops_);
       return !packet.events.empty() || !packet.imu.empty() || !packet.triggers.empty();
     }
     packet.clear();  // of a kind that this model was not said to have
@@ -328,7 +330,7 @@ class LibcaerCamera final : public CameraSource {
   std::vector<Stream> streams_;
   std::vector<AscendingTimes> times_;
   std::optional<microseconds> offset_;  ///< camera time minus the device's
-  std::uint64_t dropped_events_ = 0;
+  SourceDrops drops_;                   ///< but for what the driver lost
 
   std::mutex guard_;
   std::condition_variable something_new_;

@@ -18,8 +18,8 @@ class LoopedSource final : public CameraSource {
   bool live() const override { return round_->live(); }
   nlohmann::json camera() const override { return round_->camera(); }
   SourceDrops drops() const override {
-    const SourceDrops now = round_->drops();
-    return {.packets = earlier_.packets + now.packets, .events = earlier_.events + now.events};
+    SourceDrops drops = earlier_;
+    return drops += round_->drops();
   }
 
   Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {

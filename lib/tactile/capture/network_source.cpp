@@ -36,14 +36,16 @@ class NetworkSource final : public CameraSource {
     packet.imu.assign(client_.imu().begin(), client_.imu().end());
     packet.triggers.assign(client_.triggers().begin(), client_.triggers().end());
     packet.frame = client_.frame();
-    backward_ += times_.keep(packet, name_);
+    times_.keep(packet, name_, backward_);
     return Received::packet;
   }
 
   SourceDrops drops() const override {
     const DvStreamProblems& problems = client_.problems();
-    return {.packets = problems.broken_packets + problems.mismatched_packets + problems.foreign_packets,
-            .events = problems.out_of_range_events + backward_};
+    SourceDrops drops = backward_;
+    drops.packets += problems.broken_packets + problems.mismatched_packets + problems.foreign_packets;
+    drops.events += problems.out_of_range_events;
+    return drops;
   }
 
  private:
@@ -51,7 +53,7 @@ class NetworkSource final : public CameraSource {
   DvStreamClient client_;
   Stream stream_;
   AscendingTimes times_;
-  std::uint64_t backward_ = 0;
+  SourceDrops backward_;  ///< what stepped back in time
 };
 
 }  // namespace

@@ -46,12 +46,6 @@ struct FileStream {
   CameraTime newest{};
 };
 
-LostElements count_of(const CameraPacket& packet) {
-  return {.packets = 1,
-          .events = packet.events.size(),
-          .others = packet.imu.size() + packet.triggers.size() + (packet.frame ? 1 : 0)};
-}
-
 int rank_of(StreamType type) {
   constexpr std::array ranks{StreamType::events, StreamType::imu, StreamType::triggers, StreamType::frames};
   return static_cast<int>(std::find(ranks.begin(), ranks.end(), type) - ranks.begin());
@@ -118,8 +112,21 @@ nlohmann::json json_of(const LostElements& lost) {
   return {{"packets", lost.packets}, {"events", lost.events}, {"others", lost.others}};
 }
 
-LostElements since(const SourceDrops& now, const SourceDrops& begin) {
-  return {.packets = now.packets - begin.packets, .events = now.events - begin.events, .others = 0};
+/// What a recording holds.
+struct HeldElements {
+  std::uint64_t events = 0, others = 0;
+  std::optional<CameraTime> first, last;
+};
+
+HeldElements held_elements(const std::vector<PacketRecord>& packets, const std::vector<Stream>& streams) {
+  HeldElements held;
+  for (const PacketRecord& packet : packets) {
+    const bool of_events = streams[static_cast<std::size_t>(packet.stream_id)].type == StreamType::events;
+    (of_events ? held.events : held.others) += static_cast<std::uint64_t>(packet.elements);
+    held.first = std::min(held.first.value_or(packet.first), packet.first);
+    held.last = std::max(held.last.value_or(packet.last), packet.last);
+  }
+  return held;
 }
 
 std::uint64_t size_of(const fs::path& file) {
@@ -182,7 +189,7 @@ class Receiver {
   }
 
   bool live() const { return live_; }
-  std::optional<Steady::time_point> ended_at() const {
+  std::optional<HostTime> ended_at() const {
     const std::scoped_lock lock(guard_);
     return ended_at_;
   }
@@ -193,10 +200,13 @@ class Receiver {
   void add_drops(RunDrops& drops) const {
     const std::scoped_lock lock(guard_);
     drops.queue_full += queue_full_;
-    drops.source += since(drops_now_, drops_at_begin_);
+    const LostElements back_in_time = drops_now_.back_in_time - drops_at_begin_.back_in_time;
+    drops.back_in_time += back_in_time;
+    drops.source += drops_now_.total() - drops_at_begin_.total() - back_in_time;
   }
 
   const std::unique_ptr<CameraSource> source;
+  std::optional<HostTime> told_end;  ///< which of its ends was logged; the recorder's, not this thread's
 
  private:
   /// Before it is asked for anything a source keeps what it has; between two runs only one that can.
@@ -206,9 +216,14 @@ class Receiver {
   void hand_over(PacketQueue::Packet& packet);
   void note_end(const std::string& error) {
     const std::scoped_lock lock(guard_);
-    ended_at_ = Steady::now();
+    ended_at_ = host_now();
     error_ = error;
-    drops_now_ = source->drops();
+  }
+  void note_drops() {
+    const SourceDrops drops = source->drops();
+    if (drops == drops_now_) return;  // only this thread changes it
+    const std::scoped_lock lock(guard_);
+    drops_now_ = drops;
   }
 
   std::size_t index_;
@@ -219,7 +234,7 @@ class Receiver {
   std::condition_variable wake_;
   std::packaged_task<void()> task_;
   bool has_task_ = false, stops_ = false;
-  std::optional<Steady::time_point> ended_at_;
+  std::optional<HostTime> ended_at_;
   std::string error_;
   LostElements queue_full_;
   SourceDrops drops_at_begin_, drops_now_;
@@ -246,6 +261,7 @@ void Receiver::receive_all() {
     if (ended_at() || rests()) continue;
     CameraPacket& elements = packet.front().elements;
     elements.clear();
+    const bool of_run = hands_over_;  // what is lost until a run's end is the run's, although that may come while we wait
     try {
       switch (source->receive(elements, source_patience)) {
         case CameraSource::Received::packet:
@@ -260,6 +276,7 @@ void Receiver::receive_all() {
     } catch (const std::exception& e) {
       note_end(e.what());
     }
+    if (of_run) note_drops();
   }
 }
 
@@ -267,12 +284,11 @@ void Receiver::hand_over(PacketQueue::Packet& packet) {
   packet.front().source_index = index_;
   packet.front().arrived = host_now();
   const LostElements count = count_of(packet.front().elements);
-  const SourceDrops drops = source->drops();
   const bool taken = queue_.push(packet, !live_);
   if (taken) packet = queue_.take();
+  if (taken || !hands_over_) return;
   const std::scoped_lock lock(guard_);
-  drops_now_ = drops;
-  if (!taken && hands_over_) queue_full_ += count;
+  queue_full_ += count;
 }
 
 /// A run between `begin` and `end`.
@@ -290,9 +306,9 @@ struct OpenRun {
 
   /// What the writing thread has done so far.
   struct Written {
-    std::uint64_t events = 0, others = 0;
-    RunDrops drops;  ///< those that it found
-    std::optional<CameraTime> first, last;
+    std::uint64_t events = 0, others = 0;  ///< handed to the file
+    RunDrops drops;                        ///< those that it found
+    std::optional<CameraTime> first;       ///< of the first packet, which a duration counts from
     bool reached_duration = false;
     std::string error;  ///< why the file cannot be written any more
   };
@@ -325,7 +341,8 @@ struct OpenRun {
   bool by_camera_time = false;  ///< whose clock the duration is measured by
   HostTime begun{};
   Steady::time_point begun_steady = Steady::now();
-  ClockPairs pairs;  ///< the writing thread's until that has ended
+  std::optional<HostTime> film_ended;  ///< while the run went on
+  ClockPairs pairs;                    ///< the writing thread's until that has ended
   mutable std::mutex guard;
   Written so_far;
   std::condition_variable sync_wanted;
@@ -480,6 +497,19 @@ void OpenRun::write_packet(QueuedPacket& queued) {
   if (any && !first) first = packet_first;
   const bool reached_duration = cut_to_duration(packet, first);
   any = find_span();
+  {
+    const std::scoped_lock lock(guard);
+    if (!any && !reached_duration) {
+      if (drops.back_in_time.events + drops.back_in_time.others > 0) {
+        ++drops.back_in_time.packets;
+      } else if (came.events + came.others > 0) {
+        ++drops.outside.packets;
+      }
+    }
+    so_far.drops.back_in_time += drops.back_in_time;
+    so_far.drops.outside += drops.outside;
+    so_far.first = first;
+  }
 
   if (any) {
     switch (found->stream.type) {
@@ -498,24 +528,13 @@ void OpenRun::write_packet(QueuedPacket& queued) {
     }
     found->begun = true;
     found->newest = packet_last;
-    if (found->stream.source == streams.front().stream.source) pairs.add(packet_last, queued.arrived);
+    if (!by_camera_time && found->stream.source == streams.front().stream.source) pairs.add(packet_last, queued.arrived);
   }
 
   const LostElements left = count_of(packet);
   const std::scoped_lock lock(guard);
-  if (!any && !reached_duration) {
-    if (drops.back_in_time.events + drops.back_in_time.others > 0) {
-      ++drops.back_in_time.packets;
-    } else if (came.events + came.others > 0) {
-      ++drops.outside.packets;
-    }
-  }
-  so_far.drops.back_in_time += drops.back_in_time;
-  so_far.drops.outside += drops.outside;
   so_far.events += left.events;
   so_far.others += left.others;
-  so_far.first = first;
-  if (any && (!so_far.last || packet_last > *so_far.last)) so_far.last = packet_last;
   so_far.reached_duration = so_far.reached_duration || reached_duration;
 }
 
@@ -557,7 +576,9 @@ struct RunRecorder::State {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
   }
   std::string source_error() const;
+  bool has_events(std::size_t source_index) const;
   bool sources_ended() const;
+  void tell_of_ended_sources() const;
   RunDrops drops(const OpenRun::Written& written) const;
   RunInfo info(bool complete) const;
 };
@@ -570,18 +591,35 @@ std::string RunRecorder::State::source_error() const {
   return {};
 }
 
+bool RunRecorder::State::has_events(std::size_t source_index) const {
+  return std::any_of(file_streams.begin(), file_streams.end(), [&](const FileStream& stream) {
+    return stream.source_index == source_index && stream.stream.type == StreamType::events;
+  });
+}
+
+/// Not at once, for where all end at the same time one is the first to do so.
+void RunRecorder::State::tell_of_ended_sources() const {
+  if (!options.log || none_is_live()) return;
+  bool events_go_on = false;
+  for (std::size_t i = 0; i < receivers.size(); ++i) events_go_on = events_go_on || (has_events(i) && !receivers[i]->ended_at());
+  if (!events_go_on) return;
+  for (const auto& receiver : receivers) {
+    const std::optional<HostTime> ended_at = receiver->ended_at();
+    if (!ended_at || ended_at == receiver->told_end || host_now() - *ended_at < straggler_patience) continue;
+    receiver->told_end = ended_at;
+    options.log(receiver->source->name() + ": has ended, and the run goes on without it");
+  }
+}
+
 /// Whether nothing comes any more, or no events and the others have had their time to end too.
 bool RunRecorder::State::sources_ended() const {
   bool all = true, events = true, time_is_up = true;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     const auto ended_at = receivers[i]->ended_at();
     all = all && ended_at;
-    const bool has_events = std::any_of(file_streams.begin(), file_streams.end(), [&](const FileStream& s) {
-      return s.source_index == i && s.stream.type == StreamType::events;
-    });
-    if (!has_events) continue;
+    if (!has_events(i)) continue;
     events = events && ended_at;
-    time_is_up = time_is_up && ended_at && Steady::now() - *ended_at >= straggler_patience;
+    time_is_up = time_is_up && ended_at && host_now() - *ended_at >= straggler_patience;
   }
   return all || (events && time_is_up && !none_is_live());
 }
@@ -599,7 +637,7 @@ RunInfo RunRecorder::State::info(bool complete) const {
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     nlohmann::json told = receivers[i]->camera();
     if (file_streams.front().source_index == i) camera = told;
-    sources.push_back({{"source", receivers[i]->source->name()}, {"camera", std::move(told)}});
+    sources.push_back({{"source", receivers[i]->source->name()}, {"camera", std::move(told)}, {"ended", nullptr}});
   }
   const SensorSize size = *declared.front().size;
   return {.object = run.request.run.object,
@@ -678,10 +716,11 @@ void RunRecorder::begin(const RunRequest& request) {
     robot_logs = true;
     if (state.video) state.video->start_film(request.run.video(), request.run.video_times());
     video_films = true;
-    run.begun = host_now();
-    run.begun_steady = Steady::now();
     run.start();
     for (const auto& receiver : state.receivers) receiver->begin(request.run);
+    // A source may take its time to get ready, and that is not the run's.
+    run.begun = host_now();
+    run.begun_steady = Steady::now();
   } catch (...) {
     for (const auto& receiver : state.receivers) receiver->pause();
     state.open.reset();
@@ -700,7 +739,8 @@ void RunRecorder::begin(const RunRequest& request) {
 RunState RunRecorder::state() const {
   const State& state = *state_;
   if (!state.open) return {};
-  const OpenRun& run = *state.open;
+  OpenRun& run = *state.open;
+  state.tell_of_ended_sources();
   const OpenRun::Written written = run.written();
   RunState now{.elapsed = std::chrono::duration_cast<microseconds>(Steady::now() - run.begun_steady),
                .events = written.events,
@@ -713,6 +753,7 @@ RunState RunRecorder::state() const {
                .ended = written.error};
   if (state.robot) now.robot = state.robot->state();
   if (state.video) now.video = state.video->state();
+  if (now.video && !now.video->running && !run.film_ended) run.film_ended = host_now();
   if (now.ended.empty()) now.ended = state.source_error();
   const bool over = run.by_camera_time ? written.reached_duration : run.request.duration && now.elapsed >= *run.request.duration;
   if (now.ended.empty() && over) now.ended = "duration";
@@ -741,6 +782,7 @@ RunSummary RunRecorder::end(const std::string& why) {
   for (const auto& receiver : state.receivers) receiver->pause();
   const HostTime ended = host_now();
   summary.elapsed = std::chrono::duration_cast<microseconds>(Steady::now() - run.begun_steady);
+  if (state.video && !state.video->state().running && !run.film_ended) run.film_ended = ended;
   run.stop();
   const OpenRun::Written written = run.written();
   if (!written.error.empty()) {
@@ -766,10 +808,14 @@ RunSummary RunRecorder::end(const std::string& why) {
     attempt([&] { receiver->ask([&] { receiver->source->end_run(run.request.run, !state.robot, !state.video); }); });
   }
 
-  summary.events = written.events;
-  summary.others = written.others;
+  const HeldElements held = held_elements(run.writer.packets(), state.declared);
+  summary.events = held.events;
+  summary.others = held.others;
   summary.drops = state.drops(written);
-  if (written.first) summary.span = between(*written.first, *written.last);
+  // Where writing failed, what was handed to the file may still have waited for the rest of its packet.
+  summary.drops.unwritten.events += written.events - held.events;
+  summary.drops.unwritten.others += written.others - held.others;
+  if (held.first) summary.span = between(*held.first, *held.last);
   nlohmann::json files = nlohmann::json::object();
   attempt([&] {
     std::vector<fs::path> made;
@@ -794,7 +840,12 @@ RunSummary RunRecorder::end(const std::string& why) {
     info.extra["robot"] = {
         {"controller", summary.robot->controller}, {"rows", summary.robot->rows}, {"reconnects", summary.robot->reconnects}};
   }
-  if (summary.video) info.extra["video"] = {{"frames", summary.video->frames}};
+  const auto us_or_null = [](const std::optional<HostTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
+  if (summary.video) info.extra["video"] = {{"frames", summary.video->frames}, {"ended", us_or_null(run.film_ended)}};
+  for (std::size_t i = 0; i < state.receivers.size(); ++i) {
+    const std::optional<HostTime> source_ended = state.receivers[i]->ended_at();
+    if (source_ended && *source_ended < ended) info.extra["sources"][i]["ended"] = us_of(*source_ended);
+  }
   info.extra["files"] = files;
   info.extra["ended"] = summary.ended;
   nlohmann::json& pairs = info.extra["host_from_camera"] = nlohmann::json::array();

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -20,6 +21,8 @@ struct RunRecorderOptions {
   std::size_t queue_bytes = std::size_t{256} << 20;  ///< packets that wait for the disk [B]; more are dropped and counted
   Compression compression = Compression::lz4;
   std::chrono::milliseconds sync_period{1'000};  ///< how often everything is brought to the disk, > 0
+  /// Told of a source that has ended while events go on, once, by `RunRecorder::state`; never of replays that do not wait.
+  std::function<void(const std::string&)> log = {};
 };
 
 /// One run to record.
@@ -30,24 +33,13 @@ struct RunRequest {
   nlohmann::json settings = nlohmann::json::object();  ///< kept in run.json
 };
 
-/// What became of elements that were not recorded.
-struct LostElements {
-  std::uint64_t packets = 0;  ///< lost whole
-  std::uint64_t events = 0;
-  std::uint64_t others = 0;  ///< IMU samples, triggers and frames
-
-  LostElements& operator+=(const LostElements& more) {
-    packets += more.packets, events += more.events, others += more.others;
-    return *this;
-  }
-};
-
 struct RunDrops {
   LostElements queue_full;    ///< the disk, or the compression, was too slow
-  LostElements back_in_time;  ///< earlier than what their stream had brought before
+  LostElements back_in_time;  ///< earlier than what their stream had brought before, the sources' own finds included
   LostElements outside;       ///< outside the sensor, of an impossible polarity, of no declared stream; frames of no sound shape
-  LostElements unwritten;     ///< received after the file could no longer be written
-  LostElements source;        ///< told by the sources
+  LostElements
+      unwritten;        ///< that the file, once it could no longer be written, does not hold; `packets`: of them the whole ones
+  LostElements source;  ///< told by the sources, but for those back in time
 
   LostElements total() const;
 };
@@ -69,11 +61,11 @@ struct RunSummary {
   RunFolder run;
   std::string session;
   bool simulated = false;
-  bool complete = false;  ///< everything that was not counted as dropped is in its files, and these are closed
-  std::uint64_t events = 0, others = 0;
-  std::uint64_t bytes = 0;              ///< of all of its files but run.json
-  std::chrono::microseconds elapsed{};  ///< of the host
-  std::chrono::microseconds span{};     ///< from the first to the last element, of the camera
+  bool complete = false;                 ///< everything that was not counted as dropped is in its files, and these are closed
+  std::uint64_t events = 0, others = 0;  ///< that the recording holds
+  std::uint64_t bytes = 0;               ///< of all of its files but run.json
+  std::chrono::microseconds elapsed{};   ///< of the host
+  std::chrono::microseconds span{};      ///< from the earliest to the latest element that the recording holds, of the camera
   RunDrops drops;
   std::optional<RobotMonitorState> robot;
   std::optional<VideoCaptureState> video;

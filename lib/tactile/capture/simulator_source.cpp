@@ -112,7 +112,12 @@ class SimulatorSource final : public CameraSource {
     if (!is_whole) until = last.value_or(scene_->drawn.start());
     if (wants_robot) write_robot(run.robot(), scene_->drawn, until);
     if (wants_video) write_video(run.video(), run.video_times(), scene_->drawn, until);
-    write_truth(run.truth(), truth_of(scene_->drawn, scene_->film.filmed(), until));
+    Truth truth = truth_of(scene_->drawn, scene_->film.filmed(), until);
+    // Of a real robot or film beside us nothing is known.
+    if (!wants_robot) truth.lift_start.reset();
+    if (!wants_robot) truth.robot_clock.reset();
+    if (!wants_video) truth.video_clock.reset();
+    write_truth(run.truth(), truth);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -76,6 +77,7 @@ struct RecordingWriter::State {
   std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size, std::size_t reserved);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   void sync() const;
+  void cut_to_end() const;
   void write_all_waiting();
   void flush();
   void close();
@@ -257,6 +259,12 @@ void RecordingWriter::State::sync() const {
   throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
 }
 
+/// A packet that once failed to be written may reach further than what has been written since.
+void RecordingWriter::State::cut_to_end() const {
+  if (::ftruncate(file.number(), static_cast<off_t>(end)) == 0) return;
+  throw Error(name + ": cannot be cut to its length (" + std::strerror(errno) + "); expected a writable file");
+}
+
 void RecordingWriter::State::write_all_waiting() {
   if (!file.is_open()) return;
   for (Waiting& stream : streams) write_waiting(stream);
@@ -274,24 +282,34 @@ void RecordingWriter::State::close() {
     FileDescriptor& file;
     ~Shut() { file.reset(); }
   } const shut{file};
-  for (Waiting& stream : streams) write_waiting(stream);
+  std::exception_ptr failure;  // the first, told once the file is as good as it can be
+  try {
+    for (Waiting& stream : streams) write_waiting(stream);
+  } catch (const Error&) {
+    failure = std::current_exception();
+  }
+  cut_to_end();
   const std::uint64_t table_at = end;
-  const bool fits = written.size() <= most_table_entries;
-  if (fits) {
+  bool has_table = written.size() <= most_table_entries;
+  if (has_table) {
     const std::size_t size = encode_table(written, content, 0);
     const std::span<const std::byte> table = compressed(content, size, 0);
-    write_at(table_at, table);
-    end += table.size();
-  }
-  // A packet that once failed to be written may reach further than what has been written since.
-  if (::ftruncate(file.number(), static_cast<off_t>(end)) != 0) {
-    throw Error(name + ": cannot be cut to its length (" + std::strerror(errno) + "); expected a writable file");
+    try {
+      write_at(table_at, table);
+      end += table.size();
+    } catch (const Error&) {
+      if (!failure) failure = std::current_exception();
+      has_table = false;
+      cut_to_end();
+    }
   }
   sync();
-  if (!fits) return;
-  const auto position = static_cast<std::int64_t>(table_at);
-  write_at(position_field, std::as_bytes(std::span(&position, 1)));
-  sync();
+  if (has_table) {
+    const auto position = static_cast<std::int64_t>(table_at);
+    write_at(position_field, std::as_bytes(std::span(&position, 1)));
+    sync();
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 RecordingWriter::RecordingWriter(const fs::path& file, std::vector<Stream> streams, RecordingWriterOptions options)
@@ -349,6 +367,7 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
 void RecordingWriter::write_waiting() { state_->write_all_waiting(); }
 void RecordingWriter::flush() { state_->flush(); }
 void RecordingWriter::close() { state_->close(); }
+const std::vector<PacketRecord>& RecordingWriter::packets() const { return state_->written; }
 
 Stream event_stream_declaration(SensorSize size, std::string source) {
   return {.id = 0,

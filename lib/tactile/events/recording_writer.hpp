@@ -8,6 +8,7 @@
 
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile {
@@ -39,7 +40,11 @@ class RecordingWriter {
   void write_frame(std::int32_t stream_id, const Frame& frame);
   void write_waiting();  ///< whatever the packets still lack; who wants it synced too calls `flush`
   void flush();          ///< writes what waits, and syncs
-  void close();          ///< flushes, writes the data table, patches the header, syncs
+  /// Flushes, writes the data table, patches the header, syncs. Where that fails the file is cut behind its last whole packet,
+  /// which frees the room that a part of one took, and goes without a table if there is no room for it. @throws Error then too
+  void close();
+
+  const std::vector<PacketRecord>& packets() const;  ///< those that the file holds whole, in file order
 
  private:
   struct State;

@@ -15,6 +15,13 @@ std::optional<CameraTime> optional_time(const nlohmann::json& json, std::string_
   return camera_time(member<std::int64_t>(json, key, where));
 }
 
+nlohmann::json json_of(const std::optional<ClockRelation>& clock) { return clock ? nlohmann::json(*clock) : nlohmann::json(); }
+
+std::optional<ClockRelation> clock_in(const nlohmann::json& clocks, std::string_view key, const std::string& where) {
+  if (member<nlohmann::json>(clocks, key, where).is_null()) return std::nullopt;
+  return member<ClockRelation>(clocks, key, where);
+}
+
 TrueInterval interval_from(const nlohmann::json& json, const std::string& where) {
   TrueInterval truth;
   truth.interval.touch = touch_named(member<std::string>(json, "class", where));
@@ -41,8 +48,8 @@ Truth read_truth(const std::filesystem::path& file) {
   std::stable_sort(truth.intervals.begin(), truth.intervals.end(), starts_before);
   truth.lift_start = optional_time(json, "lift_start_us", where);
   const auto clocks = member<nlohmann::json>(json, "clocks", where);
-  truth.robot_clock = member<ClockRelation>(clocks, "robot", where);
-  truth.video_clock = member<ClockRelation>(clocks, "video", where);
+  truth.robot_clock = clock_in(clocks, "robot", where);
+  truth.video_clock = clock_in(clocks, "video", where);
   truth.parameters = json.value("parameters", nlohmann::json::object());
   return truth;
 }
@@ -59,7 +66,7 @@ void write_truth(const std::filesystem::path& file, const Truth& truth) {
   }
   write_json(file, {{"intervals", intervals},
                     {"lift_start_us", optional_us(truth.lift_start)},
-                    {"clocks", {{"robot", truth.robot_clock}, {"video", truth.video_clock}}},
+                    {"clocks", {{"robot", json_of(truth.robot_clock)}, {"video", json_of(truth.video_clock)}}},
                     {"parameters", truth.parameters}});
 }
 

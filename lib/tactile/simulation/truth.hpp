@@ -19,11 +19,10 @@ struct TrueInterval {
 };
 
 struct Truth {
-  std::vector<TrueInterval> intervals;  ///< by start
-  std::optional<CameraTime> lift_start;
-  ClockRelation robot_clock;
-  ClockRelation video_clock;
-  nlohmann::json parameters = nlohmann::json::object();  ///< what the run was made from
+  std::vector<TrueInterval> intervals;                    ///< by start
+  std::optional<CameraTime> lift_start;                   ///< nothing without a simulated robot
+  std::optional<ClockRelation> robot_clock, video_clock;  ///< nothing where the robot, or the film, was not simulated
+  nlohmann::json parameters = nlohmann::json::object();   ///< what the run was made from
 };
 
 /// @throws Error  if the file is missing or not a truth
