@@ -55,6 +55,25 @@ std::vector<Subject> subjects_in(const std::string& place) {
   return subjects;
 }
 
+/// What run.json counts as dropped; empty if it counts nothing.
+std::string drops_in(const RunInfo& run) {
+  const auto dropped = run.extra.find("dropped");
+  if (dropped == run.extra.end() || !dropped->is_object()) return "";
+  std::string text;
+  const auto add = [&](const char* key, const std::string& what) {
+    const auto count = dropped->find(key);
+    if (count == dropped->end() || !count->is_number_unsigned() || *count == 0) return;
+    text += (text.empty() ? "" : ", ") + counted(count->get<std::uint64_t>(), what);
+  };
+  add("events", "event");
+  add("packets", "packet");
+  add("others", "other element");
+  add("robot_gaps", "robot gap");
+  add("robot_packages", "robot package");
+  add("frames", "video frame");
+  return text;
+}
+
 /// What the run's own account adds to the recording's health.
 void add_run(Report& report, const InfoArguments& args, const ProgressCallback& progress) {
   const RunFolder& folder = *report.subject.run;
@@ -73,6 +92,8 @@ void add_run(Report& report, const InfoArguments& args, const ProgressCallback& 
                                            size.height, stream.stream.id, stream.stream.size->width, stream.stream.size->height));
     }
   }
+  if (const std::string drops = drops_in(*report.run); !drops.empty())
+    health.notes.push_back("run.json counts as dropped: " + drops);
   report.files = check_files(folder, *report.run, args.check ? FileComparison::contents : FileComparison::size, progress);
   health.reasons.insert(health.reasons.end(), report.files.reasons.begin(), report.files.reasons.end());
   if (!report.files.told && report.run->complete) {

@@ -43,7 +43,14 @@ void catch_ctrl_c() {
 }
 
 void catch_termination() {
-  static const bool caught = (catch_signal(SIGTERM), true);
+  static const bool caught = [] {
+    catch_signal(SIGTERM);
+    struct sigaction present {};
+    const bool is_ignored = sigaction(SIGHUP, nullptr, &present) == 0 && present.sa_handler == SIG_IGN;
+    if (!is_ignored) catch_signal(SIGHUP);  // under nohup the terminal's end is none of ours
+    std::signal(SIGPIPE, SIG_IGN);
+    return true;
+  }();
   static_cast<void>(caught);
 }
 

@@ -107,7 +107,7 @@ std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const Sess
   options.host = address.host;
   options.port = address.port;
   for (const auto& bit : {plan.start_on, plan.stop_on}) {
-    if (bit) options.extra_fields.push_back(bit->field);
+    if (bit) options.required_fields.push_back(bit->field);
   }
   options.log = [&line](const std::string& text) { line.warn(text); };
   return std::make_unique<RobotMonitor>(std::move(options));
@@ -122,6 +122,35 @@ std::unique_ptr<VideoCapture> open_video(const RecordArguments& args, LiveLine& 
   return std::make_unique<VideoCapture>(std::move(options));
 }
 
+/// Nothing if Ctrl-C came meanwhile.
+std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) try {
+  // The cameras come last: what they send is taken from their first moment on.
+  std::unique_ptr<RobotMonitor> robot = open_robot(args, plan, line);
+  if (interrupted()) return nullptr;
+  std::unique_ptr<VideoCapture> video = open_video(args, line);
+  std::vector<std::unique_ptr<CameraSource>> sources;
+  const CameraSourceOptions options{
+      .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
+  for (const std::string& text : args.from) {
+    if (interrupted()) return nullptr;
+    sources.push_back(open_camera_source(text, options));
+  }
+  return std::make_unique<RunRecorder>(
+      std::move(sources), std::move(robot), std::move(video),
+      RunRecorderOptions{.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
+} catch (const Error&) {
+  if (!interrupted()) throw;
+  return nullptr;  // who does not want to wait for it any more has no use for why it does not come
+}
+
+RobotBit bit_of(const std::string& option, const std::string& text) {
+  try {
+    return robot_bit(text);
+  } catch (const Error& e) {
+    throw Error(option + " " + e.what());
+  }
+}
+
 SessionPlan plan_of(const RecordArguments& args) {
   SessionPlan plan;
   if (!args.session.empty()) {
@@ -130,8 +159,8 @@ SessionPlan plan_of(const RecordArguments& args) {
     plan.objects.push_back({.name = args.object, .runs = 1});
   }
   if (args.duration_s > 0) plan.duration_s = args.duration_s;
-  if (!args.start_on.empty()) plan.start_on = robot_bit(args.start_on);
-  if (!args.stop_on.empty()) plan.stop_on = robot_bit(args.stop_on);
+  if (!args.start_on.empty()) plan.start_on = bit_of("--start-on", args.start_on);
+  if (!args.stop_on.empty()) plan.stop_on = bit_of("--stop-on", args.stop_on);
   return plan;
 }
 
@@ -165,16 +194,9 @@ void record(RecordArguments args, const CommonArguments& common) {
   catch_termination();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said, and what is there is kept
   LiveLine line(!common.quiet);
-  // The cameras come last: what they send is taken from their first moment on.
-  std::unique_ptr<RobotMonitor> robot = open_robot(args, wanted.plan, line);
-  std::unique_ptr<VideoCapture> video = open_video(args, line);
-  std::vector<std::unique_ptr<CameraSource>> sources;
-  const CameraSourceOptions options{
-      .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
-  for (const std::string& text : args.from) sources.push_back(open_camera_source(text, options));
-  RunRecorder recorder(std::move(sources), std::move(robot), std::move(video),
-                       {.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
-  const std::vector<RunSummary> runs = record_runs(recorder, wanted, line);
+  const std::unique_ptr<RunRecorder> recorder = open_recorder(args, wanted.plan, line);
+  const auto [runs, error] = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
+  if (runs.empty() && !error.empty()) throw Error(error);
 
   std::string text;
   nlohmann::json all = nlohmann::json::array();
@@ -183,11 +205,12 @@ void record(RecordArguments args, const CommonArguments& common) {
     all.push_back(json_of(run));
   }
   if (wanted.is_session) {
-    print_result(common, {{"data", args.out}, {"runs", all}}, runs.empty() ? "no run recorded\n" : text);
+    print_result(common, {{"data", args.out}, {"runs", all}, {"error", error.empty() ? nlohmann::json() : nlohmann::json(error)}},
+                 runs.empty() ? "no run recorded\n" : text);
   } else {
     print_result(common, runs.empty() ? nlohmann::json() : all.front(), runs.empty() ? "no run recorded\n" : text);
   }
-  if (!runs.empty() && !runs.back().errors.empty()) throw Error(runs.back().errors.front());
+  if (!error.empty()) throw Error(error);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <ctime>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "command.hpp"
 #include "interruption.hpp"
@@ -65,8 +66,8 @@ class Answers {
   bool ended_ = false;
 };
 
-/// Names the runs that share one start of camera and controller. The camera's ends with this program; the controller may have
-/// been started anew whenever the connection to it was lost.
+/// Names the runs that share one start of camera and controller. The camera's ends with this program; the monitor tells how often
+/// the controller's clock started. While the robot is gone nobody knows: such a run shares its clock with no other.
 class SessionId {
  public:
   explicit SessionId(const std::string& name) {
@@ -78,16 +79,30 @@ class SessionId {
                         utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, now_us % 1'000'000);
   }
   std::string of(const RobotMonitor* robot) {
-    const std::uint64_t reconnects = robot == nullptr ? 0 : robot->state().reconnects;
-    if (reconnects != reconnects_) ++starts_;
-    reconnects_ = reconnects;
-    return starts_ == 1 ? base_ : fmt::format("{}-{}", base_, starts_);
+    if (robot == nullptr) return base_;
+    const bool is_known = clock_is_known(*robot);
+    const RobotMonitorState state = robot->state();
+    if (!is_known || !state.connected) return name_of(++names_);
+    if (state.clock_starts != clock_starts_) present_ = ++names_;
+    clock_starts_ = state.clock_starts;
+    return name_of(present_);
   }
 
  private:
+  /// A robot that has just been connected to tells its clock with its first package.
+  static bool clock_is_known(const RobotMonitor& robot) {
+    const Steady::time_point deadline = Steady::now() + std::chrono::seconds(1);
+    while (!robot.newest("timestamp")) {
+      if (!robot.state().connected || Steady::now() > deadline) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+  std::string name_of(int number) const { return number == 1 ? base_ : fmt::format("{}-{}", base_, number); }
+
   std::string base_;
-  std::uint64_t reconnects_ = 0;
-  int starts_ = 1;
+  std::uint64_t clock_starts_ = 0;  ///< of the present name; 0 while there is none
+  int names_ = 0, present_ = 0;
 };
 
 std::optional<bool> newest(const RunRecorder& recorder, const RobotBit& bit) {
@@ -112,30 +127,24 @@ class Walk {
   Walk(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
       : recorder_(recorder), wanted_(wanted), plan_(wanted.plan), line_(line), session_(plan_.name) {}
 
-  std::vector<RunSummary> all() {
-    while (object_index_ <= plan_.objects.size()) {
-      switch (wait_to_begin()) {
-        case Answer::begin:
-          if (!record_one()) return std::move(done_);
-          break;
-        case Answer::redo:
-          discard_last();
-          break;
-        case Answer::skip:
-          ++object_index_;
-          break;
-        case Answer::end:
-          return std::move(done_);
-      }
+  RecordedRuns all() {
+    std::string error;
+    try {
+      walk();
+      if (!done_.empty() && !done_.back().errors.empty()) error = done_.back().errors.front();
+    } catch (const std::exception& e) {  // what was recorded until then is told all the same
+      line_.clear();
+      error = e.what();
     }
-    return std::move(done_);
+    return {std::move(done_), error};
   }
 
  private:
   enum class Answer : std::uint8_t { begin, redo, skip, end };
 
-  int runs_there(std::size_t object_index) const { return complete_runs(wanted_.data, plan_.objects[object_index].name); }
+  int runs_there(std::size_t object_index) const { return complete_runs(wanted_.data, plan_, plan_.objects[object_index].name); }
 
+  void walk();
   Answer wait_to_begin();
   std::string question() const;
   bool record_one();
@@ -150,9 +159,28 @@ class Walk {
   Answers answers_;
   std::size_t object_index_ = 0;
   std::vector<RunSummary> done_;
+  RisingEdge start_;  ///< kept from run to run: it may rise while one is being closed
   Steady::time_point drawn_{};
   std::uint64_t drawn_events_ = 0;
 };
+
+void Walk::walk() {
+  while (object_index_ <= plan_.objects.size()) {
+    switch (wait_to_begin()) {
+      case Answer::begin:
+        if (!record_one()) return;
+        break;
+      case Answer::redo:
+        discard_last();
+        break;
+      case Answer::skip:
+        ++object_index_;
+        break;
+      case Answer::end:
+        return;
+    }
+  }
+}
 
 std::string Walk::question() const {
   const std::string redo = done_.empty() ? "" : fmt::format(", r redoes {}", done_.back().run.name());
@@ -165,6 +193,7 @@ std::string Walk::question() const {
 
 /// Passes over the objects that have all their runs. At the end of the list one more question lets the last run be redone.
 Walk::Answer Walk::wait_to_begin() {
+  if (interrupted()) return Answer::end;
   if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? Answer::begin : Answer::end;
   if (!wanted_.is_session && !done_.empty()) return Answer::end;
   if (wanted_.is_session) {
@@ -179,7 +208,7 @@ Walk::Answer Walk::wait_to_begin() {
     line_.inform("waits for " + plan_.start_on->text());
   }
   recorder_.discard();
-  RisingEdge edge;
+  bool told_of_high = false;
   for (;;) {
     if (interrupted()) return Answer::end;
     if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
@@ -187,7 +216,12 @@ Walk::Answer Walk::wait_to_begin() {
       line_.warn(gone + ": no further run can be recorded");
       return Answer::end;
     }
-    if (plan_.start_on && edge.rises(newest(recorder_, *plan_.start_on))) return Answer::begin;
+    if (plan_.start_on) {
+      const std::optional<bool> high = newest(recorder_, *plan_.start_on);
+      if (start_.rises(high)) return Answer::begin;
+      if (high.value_or(false) && !std::exchange(told_of_high, true))
+        line_.inform(plan_.start_on->text() + " is high already: it must fall before it can start a run");
+    }
     const std::chrono::milliseconds patience(plan_.start_on ? 2 : 50);
     if (!wanted_.is_session) {
       std::this_thread::sleep_for(patience);
@@ -218,6 +252,7 @@ void Walk::discard_last() {
 
 /// False if nothing more shall be recorded.
 bool Walk::record_one() {
+  const int counted_before = wanted_.is_session ? runs_there(object_index_) : 0;
   RunRequest request{.run = make_run_folder(wanted_.data, plan_.objects[object_index_].name, wanted_.run),
                      .session = session_.of(recorder_.robot()),
                      .duration = {},
@@ -225,6 +260,8 @@ bool Walk::record_one() {
   if (plan_.duration_s) request.duration = microseconds(static_cast<std::int64_t>(1e6 * *plan_.duration_s));
   RisingEdge stop;
   if (plan_.stop_on) stop.rises(newest(recorder_, *plan_.stop_on).value_or(false));
+  if (recorder_.robot() != nullptr && !recorder_.robot()->state().connected)
+    line_.warn(request.run.name() + " begins without the robot: what it does until it is back is not in the log");
   recorder_.begin(request);
   drawn_ = Steady::now();
   drawn_events_ = 0;
@@ -233,6 +270,7 @@ bool Walk::record_one() {
   bool told_of_drops = false;
   std::string why;
   while (why.empty()) {
+    if (plan_.start_on) start_.rises(newest(recorder_, *plan_.start_on));
     const RunState state = recorder_.state();
     draw(request.run, state);
     if (!told_of_drops && state.drops.queue_full.packets > 0) {
@@ -259,6 +297,8 @@ bool Walk::record_one() {
     line_.inform(fmt::format("{}: {} in {:.1f} s, {}, dropped {}, ended by: {}", run.run.name(), counted(run.events, "event"),
                              seconds_of(run.elapsed), megabytes(run.bytes), drops_text(run.drops), run.ended));
   }
+  if (wanted_.is_session && runs_there(object_index_) == counted_before)
+    line_.inform(fmt::format("{} stays, but is none of the plan's runs: it was broken off", run.run.name()));
   return run.errors.empty() && !interrupted();
 }
 
@@ -281,7 +321,7 @@ void Walk::draw(const RunFolder& run, const RunState& state) {
 
 }  // namespace
 
-std::vector<RunSummary> record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
+RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
   return Walk(recorder, wanted, line).all();
 }
 

@@ -20,9 +20,14 @@ struct RunsToRecord {
   nlohmann::json settings;
 };
 
+struct RecordedRuns {
+  std::vector<RunSummary> runs;
+  std::string error;  ///< what ended them, in the last run or behind it; empty if all went well
+};
+
 /// Records until the plan is fulfilled, the user or the sources end it, or something fails. Answers come from standard input, a
 /// line each; questions and the live line go to stderr.
-std::vector<RunSummary> record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
+RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
 
 std::string text_of(const RunSummary& run);
 nlohmann::json json_of(const RunSummary& run);

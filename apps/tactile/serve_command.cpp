@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -189,7 +190,8 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
   for (const Served& one : served) {
     broadcast.add(one.stream.id, *one.server);
     const std::string address = one.server->address().text();
-    fmt::print(stderr, "serving {} of {} on {}\n", name_of(one.stream.type), args.source, address);
+    // Not by fmt::print, which throws where nobody reads it.
+    std::fputs(fmt::format("serving {} of {} on {}\n", name_of(one.stream.type), args.source, address).c_str(), stderr);
     streams.push_back({{"type", name_of(one.stream.type)}, {"address", address}});
   }
   std::fflush(stderr);
@@ -247,7 +249,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too")->type_name("N");
   command->add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")->type_name("N");
   command->add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
   command->add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");

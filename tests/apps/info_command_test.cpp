@@ -237,6 +237,16 @@ TEST_F(InfoOfARun, ComparesItsFilesWithWhatRunJsonLists) {
   EXPECT_NE(missing.out.find("robot.csv: is missing"), std::string::npos) << missing.out;
 }
 
+TEST_F(InfoOfARun, NotesWhatWasDropped) {
+  RunInfo info{.object = "fan", .run = "03", .session = {}, .simulated = false, .complete = true, .width = 160, .height = 120};
+  info.extra["dropped"] = {{"events", 1200}, {"packets", 1}, {"others", 0}, {"robot_gaps", 2}, {"frames", 0}};
+  write_run_info(run, info);
+  const test::CommandResult result = run_tactile("info --check data/fan/03", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("run.json counts as dropped: 1200 events, 1 packet, 2 robot gaps\n"), std::string::npos)
+      << result.out;
+}
+
 TEST_F(InfoOfARun, IsSickWhereTheRunWasNotCompleted) {
   describe(false, 160, 120);
   const test::CommandResult result = run_tactile("info --check data/fan/03", folder.path());

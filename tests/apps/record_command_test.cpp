@@ -2,6 +2,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -137,7 +138,7 @@ TEST_F(RecordCommand, TakesTheSimulatorForAWholeRun) {
 TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
   const std::vector<Event> sent = make_long_recording();
   int number = 0;
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const RunFolder run = run_folder("unnamed", "0" + std::to_string(++number));
     RunningCommand command("record --json --from file:long.aedat4", folder.path());
     ASSERT_TRUE(has_begun(run, command)) << command.err();
@@ -283,6 +284,120 @@ TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
   EXPECT_EQ(json.at("complete"), true);
   EXPECT_GE(run_json("unnamed", "01").at("dropped").at("robot_gaps"), 1);
   EXPECT_GE(read_robot_log(run.robot()).gaps.size(), 1U);
+}
+
+TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
+  test::FakeController controller;
+  write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 4}], "duration": 0.1})");
+  RunningCommand command(
+      "record --json --session plan.json --from sim --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()),
+      folder.path());
+  const auto says = [&](const std::string& text) {
+    return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); }) &&
+           !command.has_ended();
+  };
+  command.type("\n");
+  ASSERT_TRUE(says("fan, run 2 of 4")) << command.err();
+  controller.close_connections();
+  ASSERT_TRUE(says("robot is back")) << command.err();
+  command.type("\n");
+  ASSERT_TRUE(says("fan, run 3 of 4")) << command.err();
+  const std::size_t sent = controller.sent().size();
+  controller.restart_clock();
+  ASSERT_TRUE(test::comes_true([&] { return controller.sent().size() > sent + 100; }));
+  command.type("\n");
+  ASSERT_TRUE(says("fan, run 4 of 4")) << command.err();
+  controller.listen(false);
+  controller.close_connections();
+  ASSERT_TRUE(says("robot still gone")) << command.err();
+  command.type("\n");
+  ASSERT_TRUE(says("All runs are there")) << command.err();
+  command.type("\n");
+  const CommandResult result = command.wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
+  ASSERT_EQ(runs.size(), 4U);
+  const auto session = [&](std::size_t index) { return runs.at(index).at("session").get<std::string>(); };
+  EXPECT_EQ(session(1), session(0)) << "the network alone was gone";
+  EXPECT_EQ(session(2), session(0) + "-2") << "the clock began anew on an open connection";
+  EXPECT_EQ(session(3), session(0) + "-3") << "nobody knows its clock";
+  EXPECT_NE(result.err.find("fan/04 begins without the robot"), std::string::npos) << result.err;
+  EXPECT_EQ(run_json("fan", "04").at("dropped").at("robot_gaps"), 1);
+}
+
+TEST_F(RecordCommand, RefusesABitThatTheRobotDoesNotHave) {
+  test::FakeController controller;
+  for (const char* field : {"--stop-on output_bit_register_4711", "--start-on actual_TCP_pose:1"}) {
+    const CommandResult result =
+        run("record --from sim " + std::string(field) + " --robot 127.0.0.1:" + std::to_string(controller.port()));
+    EXPECT_EQ(result.exit_code, 1) << field;
+    EXPECT_EQ(lines_in(result.err), 1) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "data")) << field;
+  }
+}
+
+TEST_F(RecordCommand, SaysThatABitIsHighAlready) {
+  test::FakeController controller;
+  RunningCommand command("record --from sim --start-on robot_mode --robot 127.0.0.1:" + std::to_string(controller.port()),
+                         folder.path());
+  ASSERT_TRUE(test::comes_true([&] {
+    return command.err().find("robot_mode is high already: it must fall") != std::string::npos || command.has_ended();
+  }));
+  command.signal(SIGINT);
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "no run recorded\n");
+}
+
+TEST_F(RecordCommand, EndsWithoutARunIfStoppedWhileItOpensItsSources) {
+  std::atomic<bool> is_asked = false;
+  ScriptedServer server([&](ScriptedServer::Socket& client) {
+    is_asked = true;
+    test::until_closed(client);
+  });
+  RunningCommand command("record --from sim --robot 127.0.0.1:" + std::to_string(server.address().port), folder.path());
+  ASSERT_TRUE(test::comes_true([&] { return is_asked.load(); }));
+  command.signal(SIGINT);
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "no run recorded\n");
+  EXPECT_FALSE(fs::exists(folder / "data"));
+}
+
+TEST_F(RecordCommand, RecordsAnInterruptedRunOfASessionAgain) {
+  make_long_recording();
+  write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 1}], "duration": 0.5})");
+  write_whole(folder / "long.json", R"({"objects": [{"name": "fan", "runs": 1}], "duration": 1000})");
+  {
+    RunningCommand command("record --session long.json --from file:long.aedat4", folder.path());
+    command.type("\n");
+    ASSERT_TRUE(has_begun(run_folder("fan", "01"), command)) << command.err();
+    command.signal(SIGINT);
+    const CommandResult result = command.wait();
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("none of the plan's runs"), std::string::npos) << result.err;
+  }
+  RunningCommand command("record --json --session plan.json --from file:long.aedat4 --speed 0", folder.path());
+  command.type("\n");
+  command.close_input();
+  const CommandResult result = command.wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("runs").at(0).at("folder"), "data/fan/02");
+  EXPECT_TRUE(fs::exists(folder / "data/fan/01/events.aedat4"));
+}
+
+TEST_F(RecordCommand, ReportsWhatASessionRecordedAheadOfAnError) {
+  write_whole(folder / "plan.json", R"({"objects": [{"name": "fan"}, {"name": "usb-hub"}], "duration": 0.1})");
+  fs::create_directory(folder / "data");
+  write_whole(folder / "data/usb-hub", "no folder");
+  RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+  command.type("\n\n");
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 1);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("runs").size(), 1U);
+  EXPECT_NE(json.at("error").get<std::string>().find("data/usb-hub"), std::string::npos) << json.at("error");
+  EXPECT_NE(result.err.find("data/usb-hub"), std::string::npos) << result.err;
 }
 
 TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {

@@ -58,9 +58,25 @@ TEST_F(SessionPlanFile, IsRefusedWithTheFileAndWhatIsWrong) {
   }
 }
 
+TEST_F(SessionPlanFile, NamesTheKeyAndWhatIsExpected) {
+  const auto complaint_of = [&](const std::string& member) {
+    try {
+      read(R"({"objects": [{"name": "fan"}], )" + member + "}");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const std::string file = (folder / "plan.json").string();
+  EXPECT_EQ(complaint_of(R"("duration": "x")"), file + ": 'duration' is \"x\"; expected seconds above 0");
+  EXPECT_EQ(complaint_of(R"("session": 5)"), file + ": 'session' is 5; expected a text");
+  EXPECT_EQ(complaint_of(R"("stop_on": [])"), file + ": 'stop_on' is []; expected a text");
+  EXPECT_TRUE(complaint_of(R"("start_on": "a b")").starts_with(file + ": 'start_on': 'a b' names no bit of the robot; expected"));
+}
+
 TEST(CompleteRuns, CountsThoseThatSayTheyAre) {
   const test::TemporaryFolder data;
-  EXPECT_EQ(complete_runs(data / "none", "fan"), 0);
+  EXPECT_EQ(complete_runs(data / "none", {}, "fan"), 0);
   for (const bool complete : {true, false, true}) {
     const RunFolder run = make_run_folder(data.path(), "fan");
     write_whole(run.events(), "");
@@ -68,8 +84,24 @@ TEST(CompleteRuns, CountsThoseThatSayTheyAre) {
         run, {.object = "fan", .run = run.run, .session = "", .simulated = false, .complete = complete, .width = 1, .height = 1});
   }
   write_whole(make_run_folder(data.path(), "fan").events(), "");  // tells nothing
-  EXPECT_EQ(complete_runs(data.path(), "fan"), 2);
-  EXPECT_EQ(complete_runs(data.path(), "usb-hub"), 0);
+  EXPECT_EQ(complete_runs(data.path(), {}, "fan"), 2);
+  EXPECT_EQ(complete_runs(data.path(), {}, "usb-hub"), 0);
+}
+
+TEST(CompleteRuns, LeavesOutThoseThatWereBrokenOff) {
+  const test::TemporaryFolder data;
+  for (const char* why :
+       {"duration", "interrupted", "source gone: tcp://camera:7777: closed", "source ended", "stopped by Enter"}) {
+    const RunFolder run = make_run_folder(data.path(), "fan");
+    write_whole(run.events(), "");
+    RunInfo info{.object = "fan", .run = run.run, .session = "", .simulated = false, .complete = true, .width = 1, .height = 1};
+    info.extra["ended"] = why;
+    write_run_info(run, info);
+  }
+  EXPECT_EQ(complete_runs(data.path(), {}, "fan"), 3);
+  SessionPlan with_duration;
+  with_duration.duration_s = 8;
+  EXPECT_EQ(complete_runs(data.path(), with_duration, "fan"), 2) << "a source that ends has not lasted";
 }
 
 }  // namespace

@@ -36,6 +36,27 @@ TEST(LabelRun, FindsPressAndSlipInCameraTime) {
   EXPECT_NEAR(ms_from_begin(labels.intervals[1].end.at), 2097.0, 3.0);
 }
 
+TEST(LabelRun, FlagsARecordingThatLostEventsOnTheirWay) {
+  const test::TemporaryFolder data;
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  RunInfo info{
+      .object = run.object, .run = run.run, .session = "", .simulated = false, .complete = true, .width = 64, .height = 48};
+  const auto lost = [](int events) { return nlohmann::json{{"packets", 0}, {"events", events}, {"others", 0}}; };
+  info.extra["dropped"]["by_reason"] = {
+      {"queue_full", lost(0)}, {"back_in_time", lost(3)}, {"unwritten", lost(0)}, {"source", lost(0)}};
+  write_run_info(run, info);
+  EXPECT_TRUE(label_run(run).flags.empty()) << "what does not fit its stream is no loss";
+  for (const std::string reason : {"queue_full", "unwritten", "source"}) {
+    RunInfo lossy = info;
+    lossy.extra["dropped"]["by_reason"][reason] = lost(70);
+    write_run_info(run, lossy);
+    const Labels labels = label_run(run);
+    ASSERT_EQ(labels.flags.size(), 1U) << reason;
+    EXPECT_NE(labels.flags[0].reason.find("lacks 70 events"), std::string::npos) << labels.flags[0].reason;
+    EXPECT_NE(labels.flags[0].reason.find(reason), std::string::npos) << labels.flags[0].reason;
+  }
+}
+
 TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));

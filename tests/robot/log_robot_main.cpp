@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
                                    .port = static_cast<std::uint16_t>(std::atoi(argv[1])),
                                    .frequency_hz = 0,
                                    .extra_fields = {},
+                                   .required_fields = {},
                                    .patience = 5'000ms,
                                    .log = {}});
     if (argc > 3) {

@@ -434,6 +434,87 @@ TEST(RobotMonitor, WritesOneLogAfterTheOther) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2) << "no temporary file stays";
 }
 
+TEST(RobotMonitor, CountsAGapWhereALogBeginsOrEndsWithoutTheRobot) {
+  FakeController controller;
+  const test::TemporaryFolder folder;
+  RobotMonitor monitor(options_for(controller));
+  controller.listen(false);
+  controller.close_connections();
+  ASSERT_TRUE(comes([&] { return !monitor.state().connected; }));
+  monitor.start_log(folder / "none.csv");
+  EXPECT_EQ(monitor.state().gaps, 1U) << "at once";
+  std::this_thread::sleep_for(100ms);  // at least: what must be missing follows from it
+  monitor.stop_log();
+  EXPECT_EQ(monitor.state().rows, 0U);
+  EXPECT_EQ(monitor.state().gaps, 1U);
+  EXPECT_GE(monitor.state().missing, 50U);
+
+  monitor.start_log(folder / "late.csv");
+  std::this_thread::sleep_for(100ms);
+  controller.listen(true);
+  ASSERT_TRUE(has_rows(monitor, 50));
+  EXPECT_EQ(monitor.state().gaps, 1U);
+  const std::uint64_t missing = monitor.state().missing;
+  EXPECT_GE(missing, 50U);
+  controller.listen(false);
+  controller.close_connections();
+  ASSERT_TRUE(comes([&] { return !monitor.state().connected; }));
+  std::this_thread::sleep_for(100ms);
+  monitor.stop_log();
+  EXPECT_EQ(monitor.state().gaps, 2U);
+  EXPECT_GE(monitor.state().missing, missing + 50);
+  const RobotLog log = read_robot_log(folder / "late.csv");
+  EXPECT_EQ(log.states.size(), monitor.state().rows);
+  EXPECT_TRUE(log.restarts == 0 && log.gaps.empty());
+}
+
+TEST(RobotMonitor, CountsStartsOfTheClockBetweenLogsToo) {
+  auto controller = std::make_unique<FakeController>(FakeControllerOptions{.first_timestamp = 5'000});
+  const std::uint16_t port = controller->port();
+  RobotMonitor monitor(options_for(*controller));
+  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").has_value(); }));
+  EXPECT_EQ(monitor.state().clock_starts, 1U);
+  controller->close_connections();
+  ASSERT_TRUE(comes([&] { return monitor.state().reconnects == 1 && monitor.newest("timestamp").has_value(); }));
+  EXPECT_EQ(monitor.state().clock_starts, 1U) << "the same clock is back";
+  controller->restart_clock();
+  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(1e9) < 4'000; }));
+  EXPECT_EQ(monitor.state().clock_starts, 2U);
+  controller.reset();
+  controller = std::make_unique<FakeController>(FakeControllerOptions{.port = port, .first_timestamp = 9'000});
+  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(0) >= 9'000; }));
+  EXPECT_EQ(monitor.state().clock_starts, 3U);
+}
+
+TEST(RobotMonitor, RefusesAControllerWithoutARequiredNumber) {
+  FakeController controller;
+  Told told;
+  auto options = options_for(controller, &told);
+  options.required_fields = {"output_bit_register_64", "output_bit_register_4711"};
+  EXPECT_NE(complaint_of([&] { RobotMonitor monitor(options); }).find("has no output 'output_bit_register_4711'"),
+            std::string::npos);
+  EXPECT_EQ(told.all(), "");
+  options.required_fields = {"actual_TCP_pose"};
+  EXPECT_NE(complaint_of([&] { RobotMonitor monitor(options); }).find("'actual_TCP_pose' is a VECTOR6D"), std::string::npos);
+  options.required_fields = {"output_bit_register_64"};
+  RobotMonitor monitor(options);
+  EXPECT_TRUE(comes([&] { return monitor.newest("output_bit_register_64").has_value(); }));
+}
+
+TEST(RobotMonitor, TellsARepeatedMessageOnceAndItsCountInTheEnd) {
+  FakeController controller({.text_every = 7});
+  const test::TemporaryFolder folder;
+  Told told;
+  {
+    RobotMonitor monitor(options_for(controller, &told));
+    monitor.start_log(folder / "robot.csv");
+    ASSERT_TRUE(has_rows(monitor, 100));
+  }
+  const std::string words = "warning of the robot: RTDE: please stand by";
+  EXPECT_TRUE(told.has(words + "\n")) << told.all();
+  EXPECT_TRUE(told.has(words + " (came ")) << told.all();
+}
+
 TEST(RobotMonitor, SaysThatNobodyAnswers) {
   std::uint16_t closed_port = 0;
   {

@@ -22,9 +22,15 @@ void check_keys(const nlohmann::json& json, const std::vector<std::string>& know
   }
 }
 
+std::string text_member(const nlohmann::json& json, const std::string& key, const std::string& where) {
+  if (json.contains(key) && !json[key].is_string())
+    throw Error(fmt::format("{}: '{}' is {}; expected a text", where, key, json[key].dump()));
+  return member<std::string>(json, key, where);
+}
+
 SessionPlan::Object read_object(const nlohmann::json& json, const std::string& where) {
   check_keys(json, {"name", "runs"}, where);
-  SessionPlan::Object object{.name = member<std::string>(json, "name", where), .runs = 1};
+  SessionPlan::Object object{.name = text_member(json, "name", where), .runs = 1};
   if (!is_object_name(object.name)) {
     throw Error(
         fmt::format("{}: '{}' is no object's name; expected lower-case letters, digits and inner hyphens", where, object.name));
@@ -40,7 +46,19 @@ SessionPlan::Object read_object(const nlohmann::json& json, const std::string& w
 
 std::optional<RobotBit> read_bit(const nlohmann::json& json, const std::string& key, const std::string& where) {
   if (!json.contains(key)) return {};
-  return robot_bit(member<std::string>(json, key, where));
+  const std::string text = text_member(json, key, where);
+  try {
+    return robot_bit(text);
+  } catch (const Error& e) {
+    throw Error(fmt::format("{}: '{}': {}", where, key, e.what()));
+  }
+}
+
+bool ended_as_planned(const RunInfo& run, const SessionPlan& plan) {
+  const auto ended = run.extra.find("ended");
+  if (ended == run.extra.end() || !ended->is_string()) return true;  // recorded by something else: complete is all it tells
+  const auto& why = ended->get_ref<const std::string&>();
+  return why != "interrupted" && !why.starts_with("source gone") && !(plan.duration_s && why == "source ended");
 }
 
 }  // namespace
@@ -50,7 +68,7 @@ SessionPlan read_session_plan(const fs::path& file) {
   const std::string where = file.string();
   check_keys(json, {"session", "objects", "duration", "start_on", "stop_on"}, where);
   SessionPlan plan;
-  if (json.contains("session")) plan.name = member<std::string>(json, "session", where);
+  if (json.contains("session")) plan.name = text_member(json, "session", where);
   if (!json.contains("objects") || !json["objects"].is_array() || json["objects"].empty()) {
     throw Error(where + ": no 'objects'; expected a list such as [{\"name\": \"fan\", \"runs\": 10}]");
   }
@@ -62,8 +80,8 @@ SessionPlan read_session_plan(const fs::path& file) {
     }
   }
   if (json.contains("duration")) {
-    plan.duration_s = member<double>(json, "duration", where);
-    if (!std::isfinite(*plan.duration_s) || *plan.duration_s <= 0 || *plan.duration_s > 1e9) {
+    if (json["duration"].is_number()) plan.duration_s = json["duration"].get<double>();
+    if (!plan.duration_s || !std::isfinite(*plan.duration_s) || *plan.duration_s <= 0 || *plan.duration_s > 1e9) {
       throw Error(fmt::format("{}: 'duration' is {}; expected seconds above 0", where, json["duration"].dump()));
     }
   }
@@ -72,13 +90,14 @@ SessionPlan read_session_plan(const fs::path& file) {
   return plan;
 }
 
-int complete_runs(const fs::path& data, const std::string& object) {
+int complete_runs(const fs::path& data, const SessionPlan& plan, const std::string& object) {
   if (!fs::is_directory(data)) return 0;
   const std::vector<RunFolder> runs = find_runs(data);
   return static_cast<int>(std::count_if(runs.begin(), runs.end(), [&](const RunFolder& run) {
     if (run.object != object) return false;
     try {
-      return read_run_info(run).complete;
+      const RunInfo info = read_run_info(run);
+      return info.complete && ended_as_planned(info, plan);
     } catch (const Error&) {
       return false;
     }

@@ -3,8 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "tactile/core/sha256.hpp"
 #include "tactile/robot/motion_phases.hpp"
@@ -151,6 +156,29 @@ nlohmann::json hashes_of_inputs(const RunFolder& run) {
   return hashes;
 }
 
+/// What was lost on its way to the file, where time of any length may lack its events. Elements that did not fit their stream
+/// (`back_in_time`, `outside`) are no such loss.
+std::vector<std::string> losses_in(const RunInfo& run) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> reasons{{{"queue_full", "the disk was too slow"},
+                                                                                  {"unwritten", "the file could not be written"},
+                                                                                  {"source", "the source lost them"}}};
+  const nlohmann::json dropped = run.extra.value("dropped", nlohmann::json());
+  const nlohmann::json by_reason = dropped.is_object() ? dropped.value("by_reason", nlohmann::json()) : nlohmann::json();
+  std::vector<std::string> losses;
+  for (const auto& [key, why] : reasons) {
+    const nlohmann::json counts = by_reason.is_object() ? by_reason.value(key, nlohmann::json()) : nlohmann::json();
+    const auto count = [&](const char* name) {
+      const auto found = counts.is_object() ? counts.find(name) : counts.end();
+      return found != counts.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+    };
+    const std::uint64_t packets = count("packets"), events = count("events"), others = count("others");
+    if (packets + events + others == 0) continue;
+    losses.push_back(fmt::format("the recording lacks {} events, {} other elements and {} whole packets: {} (run.json: {})",
+                                 events, others, packets, why, key));
+  }
+  return losses;
+}
+
 }  // namespace
 
 nlohmann::json settings_of(const LabelOptions& options) {
@@ -189,8 +217,11 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   if (problems.broken_packets + problems.mismatched_packets > 0) {
     flag(fmt::format("{} packets of the recording cannot be read", problems.broken_packets + problems.mismatched_packets));
   }
-  if (std::filesystem::exists(run.info()) && !read_run_info(run).complete)
-    flag("run.json says that the recording was not completed");
+  if (std::filesystem::exists(run.info())) {
+    const RunInfo info = read_run_info(run);
+    if (!info.complete) flag("run.json says that the recording was not completed");
+    for (const std::string& loss : losses_in(info)) flag(loss);
+  }
   if (const auto gap = gap_in(rate, quiet, options.shortest_gap)) {
     flag(fmt::format("the recording has a gap: no pixel fires for {} ms from {} us on", gap->second.count() / 1000,
                      us_of(gap->first)));

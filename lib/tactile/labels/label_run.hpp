@@ -40,8 +40,8 @@ nlohmann::json settings_of(const LabelOptions& options);
 ///    Bursts before the slip are presses; those behind it are after-effects and stay unlabelled.
 ///
 /// Reads the events, the robot log and run.json, nothing else. What cannot be relied on is flagged: a damaged or unfinished
-/// recording, a gap in it or in the robot log, a robot's clock that starts anew, no robot log (then labels go by order alone), a
-/// slip that does not fit the lift.
+/// recording, one that lost events on their way, a gap in it or in the robot log, a robot's clock that starts anew, no robot log
+/// (then labels go by order alone), a slip that does not fit the lift.
 /// @throws Error  if the events or the robot log cannot be read
 /// Source: Faris et al., arXiv:2403.10120, section IV.
 Labels label_run(const RunFolder& run, const LabelOptions& options = {});

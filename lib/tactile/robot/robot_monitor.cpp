@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <deque>
 #include <iterator>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -55,14 +56,59 @@ constexpr milliseconds wake_every{100};
 constexpr double longest_clock_disagreement_s = 1.0;
 constexpr double latest_timestamp_s = 1e12;  // what `read_robot_log` takes
 
-std::vector<std::string> wanted_fields(const std::vector<std::string>& extra) {
+/// At the two ends of a log there is no second package to tell a gap by: so long a silence is one.
+constexpr double longest_silence_s = 1.0;
+
+std::vector<std::string> wanted_fields(const RobotMonitorOptions& options) {
   std::vector<std::string> names(usual_fields.begin(), usual_fields.end());
   names.emplace_back(usual_register);
-  for (const std::string& name : extra) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  for (const auto* more : {&options.extra_fields, &options.required_fields}) {
+    for (const std::string& name : *more) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
   }
   return names;
 }
+
+double seconds_between(HostTime begin, HostTime end) { return static_cast<double>((end - begin).count()) / 1e6; }
+
+/// Some controllers send the same message with every package: it is told when it comes first, and counted from there on.
+class Messages {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+  explicit Messages(Tell tell) : tell_(std::move(tell)) {}
+
+  void hear(const std::string& text) {
+    Heard& heard = heard_[text];
+    heard.last = host_now();
+    if (++heard.times == 1) tell_(text);
+    if (heard_.size() > most_kept) forget_before(HostTime::max());
+  }
+  void forget_old() {
+    if (!heard_.empty()) forget_before(host_now() - quiet_for);
+  }
+  void forget_all() { forget_before(HostTime::max()); }
+
+ private:
+  struct Heard {
+    std::uint64_t times = 0;
+    HostTime last{};
+  };
+  static constexpr std::size_t most_kept = 64;
+  static constexpr std::chrono::seconds quiet_for{10};
+
+  void forget_before(HostTime moment) {
+    std::erase_if(heard_, [&](const auto& one) {
+      const auto& [text, heard] = one;
+      if (heard.last >= moment) return false;
+      if (heard.times > 1) tell_(fmt::format("{} (came {} times)", text, heard.times));
+      return true;
+    });
+  }
+
+  Tell tell_;
+  std::map<std::string, Heard> heard_;
+};
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -220,9 +266,10 @@ struct RobotMonitor::State {
   std::vector<std::string> columns;  ///< of a data package
   std::size_t time_column = 0;
   std::vector<std::size_t> needed_columns;
-  std::unique_ptr<Session> session;  ///< the monitor's thread alone, once that runs
-  RtdeRecipe recipe;                 ///< likewise
-  bool told_of_bad_numbers = false;  ///< likewise
+  std::unique_ptr<Session> session;                                    ///< the monitor's thread alone, once that runs
+  RtdeRecipe recipe;                                                   ///< likewise
+  bool told_of_bad_numbers = false;                                    ///< likewise
+  Messages messages{[this](const std::string& text) { tell(text); }};  ///< likewise
 
   mutable std::mutex mutex;  ///< guards all that follows
   std::condition_variable woken;
@@ -232,9 +279,12 @@ struct RobotMonitor::State {
   std::vector<RtdeNumber> newest;
   std::deque<HostTime> arrivals;  ///< of the last second
   std::unique_ptr<GrowingLog> log;
-  std::optional<double> last_timestamp;  ///< in the present log
+  std::optional<double> last_timestamp;  ///< in any log or in none
   HostTime last_arrival{};
-  bool gap_is_marked = false;  ///< the connection was lost since, and the log has its empty line
+  bool was_lost = false;  ///< the connection, since then
+  HostTime log_begun{};
+  bool log_has_rows = false;
+  bool gap_is_counted = false;  ///< the one that now lasts; an empty line stands for it, but not ahead of the first row
   std::string line;
 
   std::thread thread;
@@ -248,7 +298,9 @@ struct RobotMonitor::State {
   void connect_again();
   void lose_connection();
   void take_package(const RtdePackage& package, HostTime arrival);
-  void log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival);
+  void log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival, bool restarted);
+  void count_gap_at_end(HostTime now);
+  std::uint64_t packages_in(double seconds) const { return static_cast<std::uint64_t>(std::llround(seconds / period_s)); }
   void run();
 };
 
@@ -264,9 +316,9 @@ void RobotMonitor::State::first_connection() {
   if (!(options.frequency_hz >= 0 && std::isfinite(options.frequency_hz)))
     throw Error(fmt::format("a robot frequency of {} Hz; expected more than 0, or 0 for the highest", options.frequency_hz));
   address = {.kind = NetworkAddress::Kind::tcp, .host = options.host, .port = options.port, .path = {}};
-  const auto told = [this](const std::string& text) { tell(text); };
+  const auto told = [this](const std::string& text) { messages.hear(text); };
 
-  fields = wanted_fields(options.extra_fields);
+  fields = wanted_fields(options);
   session = std::make_unique<Session>(address, options.patience, told);
   Agreement agreed = session->agree(fields, options.frequency_hz);
   if (!agreed.unknown.empty()) {
@@ -274,6 +326,12 @@ void RobotMonitor::State::first_connection() {
       if (std::find(agreed.unknown.begin(), agreed.unknown.end(), needed) != agreed.unknown.end()) {
         throw Error(fmt::format("{}: the controller has no output '{}' (version {}); expected a UR controller's RTDE outputs",
                                 address.text(), needed, text_of(agreed.version)));
+      }
+    }
+    for (const std::string& required : options.required_fields) {
+      if (std::find(agreed.unknown.begin(), agreed.unknown.end(), required) != agreed.unknown.end()) {
+        throw Error(fmt::format("{}: the controller has no output '{}' (version {}); expected one of its RTDE outputs",
+                                address.text(), required, text_of(agreed.version)));
       }
     }
     tell(fmt::format("the robot has no {}: the log goes without", joined(agreed.unknown)));
@@ -295,6 +353,11 @@ void RobotMonitor::State::first_connection() {
     if (is_needed && field.type != right) {
       throw Error(fmt::format("{}: the controller's output '{}' is of type {}; expected {}", address.text(), field.name,
                               name_of(field.type), name_of(right)));
+    }
+    if (numbers_in(field.type) > 1 &&
+        std::find(options.required_fields.begin(), options.required_fields.end(), field.name) != options.required_fields.end()) {
+      throw Error(fmt::format("{}: the controller's output '{}' is a {}; expected an output of one number", address.text(),
+                              field.name, name_of(field.type)));
     }
   }
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -319,7 +382,7 @@ void RobotMonitor::State::connect_again() {
     pause = std::min(2 * pause, longest_pause);
     try {
       session = std::make_unique<Session>(address, std::min(options.patience, attempt_patience),
-                                          [this](const std::string& text) { tell(text); });
+                                          [this](const std::string& text) { messages.hear(text); });
       const Agreement agreed = session->agree(fields, options.frequency_hz);
       if (!agreed.unknown.empty() || !same_fields(agreed.recipe, recipe))
         throw Error(address.text() + ": the controller offers other outputs than before; expected the same as at the start");
@@ -348,33 +411,41 @@ void RobotMonitor::State::lose_connection() {
   shown.connected = false;
   newest.clear();
   arrivals.clear();
-  if (log && last_timestamp && !gap_is_marked) {
-    log->append("\n");
-    gap_is_marked = true;
+  was_lost = true;
+  if (log && !gap_is_counted) {
+    if (log_has_rows) log->append("\n");
+    gap_is_counted = true;
     ++shown.gaps;
   }
 }
 
-void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival) {
-  const double timestamp = as_double(numbers[time_column]);
+void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, HostTime arrival, bool restarted) {
   line.clear();
-  if (last_timestamp) {
-    const double step = timestamp - *last_timestamp;
-    const double host_step = static_cast<double>((arrival - last_arrival).count()) / 1e6;
-    const bool restarted = step < 0 || (gap_is_marked && std::abs(step - host_step) > longest_clock_disagreement_s);
-    if (restarted && !gap_is_marked) line += '\n';
+  if (log_has_rows) {
+    const double step = as_double(numbers[time_column]) - *last_timestamp;
+    if (restarted && !gap_is_counted) line += '\n';
     const bool is_gap = restarted || step > 1.5 * period_s;
-    if (is_gap && !gap_is_marked) ++shown.gaps;
+    if (is_gap && !gap_is_counted) ++shown.gaps;
     if (is_gap && !restarted) shown.missing += static_cast<std::uint64_t>(std::max(1.0, std::round(step / period_s)) - 1.0);
+  } else if (const double silence = seconds_between(log_begun, arrival); gap_is_counted || silence > longest_silence_s) {
+    if (!gap_is_counted) ++shown.gaps;
+    shown.missing += packages_in(silence);
   }
   for (const RtdeNumber& number : numbers) {
     std::visit([&](auto value) { fmt::format_to(std::back_inserter(line), "{},", value); }, number);
   }
   fmt::format_to(std::back_inserter(line), "{}\n", us_of(arrival));
   log->append(line);
-  last_timestamp = timestamp;
-  last_arrival = arrival;
-  gap_is_marked = false;
+  log_has_rows = true;
+  gap_is_counted = false;
+}
+
+/// A log that ends while the robot is gone, or got nothing at all, lacks packages that no later one tells of.
+void RobotMonitor::State::count_gap_at_end(HostTime now) {
+  const double silence = seconds_between(log_has_rows ? last_arrival : log_begun, now);
+  if (shown.connected && log_has_rows && silence <= longest_silence_s) return;
+  if (!gap_is_counted) ++shown.gaps;
+  shown.missing += packages_in(silence);
 }
 
 void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arrival) {
@@ -394,7 +465,18 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
   newest = std::move(numbers);
   arrivals.push_back(arrival);
   while (arrivals.front() <= arrival - 1s) arrivals.pop_front();
-  if (log) log_numbers(newest, arrival);
+
+  const double timestamp = as_double(newest[time_column]);
+  bool restarted = false;
+  if (last_timestamp) {
+    const double step = timestamp - *last_timestamp;
+    restarted = step < 0 || (was_lost && std::abs(step - seconds_between(last_arrival, arrival)) > longest_clock_disagreement_s);
+  }
+  if (restarted) ++shown.clock_starts;
+  if (log) log_numbers(newest, arrival, restarted);
+  last_timestamp = timestamp;
+  last_arrival = arrival;
+  was_lost = false;
 }
 
 void RobotMonitor::State::run() {
@@ -404,6 +486,7 @@ void RobotMonitor::State::run() {
       const std::lock_guard lock(mutex);
       if (stopping) break;
     }
+    messages.forget_old();
     if (!session) {
       connect_again();
       heard = host_now();
@@ -424,6 +507,7 @@ void RobotMonitor::State::run() {
     }
   }
   if (session) session->pause();
+  messages.forget_all();
 }
 
 RobotMonitor::RobotMonitor(RobotMonitorOptions options) : state_(std::make_unique<State>()) {
@@ -455,9 +539,11 @@ void RobotMonitor::start_log(const std::filesystem::path& file) {
   const std::lock_guard lock(state_->mutex);
   refuse_second();
   state_->log = std::move(log);
-  state_->last_timestamp.reset();
-  state_->gap_is_marked = false;
-  state_->shown.rows = state_->shown.gaps = state_->shown.missing = 0;
+  state_->log_begun = host_now();
+  state_->log_has_rows = false;
+  state_->gap_is_counted = !state_->shown.connected;
+  state_->shown.rows = state_->shown.missing = 0;
+  state_->shown.gaps = state_->gap_is_counted ? 1 : 0;
   state_->shown.error.clear();
 }
 
@@ -466,6 +552,7 @@ void RobotMonitor::stop_log() {
   {
     const std::lock_guard lock(state_->mutex);
     log = std::move(state_->log);
+    if (log) state_->count_gap_at_end(host_now());
   }
   if (!log) return;
   std::string error;

@@ -14,11 +14,12 @@ namespace tactile {
 struct RobotMonitorOptions {
   std::string host;
   std::uint16_t port = 30004;
-  double frequency_hz = 0;                ///< 0: the controller's highest, 125 below version 5, else 500
-  std::vector<std::string> extra_fields;  ///< RTDE output names beyond the usual ones, such as those of --start-on
+  double frequency_hz = 0;                   ///< 0: the controller's highest, 125 below version 5, else 500
+  std::vector<std::string> extra_fields;     ///< RTDE output names beyond the usual ones; the log goes without those it lacks
+  std::vector<std::string> required_fields;  ///< likewise, of one number each, and refused where the controller lacks one
   std::chrono::milliseconds patience{5'000};
   /// Told, from the monitor's own thread once it runs: "robot gone (…), trying again", "robot is back after 2.1 s", text messages
-  /// of the robot.
+  /// of the robot. One that comes again and again is told once, and how often it came when it has been quiet for 10 s.
   std::function<void(const std::string&)> log;
 };
 
@@ -27,11 +28,14 @@ struct RobotMonitorState {
   bool connected = false;
   double rate_hz = 0;         ///< over the last second
   std::uint64_t rows = 0;     ///< written to the present log
-  std::uint64_t gaps = 0;     ///< in the present log: more than 1.5 periods between two packages, or a broken connection
-  std::uint64_t missing = 0;  ///< packages that those gaps lack, by the controller's own clock where it did not restart
+  std::uint64_t gaps = 0;     ///< in the present log: more than 1.5 periods between two packages, or a broken connection, or
+                              ///< none at its begin or end
+  std::uint64_t missing = 0;  ///< packages that those gaps lack, by the controller's own clock where it did not restart; at the
+                              ///< log's two ends by the host's, and told once the first package has come or the log has ended
   std::uint64_t reconnects = 0;
-  std::string controller;  ///< "3.15.8.106339"
-  std::string error;       ///< why the log cannot go on (a full disk); empty where it can
+  std::uint64_t clock_starts = 1;  ///< of the controller's clock that the monitor has seen, in logs or between them
+  std::string controller;          ///< "3.15.8.106339"
+  std::string error;               ///< why the log cannot go on (a full disk); empty where it can
 };
 
 /// Listens to a UR controller by RTDE version 2 on a thread of its own, connects again whenever the connection is lost, and
@@ -42,7 +46,8 @@ struct RobotMonitorState {
 /// in the log as an empty line, which `read_robot_log` knows as a gap. Source: UR's RTDE guide, protocol version 2.
 class RobotMonitor {
  public:
-  /// Connects and agrees on the recipe. @throws Error  if there is no controller, it speaks no RTDE 2, or lacks a needed field
+  /// Connects and agrees on the recipe.
+  /// @throws Error  if there is no controller, it speaks no RTDE 2, or lacks a needed or required field
   explicit RobotMonitor(RobotMonitorOptions options);
   ~RobotMonitor();
   RobotMonitor(const RobotMonitor&) = delete;
