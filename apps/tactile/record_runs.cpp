@@ -183,12 +183,14 @@ void Walk::walk() {
 }
 
 std::string Walk::question() const {
-  const std::string redo = done_.empty() ? "" : fmt::format(", r redoes {}", done_.back().run.name());
-  if (object_index_ == plan_.objects.size()) return fmt::format("All runs are there. Enter ends{}.", redo);
+  const std::string redo = done_.empty() ? "" : fmt::format(" r redoes {},", done_.back().run.name());
+  if (object_index_ == plan_.objects.size())
+    return done_.empty() ? "End of the list. Enter ends."
+                         : fmt::format("End of the list. Enter ends, r and Enter redoes {}.", done_.back().run.name());
   const SessionPlan::Object& object = plan_.objects[object_index_];
   const std::string start = plan_.start_on ? plan_.start_on->text() + " starts" : "Enter starts";
-  return fmt::format("{}, run {} of {}: {}{}, s skips this object, q ends.", object.name, runs_there(object_index_) + 1,
-                     object.runs, start, redo);
+  return fmt::format("{}, run {} of {}: {}; with Enter behind it{} s skips the object, q ends.", object.name,
+                     runs_there(object_index_) + 1, object.runs, start, redo);
 }
 
 /// Passes over the objects that have all their runs. At the end of the list one more question lets the last run be redone.
@@ -266,7 +268,8 @@ bool Walk::record_one() {
   drawn_ = Steady::now();
   drawn_events_ = 0;
   const bool enter_ends = wanted_.is_session && !plan_.duration_s && !plan_.stop_on;
-  if (wanted_.is_session) line_.inform(fmt::format("recording {}{}", request.run.name(), enter_ends ? ", Enter ends it" : ""));
+  const char* how_it_ends = enter_ends ? ", Enter ends it" : wanted_.is_session || plan_.duration_s ? "" : ", Ctrl-C ends it";
+  line_.inform(fmt::format("recording {}{}", request.run.folder.string(), how_it_ends));
   bool told_of_drops = false;
   std::string why;
   while (why.empty()) {
@@ -309,11 +312,13 @@ void Walk::draw(const RunFolder& run, const RunState& state) {
   std::string text = wanted_.is_session ? run.name() + "  " : "";
   text += fmt::format("{}  {}  {}", clock_text(seconds_of(state.elapsed)),
                       rate_text(static_cast<double>(state.events - drawn_events_) / passed), megabytes(state.bytes));
+  // What is lost comes first: a narrow terminal cuts the line at its right end.
+  text += fmt::format("  dropped {}", drops_text(state.drops));
+  if (state.video && state.video->dropped > 0) text += fmt::format(", {}", counted(state.video->dropped, "frame"));
+  text += fmt::format("  queue {}", megabytes(state.queue_bytes));
   if (state.robot) text += state.robot->connected ? fmt::format("  robot {:.0f} Hz", state.robot->rate_hz) : "  robot gone";
   if (state.video)
     text += state.video->running ? fmt::format("  video {:.1f} fps", state.video->frames_per_second) : "  video gone";
-  text += fmt::format("  queue {}  dropped {}", megabytes(state.queue_bytes), drops_text(state.drops));
-  if (state.video && state.video->dropped > 0) text += fmt::format(", {}", counted(state.video->dropped, "frame"));
   drawn_ = now;
   drawn_events_ = state.events;
   line_.draw(text);

@@ -203,7 +203,7 @@ TEST_F(RecordCommand, WalksASession) {
     const auto says = [&](const std::string& text) {
       return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); });
     };
-    ASSERT_TRUE(says("All runs are there"));
+    ASSERT_TRUE(says("End of the list"));
     command.type("\n");
     const CommandResult result = command.wait();
     ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -311,7 +311,7 @@ TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
   controller.close_connections();
   ASSERT_TRUE(says("robot still gone")) << command.err();
   command.type("\n");
-  ASSERT_TRUE(says("All runs are there")) << command.err();
+  ASSERT_TRUE(says("End of the list")) << command.err();
   command.type("\n");
   const CommandResult result = command.wait();
   ASSERT_EQ(result.exit_code, 0) << result.err;

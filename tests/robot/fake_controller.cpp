@@ -264,7 +264,7 @@ class Client : public std::enable_shared_from_this<Client> {
   bool is_closed() const { return closed_; }
 
   void send(const std::vector<std::byte>& bytes) {
-    if (closed_) return;
+    if (closed_ || close_when_written_) return;
     if (out_.size() + bytes.size() > most_undrained) {
       ++shared_.not_drained;
       close();
