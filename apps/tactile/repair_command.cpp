@@ -36,6 +36,9 @@ std::vector<std::string> losses(const RepairSummary& summary) {
     lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");
   if (problems.undeclared_packets > 0)
     lines.push_back(counted(problems.undeclared_packets, "packet") + " of a stream that the header does not declare");
+  if (problems.missing_packets > 0)
+    lines.push_back(fmt::format("{} ({}) that the data table lists and that are not there",
+                                counted(problems.missing_packets, "packet"), counted(problems.missing_elements, "element")));
   if (problems.empty_packets > 0) lines.push_back(counted(problems.empty_packets, "packet") + " without contents");
   if (problems.out_of_range_events > 0)
     lines.push_back(counted(problems.out_of_range_events, "event") + " outside the sensor or without polarity");

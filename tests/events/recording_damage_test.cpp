@@ -662,6 +662,63 @@ TEST_F(DamagedRecording, PutsRightAWrapInsideAPacket) {
   }
 }
 
+TEST_F(DamagedRecording, TakesOneDamagedTimeForNoOverflow) {
+  const std::int64_t base = 1'600'000'000'000'000;
+  for (const std::int64_t off : {wrap, -wrap, wrap - 1'000'000'000, 1'000'000'000 - wrap}) {
+    for (const bool table : {false, true}) {
+      for (const std::size_t hit : {std::size_t{0}, std::size_t{4}, std::size_t{9}}) {
+        std::vector<std::vector<Event>> packets;
+        for (int p = 0; p < 5; ++p) packets.push_back(row_of_events(base + 1000 * p, 10));
+        std::vector<std::vector<Event>> expected = packets;
+        packets[2][hit].t += microseconds{off};
+        RecordingReader recording = reader_of(recording_of(packets, table));
+        for (int time = 0; time < 2; ++time) {  // read again, they are the same
+          for (std::size_t p = 0; p < packets.size(); ++p) {
+            const auto read = recording.read_events(recording.packets()[p]);
+            ASSERT_EQ(read.size(), 10U);
+            for (std::size_t i = 0; i < 10; ++i) {
+              if (p == 2 && i == hit) continue;
+              EXPECT_EQ(read[i].t, expected[p][i].t) << p << ", " << i << " where " << hit << " is off by " << off;
+            }
+            // A packet's last time that is too early may be an overflow until the next packet tells.
+            if (p == 2 && !(off < 0 && hit == 9)) {
+              EXPECT_EQ(us_of(read[hit].t), us_of(packets[2][hit].t)) << hit << " is off by " << off;
+            }
+          }
+        }
+        for (const std::size_t p : {0U, 1U, 3U, 4U}) {
+          EXPECT_EQ(recording.packets()[p].first, expected[p].front().t) << p << " where " << hit << " is off by " << off;
+          EXPECT_EQ(recording.packets()[p].last, expected[p].back().t) << p << " where " << hit << " is off by " << off;
+        }
+        std::size_t found = 0;
+        for_events_between(recording, 0, expected[2][1].t, expected[3][5].t, [&](auto events) { found += events.size(); });
+        EXPECT_GE(found, 13U) << hit << " is off by " << off;
+      }
+    }
+  }
+}
+
+TEST_F(DamagedRecording, TakesADamagedTimeBehindAnOverflowForNoOther) {
+  const std::int64_t base = 1'600'000'000'000'000;
+  for (const std::int64_t off : {wrap, -wrap}) {
+    for (const bool table : {false, true}) {
+      std::vector<std::vector<Event>> packets, expected;
+      for (int p = 0; p < 6; ++p) {
+        expected.push_back(row_of_events(base + 1000 * p, 10));
+        packets.push_back(row_of_events(base + 1000 * p - (p == 0 ? 0 : wrap), 10));
+      }
+      packets[4][3].t += microseconds{off};
+      RecordingReader recording = reader_of(recording_of(packets, table));
+      for (std::size_t p = 0; p < packets.size(); ++p) {
+        const auto read = recording.read_events(recording.packets()[p]);
+        for (std::size_t i = 0; i < 10; ++i) {
+          if (p != 4 || i != 3) EXPECT_EQ(read[i].t, expected[p][i].t) << p << ", " << i << " with " << off;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(DamagedRecording, LeavesEveryOtherStepBack) {
   const std::int64_t t = 10'000'000'000;
   for (const std::int64_t step : {std::int64_t{-1}, std::int64_t{-1'000'000}, -(wrap / 2), -wrap - 5, -2 * wrap}) {

@@ -307,6 +307,18 @@ TEST_F(HealthOfADamagedRecording, IsSickWhereTimeStepsBack) {
   EXPECT_TRUE(mentions(health.reasons, "time steps back 1 time inside packets and 0 times from one")) << listed(health.reasons);
 }
 
+TEST_F(HealthOfADamagedRecording, IsSickWhereItsTableHasOtherTimesThanThePackets) {
+  // The last place of the time in the file is in the table.
+  const std::string bytes = read_text(file);
+  const std::int64_t first = us_of(packets[4].first);
+  const std::size_t at = bytes.rfind(std::string(reinterpret_cast<const char*>(&first), sizeof first));
+  ASSERT_GT(at, packets.back().payload_offset + packets.back().payload_size);
+  test::overwrite(file, at, first + 50);
+  const RecordingHealth health = examine();
+  EXPECT_EQ(health.index, PacketIndex::table) << health.problems.table;
+  EXPECT_TRUE(mentions(health.reasons, "at odds with the elements of 1 packet")) << listed(health.reasons);
+}
+
 TEST(ExamineRecording, FindsARecordingWithoutEventsSick) {
   const test::TemporaryFolder folder;
   test::write_plain_recording(folder / "empty.aedat4", {}, {64, 48});

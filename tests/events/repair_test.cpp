@@ -180,6 +180,36 @@ TEST_F(Repair, LeavesStepsBackInTimeAsTheyAreAndCountsThem) {
   EXPECT_EQ(test::contents_of(out).events, before.events);
 }
 
+TEST_F(Repair, WritesATableThatIsBelievedWhereTimeStepsBack) {
+  test::write_plain_recording(in, test::steady_events(300, 10'000, 100, {64, 48}), {64, 48});
+  test::overwrite(in, test::event_offset(test::packets_of(in)[1], 99), std::int64_t{1'000});  // the last of its packet
+  repair_recording(in, out);
+  const RecordingReader repaired(out);
+  EXPECT_EQ(repaired.index(), PacketIndex::table) << repaired.problems().table;
+  EXPECT_EQ(repaired.packets()[1].first, camera_time(1'000));
+  EXPECT_EQ(repaired.packets()[1].last, camera_time(29'800));
+}
+
+TEST_F(Repair, MovesNothingForOneDamagedTime) {
+  const std::int64_t wrap = std::int64_t{1} << 32;
+  for (const std::int64_t off : {wrap, -wrap}) {
+    for (const bool closed : {true, false}) {
+      for (const fs::path& file : {in, out}) fs::remove(file);
+      const std::vector<Event> events = test::steady_events(3'000, 2 * wrap, 100, {64, 48});
+      test::write_plain_recording(in, events, {64, 48});
+      test::overwrite(in, test::event_offset(test::packets_of(in)[2], 40), us_of(events[240].t) + off);
+      if (!closed) test::cut_off_table(in);
+      EXPECT_FALSE(examine_recording(in).healthy());
+      const RepairSummary summary = repair_recording(in, out);
+      EXPECT_EQ(summary.packets_rewritten, 0U);
+      EXPECT_EQ(summary.streams.at(0).steps_back, 1U);
+      std::vector<Event> expected = events;
+      expected[240].t += microseconds{off};
+      EXPECT_EQ(test::contents_of(out).events, expected);
+    }
+  }
+}
+
 TEST_F(Repair, KeepsPacketsOfTypesItDoesNotKnow) {
   test::write_plain_recording(in, test::steady_events(300, 0, 100, {64, 48}), {64, 48});
   std::string bytes = read_text(in);

@@ -27,7 +27,12 @@ class FileWindow {
     sigjmp_buf way_out;
     if (sigsetjmp(way_out, 0) != 0) return false;
     guard(&way_out);
-    work(std::span<const std::byte>(data_ + (offset - begin_), size));
+    try {
+      work(std::span<const std::byte>(data_ + (offset - begin_), size));
+    } catch (...) {  // no object with a destructor instead: the way out would pass it by
+      guard(nullptr);
+      throw;
+    }
     guard(nullptr);
     return true;
   }

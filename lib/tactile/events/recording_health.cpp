@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -72,6 +73,11 @@ void judge_packets(RecordingHealth& health) {
                       " a wrong size in front; put right on reading");
   }
   if (!problems.table.empty()) reasons.push_back("the data table cannot be used: " + problems.table);
+  if (problems.missing_packets > 0) {
+    reasons.push_back(fmt::format("the data table lists {} ({}) that are not there",
+                                  counted(problems.missing_packets, "packet", "packets"),
+                                  counted(problems.missing_elements, "element", "elements")));
+  }
   if (problems.broken_packets > 0)
     reasons.push_back(counted(problems.broken_packets, "packet does", "packets do") + " not decode");
   if (problems.mismatched_packets > 0) {
@@ -316,6 +322,19 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
     examinations.emplace_back(stream, options);
   }
 
+  std::uint64_t misdescribed = 0;  // by the table
+  const auto compare = [&](const PacketRecord& packet, const auto& elements) {
+    // The table describes what is stored: what was dropped or put right since tells nothing of it, nor what cannot be decoded.
+    if (recording.index() != PacketIndex::table || std::empty(elements) || recording.was_put_right(packet)) return;
+    const auto by_time = [](const auto& a, const auto& b) { return a.t < b.t; };
+    const auto [first, last] = std::minmax_element(std::begin(elements), std::end(elements), by_time);
+    // Some writers take the first and the last in time for it, some those in place.
+    const bool agrees = packet.elements == static_cast<std::int64_t>(std::size(elements)) &&
+                        (packet.first == first->t || packet.first == std::begin(elements)->t) &&
+                        (packet.last == last->t || packet.last == std::prev(std::end(elements))->t);
+    misdescribed += agrees ? 0 : 1;
+  };
+
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), file.filename().string());
     const auto found = std::find_if(examinations.begin(), examinations.end(),
@@ -325,17 +344,29 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
     found->health.bytes += 8 + std::uint64_t{packet.payload_size};
     found->stamps.begin_packet();
     switch (found->health.stream.type) {
-      case StreamType::events:
-        found->events->add_packet(recording.read_events(packet));
+      case StreamType::events: {
+        const std::span<const Event> events = recording.read_events(packet);
+        found->events->add_packet(events);
+        compare(packet, events);
         break;
-      case StreamType::imu:
-        for (const ImuSample& sample : recording.read_imu(packet)) found->stamps.add(sample.t);
+      }
+      case StreamType::imu: {
+        const std::vector<ImuSample> samples = recording.read_imu(packet);
+        for (const ImuSample& sample : samples) found->stamps.add(sample.t);
+        compare(packet, samples);
         break;
-      case StreamType::triggers:
-        for (const Trigger& trigger : recording.read_triggers(packet)) found->stamps.add(trigger.t);
+      }
+      case StreamType::triggers: {
+        const std::vector<Trigger> triggers = recording.read_triggers(packet);
+        for (const Trigger& trigger : triggers) found->stamps.add(trigger.t);
+        compare(packet, triggers);
         break;
+      }
       case StreamType::frames:
-        if (const auto frame = recording.read_frame(packet)) found->stamps.add(frame->t);
+        if (const auto frame = recording.read_frame(packet)) {
+          found->stamps.add(frame->t);
+          compare(packet, std::span(&*frame, 1));
+        }
         break;
       case StreamType::other:
         break;
@@ -356,6 +387,10 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
   }
   compare_gaps_with_imu(health.streams, options.gap);
   judge_packets(health);
+  if (misdescribed > 0) {
+    health.reasons.push_back("the data table is at odds with the elements of " + counted(misdescribed, "packet", "packets") +
+                             "; a cut by time may miss some");
+  }
   if (std::none_of(health.streams.begin(), health.streams.end(),
                    [](const StreamHealth& stream) { return stream.events.has_value(); })) {
     health.reasons.emplace_back("no event stream declared");

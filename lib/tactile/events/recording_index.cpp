@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -106,6 +107,7 @@ class PacketFinder {
   bool is_likely_end(std::uint64_t at, std::uint64_t end);
   bool is_whole(const PacketRecord& packet);
 
+  void count_missing(const std::vector<PacketRecord>& entries, const Walk& walked);
   void take(const Walk& walked);
   void take_table(const std::vector<PacketRecord>& entries);
 
@@ -179,6 +181,8 @@ PacketList PacketFinder::find() {
   if (why.empty()) {
     take_table(entries);
     list_.problems.header_not_patched = !has_position;
+  } else {
+    count_missing(entries, *walked);
   }
   return std::move(list_);
 }
@@ -277,7 +281,8 @@ Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>& hint
       at = packet->payload_offset + packet->payload_size;
       continue;
     }
-    if (empty_run > 1) {  // zeros that a power cut or a lost sector left behind
+    // Zeros that a power cut or a lost sector left behind, or one frame's end mark and the next packet's id.
+    if (empty_run > 0) {
       walked.empty -= empty_run;
       at -= empty_run * packet_header_size;
     }
@@ -511,6 +516,24 @@ std::string PacketFinder::disagreement(const std::vector<PacketRecord>& entries,
     return fmt::format("it lists {} packets where the file has {}", packet - walked.packets.begin(), walked.packets.size());
   }
   return {};
+}
+
+/// Counts the table's packets that are not there, each known by its stream and size: where it stood tells nothing once bytes
+/// are gone from the file.
+void PacketFinder::count_missing(const std::vector<PacketRecord>& entries, const Walk& walked) {
+  std::map<std::pair<std::int32_t, std::uint32_t>, std::uint64_t> there;
+  for (const PacketRecord& packet : walked.packets) ++there[{packet.stream_id, packet.payload_size}];
+  for (const PacketRecord& entry : entries) {
+    if (entry.payload_size == 0) continue;
+    const auto packet = there.find({entry.stream_id, entry.payload_size});
+    if (packet != there.end() && packet->second > 0) {
+      --packet->second;
+      continue;
+    }
+    ++list_.problems.missing_packets;
+    const auto most = static_cast<std::int64_t>(largest_content(header_.compression, entry.payload_size));
+    list_.problems.missing_elements += static_cast<std::uint64_t>(std::clamp<std::int64_t>(entry.elements, 0, most));
+  }
 }
 
 void PacketFinder::take(const Walk& walked) {

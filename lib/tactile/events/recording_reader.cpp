@@ -23,13 +23,6 @@ namespace {
 
 constexpr std::int64_t wrap = std::int64_t{1} << 32;
 
-/// A step back that adding 2^32 us turns into a step on of less than 2^31: a writer cut its times to 32 bits and extended their
-/// sign.
-bool is_wrap(CameraTime previous, CameraTime next) {
-  const std::int64_t step = saturating_subtract(us_of(next), us_of(previous));
-  return step >= -wrap && step < -wrap / 2;
-}
-
 template <class Element>
 bool is_ascending(std::span<const Element> elements) {
   bool falls = false;  // without a branch: most packets are sound
@@ -47,22 +40,75 @@ void shift_times(Frame& frame, std::int64_t shift) {
   }
 }
 
-/// What has been found out about one packet.
-struct PacketNote {
-  std::int64_t shift = 0;  ///< added to its times, until one wraps inside of it [us]
-  bool counted = false;    ///< its problems are in the counts
-  bool put_right = false;  ///< its elements are not quite those that are stored
+/// How far the times of a stream have come, put right.
+///
+/// A step back by more than 2^31 us and at most 2^32 is an overflow, for adding 2^32 us makes a shorter step on of it: a writer
+/// cut its times to 32 bits and extended their sign. A damaged time makes such a step too, before it or behind it. So the place
+/// that a leap started from is kept, and where the stream comes back to it soon, nothing has overflowed.
+class StreamTime {
+ public:
+  enum class Step : std::uint8_t { on, overflow, back };
+
+  /// Goes on to a time as it is stored; `back` takes all shifts since the leap away again.
+  Step go_to(CameraTime stored) {
+    Step result = Step::on;
+    const std::int64_t step = begun_ ? step_between(last_, after(stored, microseconds{shift_})) : 0;
+    const bool leaps = step > leap || step < -leap;
+    leapt_ |= leaps;
+    if (strayed_ && is_near(step_between(left_at_, after(stored, microseconds{shift_there_})))) {
+      result = Step::back;
+      shift_ = shift_there_;
+      strayed_ = false;
+    } else if (leaps) {
+      if (!strayed_) {
+        strayed_ = true;
+        left_at_ = last_;
+        shift_there_ = shift_;
+      }
+      const std::int64_t shift_before = shift_;
+      if (!is_near(step) && step < 0 && step >= -wrap) shift_ += wrap;
+      if (!is_near(step) && step > 0 && step <= wrap && shift_ > 0) shift_ -= wrap;
+      if (shift_ != shift_before) result = Step::overflow;
+    }
+    begun_ = true;
+    last_ = after(stored, microseconds{shift_});
+    return result;
+  }
+
+  /// Likewise to the last of a packet's times, which ascend and lie close together.
+  bool is_steady(CameraTime first, CameraTime last) const {
+    return shift_ == 0 && !strayed_ && step_between(first, last) <= leap;
+  }
+
+  /// Who leapt and goes on from there for a whole packet does not come back.
+  void end_packet() {
+    strayed_ = strayed_ && leapt_;
+    leapt_ = false;
+  }
+
+  std::int64_t shift() const { return shift_; }  ///< to be added to what is stored [us]
+
+ private:
+  static constexpr std::int64_t leap = wrap / 64;  ///< a minute, which no stream of a camera is silent for unless all is still
+
+  static std::int64_t step_between(CameraTime a, CameraTime b) { return saturating_subtract(us_of(b), us_of(a)); }
+  static bool is_near(std::int64_t step) { return step >= -wrap / 2 && step <= wrap / 2; }
+
+  CameraTime last_{};
+  std::int64_t shift_ = 0;
+  CameraTime left_at_{};  ///< where the stream strayed from
+  std::int64_t shift_there_ = 0;
+  bool begun_ = false;
+  bool strayed_ = false;
+  bool leapt_ = false;  ///< in this packet
 };
 
-/// How far the times of a stream have come, put right.
-struct StreamTime {
-  bool begun = false;
-  CameraTime last;
-  std::int64_t shift = 0;
-
-  std::int64_t shift_at(CameraTime first) const {
-    return begun && is_wrap(last, after(first, microseconds{shift})) ? shift + wrap : shift;
-  }
+/// What has been found out about one packet.
+struct PacketNote {
+  StreamTime before;       ///< it
+  bool counted = false;    ///< its problems are in the counts
+  bool unwrapped = false;  ///< likewise that its times were put right
+  bool put_right = false;  ///< its elements are not quite those that are stored
 };
 
 }  // namespace
@@ -143,12 +189,19 @@ void RecordingReader::State::follow_table_times() {
     PacketRecord& record = records[i];
     if (record.elements == 0) continue;
     StreamTime& time = times[record.stream_id];
-    const std::int64_t shift = time.shift_at(record.first);
+    notes[i].before = time;
+    time.go_to(record.first);
+    const std::int64_t shift_at_first = time.shift();
+    time.go_to(record.last);
+    // Where they differ, one of them is an outlier: it stays, and the packet's times are all between them.
+    const std::int64_t shift = time.shift() == shift_at_first ? shift_at_first : notes[i].before.shift();
+    time.end_packet();
     shift_time(record.first, shift);
     shift_time(record.last, shift);
-    notes[i].shift = shift;
-    if (shift != 0) ++problems.unwrapped_packets;
-    time = {.begun = true, .last = record.last, .shift = shift};
+    if (shift != 0) {
+      notes[i].unwrapped = true;
+      ++problems.unwrapped_packets;
+    }
   }
 }
 
@@ -228,23 +281,43 @@ bool RecordingReader::State::decode(std::size_t i, const Decode& decode_content)
 template <class Element>
 void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> elements, bool ascending) {
   if (elements.empty()) return;
-  StreamTime& time = times[records[i].stream_id];
-  if (scanning) notes[i].shift = time.shift_at(elements.front().t);
-  std::int64_t shift = notes[i].shift;
-  CameraTime previous = after(elements.front().t, microseconds{shift});
-  if (shift == 0 && ascending) {
-    previous = elements.back().t;
-  } else {
-    for (Element& element : elements) {
-      if (is_wrap(previous, after(element.t, microseconds{shift}))) shift += wrap;
-      if (shift != 0) shift_times(element, shift);
-      previous = element.t;
+  if (scanning) notes[i].before = times[records[i].stream_id];
+  StreamTime time = notes[i].before;
+  struct Run {
+    std::size_t begin;
+    std::int64_t shift;
+  };
+  std::vector<Run> runs;
+  std::size_t k = 0;
+  const auto go_on = [&] {
+    const StreamTime::Step step = time.go_to(elements[k].t);
+    if (step == StreamTime::Step::back) {
+      // Runs since the leap are no runs. One that began before it has the shift that is in force again.
+      while (!runs.empty() && runs.back().shift != time.shift()) runs.pop_back();
+      if (runs.empty() && time.shift() != 0) runs.push_back({0, time.shift()});
+    } else if (step == StreamTime::Step::overflow || (k == 0 && time.shift() != 0)) {
+      runs.push_back({k, time.shift()});
     }
+    ++k;
+  };
+  go_on();
+  if (ascending && time.is_steady(elements.front().t, elements.back().t)) {
+    time.go_to(elements.back().t);
+  } else {
+    while (k < elements.size()) go_on();
   }
-  if (scanning) time = {.begun = true, .last = previous, .shift = shift};
-  if (shift != 0) notes[i].put_right = true;
-  const bool known = !scanning && notes[i].shift != 0;  // counted when the table was taken
-  if (shift != 0 && !known && !notes[i].counted) ++problems.unwrapped_packets;
+  time.end_packet();
+  if (scanning) times[records[i].stream_id] = time;
+  bool shifted = false;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    if (runs[run].shift == 0) continue;
+    shifted = true;
+    const std::size_t end = run + 1 < runs.size() ? runs[run + 1].begin : elements.size();
+    for (Element& element : elements.subspan(runs[run].begin, end - runs[run].begin)) shift_times(element, runs[run].shift);
+  }
+  if (!shifted) return;
+  notes[i].put_right = true;
+  if (!std::exchange(notes[i].unwrapped, true) && !notes[i].counted) ++problems.unwrapped_packets;
 }
 
 /// What was decoded ahead of being asked for, if it was. Who reads packet after packet of some streams is taken to go on so.

@@ -44,6 +44,8 @@ struct RecordingProblems {
   std::uint64_t broken_packets = 0;       ///< that do not decompress or decode
   std::uint64_t out_of_range_events = 0;  ///< outside the sensor or with a polarity above 1; dropped
   std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were put right
+  std::uint64_t missing_packets = 0;      ///< that a data table lists, though not used, and that are not there
+  std::uint64_t missing_elements = 0;     ///< as it says, of those
 };
 
 /// An AEDAT4 recording. Opening reads the header and the list of packets; packets are read one at a time, so memory follows the
@@ -51,7 +53,9 @@ struct RecordingProblems {
 /// at most.
 ///
 /// Without a sound data table the packets are found by a scan, as `find_packets` does. A step back of a stream by more than
-/// 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on. Any other step back is left as it is.
+/// 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on, until a step forward of such a size takes
+/// them off again. Any other step back is left as it is, also one that only leads back to where a leap forward came from; and so
+/// is what lies between a leap of either kind and the way back in the same packet.
 ///
 /// With several threads, packets of events that are read one after the other are decoded ahead, a few batches of some packets;
 /// what is read, and in which order, does not depend on their number.

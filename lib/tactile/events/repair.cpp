@@ -164,8 +164,10 @@ class Repair {
   bool keep_elements(PacketRecord packet, StreamRepair& stream, std::span<const Element> sound, const Encode& encode) {
     if (sound.empty()) return false;
     packet.elements = static_cast<std::int64_t>(sound.size());
-    packet.first = sound.front().t;
-    packet.last = sound.back().t;
+    const auto by_time = [](const Element& a, const Element& b) { return a.t < b.t; };
+    const auto [first, last] = std::minmax_element(sound.begin(), sound.end(), by_time);
+    packet.first = first->t;
+    packet.last = last->t;
     stream.stamps.begin_packet();
     for (const Element& element : sound) stream.stamps.add(element.t);
     if (!recording_.was_put_right(packet)) {
