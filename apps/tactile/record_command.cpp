@@ -135,9 +135,10 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
     if (interrupted()) return nullptr;
     sources.push_back(open_camera_source(text, options));
   }
-  return std::make_unique<RunRecorder>(
-      std::move(sources), std::move(robot), std::move(video),
-      RunRecorderOptions{.queue_bytes = args.queue_mb << 20, .compression = compression_named(args.compression)});
+  return std::make_unique<RunRecorder>(std::move(sources), std::move(robot), std::move(video),
+                                       RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
+                                                          .compression = compression_named(args.compression),
+                                                          .log = [&line](const std::string& text) { line.warn(text); }});
 } catch (const Error&) {
   if (!interrupted()) throw;
   return nullptr;  // who does not want to wait for it any more has no use for why it does not come

@@ -20,7 +20,12 @@ class ShortSource final : public CameraSource {
   std::string name() const override { return "short"; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
   nlohmann::json camera() const override { return {{"source", "A"}}; }
-  SourceDrops drops() const override { return {.packets = 1, .events = 2}; }
+  SourceDrops drops() const override {
+    SourceDrops drops;
+    drops.packets = 1;
+    drops.events = 2;
+    return drops;
+  }
   CameraSource::Received receive(CameraPacket& packet, std::chrono::milliseconds /*patience*/) override {
     packet.clear();
     if (next_ > events_.size()) return Received::ended;

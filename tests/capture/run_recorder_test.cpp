@@ -341,7 +341,7 @@ TEST_F(RunRecorderTest, CountsWhatTheSourceLostDuringTheRunOnly) {
   };
   auto source =
       std::make_unique<Losing>("made:losing", std::vector{event_stream()}, test::packets_of_events(events, 100, true), false);
-  source->lost = {.packets = 1000, .events = 1000};
+  source->lost.packets = source->lost.events = 1000;
   RunRecorder recorder(sources_of(std::move(source)), nullptr, nullptr);
   const RunSummary summary = record(recorder);
   EXPECT_EQ(summary.drops.source.packets, 22U);  // ten packets and the end

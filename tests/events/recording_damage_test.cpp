@@ -712,7 +712,9 @@ TEST_F(DamagedRecording, TakesADamagedTimeBehindAnOverflowForNoOther) {
       for (std::size_t p = 0; p < packets.size(); ++p) {
         const auto read = recording.read_events(recording.packets()[p]);
         for (std::size_t i = 0; i < 10; ++i) {
-          if (p != 4 || i != 3) EXPECT_EQ(read[i].t, expected[p][i].t) << p << ", " << i << " with " << off;
+          if (p != 4 || i != 3) {
+            EXPECT_EQ(read[i].t, expected[p][i].t) << p << ", " << i << " with " << off;
+          }
         }
       }
     }

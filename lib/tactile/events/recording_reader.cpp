@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -54,14 +55,17 @@ class StreamTime {
     Step result = Step::on;
     const std::int64_t step = begun_ ? step_between(last_, after(stored, microseconds{shift_})) : 0;
     const bool leaps = step > leap || step < -leap;
-    leapt_ |= leaps;
-    if (strayed_ && is_near(step_between(left_at_, after(stored, microseconds{shift_there_})))) {
+    const std::int64_t step_there = step_between(left_at_, after(stored, microseconds{shift_there_}));
+    // A leap within reach of an overflow may be a silence: then one behind it explains a step back as well as its undoing does.
+    const std::int64_t going_on = strayed_far_ || is_near(step) || step > 0 ? step : saturating_add(step, wrap);
+    if (strayed_ && is_near(step_there) && size_of(step_there) < size_of(going_on)) {
       result = Step::back;
       shift_ = shift_there_;
       strayed_ = false;
     } else if (leaps) {
-      if (!strayed_) {
-        strayed_ = true;
+      if (!strayed_ || !strayed_far_) {
+        strayed_ = leapt_ = true;
+        strayed_far_ = !is_near(step);
         left_at_ = last_;
         shift_there_ = shift_;
       }
@@ -92,6 +96,7 @@ class StreamTime {
   static constexpr std::int64_t leap = wrap / 64;  ///< a minute, which no stream of a camera is silent for unless all is still
 
   static std::int64_t step_between(CameraTime a, CameraTime b) { return saturating_subtract(us_of(b), us_of(a)); }
+  static double size_of(std::int64_t step) { return std::abs(static_cast<double>(step)); }
   static bool is_near(std::int64_t step) { return step >= -wrap / 2 && step <= wrap / 2; }
 
   CameraTime last_{};
@@ -100,7 +105,8 @@ class StreamTime {
   std::int64_t shift_there_ = 0;
   bool begun_ = false;
   bool strayed_ = false;
-  bool leapt_ = false;  ///< in this packet
+  bool strayed_far_ = false;  ///< by more than 2^31 us
+  bool leapt_ = false;        ///< in this packet
 };
 
 /// What has been found out about one packet.
