@@ -16,14 +16,14 @@ using test::verdict_row;
 TEST(Moments, OfTwoCellsAreWorkedByHand) {
   // 4 wide, 2 high: 255 at column 0 of row 0 and at column 2 of row 1, so x = 1/8 and 5/8, y = 1/4 and 3/4.
   const std::vector<std::uint8_t> heatmap{255, 0, 0, 0, 0, 0, 255, 0};
-  const Moments moments = moments_of(heatmap, {4, 2});
-  const Moments expected{0.25, 0.25, std::sqrt(0.25 - 0.0625), 1, 3.0 / 8, 0.5, 1.0 / 16, 1.0 / 16, 1.0 / 16};
-  for (std::size_t i = 0; i < moment_count; ++i) EXPECT_NEAR(moments[i], expected[i], 1e-12) << i;
+  const Features moments = moments_of(heatmap, {4, 2});
+  const Features expected{0.25, 0.25, std::sqrt(0.25 - 0.0625), 1, 3.0 / 8, 0.5, 1.0 / 16, 1.0 / 16, 1.0 / 16};
+  for (std::size_t i = 0; i < feature_count; ++i) EXPECT_NEAR(moments[i], expected[i], 1e-12) << i;
 }
 
 TEST(Moments, OfAnEmptyHeatmapAreCentredAndFinite) {
   const std::vector<std::uint8_t> heatmap(12, 0);
-  const Moments expected{0, 0, 0, 0, 0.5, 0.5, 0, 0, 0};
+  const Features expected{0, 0, 0, 0, 0.5, 0.5, 0, 0, 0};
   EXPECT_EQ(moments_of(heatmap, {4, 3}), expected);
 }
 
@@ -87,21 +87,34 @@ TEST(EventCount, OfOneCountSaysTheMajority) {
   EXPECT_THROW(fit_event_count(events, verdict_row("ss")), Error);
 }
 
+TEST(SharesOfFields, SumWhatLiesInEachNinthOfTheImage) {
+  // 4 x 3 cells: columns 0 and 1 are the left third (3 * 1 / 4 = 0), then one each.
+  const std::vector<std::uint8_t> heatmap{10, 20, 0, 0, 0, 0, 30, 0, 0, 0, 0, 40};
+  const Features expected{0.3, 0, 0, 0, 0.3, 0, 0, 0, 0.4};
+  const Features shares = shares_of_fields(heatmap, {4, 3});
+  for (std::size_t i = 0; i < feature_count; ++i) EXPECT_NEAR(shares[i], expected[i], 1e-12) << i;
+  std::vector<std::uint8_t> twice = heatmap;
+  for (std::uint8_t& cell : twice) cell = static_cast<std::uint8_t>(2 * cell);
+  EXPECT_EQ(shares_of_fields(twice, {4, 3}), shares) << "how much it is does not matter";
+  for (const double share : shares_of_fields(std::vector<std::uint8_t>(12), {4, 3})) EXPECT_EQ(share, 1.0 / 9);
+  EXPECT_THROW(shares_of_fields(heatmap, {4, 4}), Error);
+}
+
 /// All moments 0 but the mean.
-Moments with_mean(double mean) {
-  Moments moments{};
+Features with_mean(double mean) {
+  Features moments{};
   moments[1] = mean;
   return moments;
 }
 
-TEST(LogisticMoments, GivesTheSharesOfEachGroup) {
+TEST(Logistic, GivesTheSharesOfEachGroup) {
   // Two groups that differ in one moment: without a ridge to speak of, the likeliest model says each group's own shares.
   const auto truth = verdict_row(
       "....pps"
       "..pppppsss");
-  std::vector<Moments> moments;
+  std::vector<Features> moments;
   for (std::size_t i = 0; i < truth.size(); ++i) moments.push_back(with_mean(i < 7 ? 0.2 : 0.6));
-  const LogisticBaseline baseline = fit_logistic_moments(moments, truth, {.ridge = 1e-12});
+  const LogisticBaseline baseline = fit_logistic(moments, truth, {.ridge = 1e-12});
   const auto low = baseline.probabilities(with_mean(0.2)), high = baseline.probabilities(with_mean(0.6));
   EXPECT_NEAR(low[0], 4.0 / 7, 1e-6);
   EXPECT_NEAR(low[1], 2.0 / 7, 1e-6);
@@ -113,36 +126,36 @@ TEST(LogisticMoments, GivesTheSharesOfEachGroup) {
   EXPECT_EQ(baseline.verdict(with_mean(0.6)), Touch::press);
 }
 
-TEST(LogisticMoments, PartsSeparableSamplesWithFiniteWeights) {
+TEST(Logistic, PartsSeparableSamplesWithFiniteWeights) {
   Random random(11);
-  std::vector<Moments> moments;
+  std::vector<Features> moments;
   std::vector<Touch> truth;
   for (int i = 0; i < 90; ++i) {
     const Touch touch = all_touches[static_cast<std::size_t>(i % 3)];
-    Moments sample{};
+    Features sample{};
     for (double& moment : sample) moment = random.normal();
     sample[4] = (touch == Touch::press ? 5 : 0) + 0.1 * random.normal();
     sample[5] = (touch == Touch::slip ? 5 : 0) + 0.1 * random.normal();
     moments.push_back(sample);
     truth.push_back(touch);
   }
-  const LogisticBaseline baseline = fit_logistic_moments(moments, truth);
+  const LogisticBaseline baseline = fit_logistic(moments, truth);
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(baseline.verdict(moments[i]), truth[i]);
   for (const auto& row : baseline.weights) {
     for (const double weight : row) EXPECT_TRUE(std::isfinite(weight));
   }
 }
 
-TEST(LogisticMoments, StandsWhereNoSmallStepLowersTheLoss) {
+TEST(Logistic, StandsWhereNoSmallStepLowersTheLoss) {
   Random random(5);
-  std::vector<Moments> moments(60);
+  std::vector<Features> moments(60);
   std::vector<Touch> truth(60);
   for (std::size_t i = 0; i < moments.size(); ++i) {
     for (double& moment : moments[i]) moment = random.normal() + 100;  // far from 0, as standardising must undo
     truth[i] = all_touches[random.below(touch_count)];
   }
   const double ridge = 0.01;
-  const LogisticBaseline fitted = fit_logistic_moments(moments, truth, {.ridge = ridge});
+  const LogisticBaseline fitted = fit_logistic(moments, truth, {.ridge = ridge});
   const auto loss = [&](const LogisticBaseline& model) {
     double sum = 0, squares = 0;
     for (std::size_t i = 0; i < moments.size(); ++i)
@@ -154,7 +167,7 @@ TEST(LogisticMoments, StandsWhereNoSmallStepLowersTheLoss) {
   };
   const double least = loss(fitted);
   for (std::size_t row = 0; row < fitted.weights.size(); ++row) {
-    for (std::size_t i = 0; i <= moment_count; ++i) {
+    for (std::size_t i = 0; i <= feature_count; ++i) {
       for (const double step : {-1e-3, 1e-3}) {
         LogisticBaseline moved = fitted;
         moved.weights[row][i] += step;
@@ -164,10 +177,10 @@ TEST(LogisticMoments, StandsWhereNoSmallStepLowersTheLoss) {
   }
 }
 
-TEST(LogisticMoments, NeedsMomentsForEachSample) {
-  const std::vector<Moments> moments(2);
-  EXPECT_THROW(fit_logistic_moments(moments, verdict_row("...")), Error);
-  EXPECT_THROW(fit_logistic_moments({}, {}), Error);
+TEST(Logistic, NeedsMomentsForEachSample) {
+  const std::vector<Features> moments(2);
+  EXPECT_THROW(fit_logistic(moments, verdict_row("...")), Error);
+  EXPECT_THROW(fit_logistic({}, {}), Error);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_GT(evaluation.accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.accuracy.objects.size(), 3U);
   EXPECT_EQ(evaluation.confusion.samples(), samples_of_runs(dataset, test_runs(dataset)).size());
-  ASSERT_EQ(evaluation.baselines.size(), 3U);
+  ASSERT_EQ(evaluation.baselines.size(), 4U);
   EXPECT_NEAR(evaluation.baselines[0].accuracy.mean.value, 1.0 / 3, 1e-12);
   EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // left or right is told by the centre
   EXPECT_EQ(evaluation.network.press.all.intervals, 3U);
@@ -126,7 +126,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   expect_figure(json.at("accuracy").at("mean"));
   expect_figure(json.at("accuracy").at("objects").at("fan"));
   expect_figure(json.at("false_alarms_per_min"));
-  for (const char* baseline : {"majority", "event_count", "logistic_moments"})
+  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position"})
     expect_figure(json.at("baselines").at(baseline).at("accuracy"));
   for (const char* touch : {"press", "slip"}) {
     for (const char* delays : {"delay_ms", "delay_true_ms"}) {

@@ -10,7 +10,7 @@
 namespace tactile {
 namespace {
 
-constexpr std::size_t inputs = moment_count + 1;
+constexpr std::size_t inputs = feature_count + 1;
 constexpr std::size_t others = touch_count - 1;
 constexpr std::size_t unknowns = inputs * others;
 
@@ -24,6 +24,15 @@ void check_one_each(std::size_t values, std::size_t samples, const char* baselin
               " training samples; expected at least one sample, and a value for each");
 }
 
+void check_whole(std::span<const std::uint8_t> heatmap, SensorSize size) {
+  if (size.width > 0 && size.height > 0 &&
+      heatmap.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)) {
+    return;
+  }
+  throw Error("heatmap: " + std::to_string(heatmap.size()) + " cells; expected " + std::to_string(size.width) + " x " +
+              std::to_string(size.height));
+}
+
 std::array<double, touch_count> softmax(const Inputs& x, const LogisticBaseline& model) {
   std::array<double, touch_count> p{};
   for (std::size_t c = 0; c < others; ++c) p[c + 1] = std::inner_product(x.begin(), x.end(), model.weights[c].begin(), 0.0);
@@ -34,10 +43,10 @@ std::array<double, touch_count> softmax(const Inputs& x, const LogisticBaseline&
   return p;
 }
 
-Inputs standardised(const Moments& moments, const LogisticBaseline& model) {
+Inputs standardised(const Features& features, const LogisticBaseline& model) {
   Inputs x{};
-  for (std::size_t i = 0; i < moment_count; ++i) x[i] = (moments[i] - model.mean[i]) / model.deviation[i];
-  x[moment_count] = 1;
+  for (std::size_t i = 0; i < feature_count; ++i) x[i] = (features[i] - model.mean[i]) / model.deviation[i];
+  x[feature_count] = 1;
   return x;
 }
 
@@ -100,13 +109,13 @@ Slope slope_of(std::span<const Inputs> samples, std::span<const Touch> truth, co
   return slope;
 }
 
-void standardise_by(std::span<const Moments> moments, LogisticBaseline& model) {
-  const auto n = static_cast<double>(moments.size());
-  for (std::size_t i = 0; i < moment_count; ++i) {
+void standardise_by(std::span<const Features> features, LogisticBaseline& model) {
+  const auto n = static_cast<double>(features.size());
+  for (std::size_t i = 0; i < feature_count; ++i) {
     double sum = 0, squares = 0;
-    for (const Moments& sample : moments) sum += sample[i];
+    for (const Features& sample : features) sum += sample[i];
     model.mean[i] = sum / n;
-    for (const Moments& sample : moments) squares += (sample[i] - model.mean[i]) * (sample[i] - model.mean[i]);
+    for (const Features& sample : features) squares += (sample[i] - model.mean[i]) * (sample[i] - model.mean[i]);
     const double deviation = std::sqrt(squares / n);
     model.deviation[i] = deviation > 1e-12 * (1 + std::abs(model.mean[i])) ? deviation : 1.0;
   }
@@ -114,12 +123,8 @@ void standardise_by(std::span<const Moments> moments, LogisticBaseline& model) {
 
 }  // namespace
 
-Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
-  if (size.width <= 0 || size.height <= 0 ||
-      heatmap.size() != static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)) {
-    throw Error("heatmap: " + std::to_string(heatmap.size()) + " cells; expected " + std::to_string(size.width) + " x " +
-                std::to_string(size.height));
-  }
+Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
+  check_whole(heatmap, size);
   double active = 0, sum = 0, squares = 0, largest = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_yy = 0, sum_xy = 0;
   for (int row = 0; row < size.height; ++row) {
     const double y = (row + 0.5) / size.height;
@@ -141,7 +146,7 @@ Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
   }
   const auto cells = static_cast<double>(heatmap.size());
   const double mean = sum / cells;
-  Moments moments{active / cells, mean, std::sqrt(std::max(squares / cells - mean * mean, 0.0)), largest, 0.5, 0.5, 0, 0, 0};
+  Features moments{active / cells, mean, std::sqrt(std::max(squares / cells - mean * mean, 0.0)), largest, 0.5, 0.5, 0, 0, 0};
   if (sum > 0) {
     const double x = sum_x / sum, y = sum_y / sum;
     moments[4] = x;
@@ -151,6 +156,20 @@ Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
     moments[8] = sum_xy / sum - x * y;
   }
   return moments;
+}
+
+Features shares_of_fields(std::span<const std::uint8_t> heatmap, SensorSize size) {
+  check_whole(heatmap, size);
+  const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
+  Features shares{};
+  double sum = 0;
+  for (std::size_t i = 0; i < heatmap.size(); ++i) {
+    const std::size_t column = 3 * (i % width) / width, row = 3 * (i / width) / height;
+    shares[3 * row + column] += heatmap[i];
+    sum += heatmap[i];
+  }
+  for (double& share : shares) share = sum > 0 ? share / sum : 1.0 / feature_count;
+  return shares;
 }
 
 MajorityBaseline fit_majority(std::span<const Touch> truth) {
@@ -205,23 +224,22 @@ EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::s
   return best;
 }
 
-std::array<double, touch_count> LogisticBaseline::probabilities(const Moments& moments) const {
-  return softmax(standardised(moments, *this), *this);
+std::array<double, touch_count> LogisticBaseline::probabilities(const Features& features) const {
+  return softmax(standardised(features, *this), *this);
 }
 
-Touch LogisticBaseline::verdict(const Moments& moments) const {
-  const auto p = probabilities(moments);
+Touch LogisticBaseline::verdict(const Features& features) const {
+  const auto p = probabilities(features);
   return all_touches[static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin())];
 }
 
-LogisticBaseline fit_logistic_moments(std::span<const Moments> moments, std::span<const Touch> truth,
-                                      const LogisticOptions& options) {
-  check_one_each(moments.size(), truth.size(), "logistic_moments");
+LogisticBaseline fit_logistic(std::span<const Features> features, std::span<const Touch> truth, const LogisticOptions& options) {
+  check_one_each(features.size(), truth.size(), "logistic regression");
   LogisticBaseline model;
-  standardise_by(moments, model);
+  standardise_by(features, model);
   std::vector<Inputs> samples;
-  samples.reserve(moments.size());
-  for (const Moments& sample : moments) samples.push_back(standardised(sample, model));
+  samples.reserve(features.size());
+  for (const Features& sample : features) samples.push_back(standardised(sample, model));
 
   double loss = loss_of(samples, truth, model, options.ridge);
   for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {

@@ -10,16 +10,20 @@
 
 namespace tactile {
 
-inline constexpr std::size_t moment_count = 9;
+inline constexpr std::size_t feature_count = 9;
+using Features = std::array<double, feature_count>;
 
 /// What a heatmap looks like from afar, with H / 255 as weight at every cell and places as shares of width and height in [0, 1]:
 /// share of cells that are not 0, mean, standard deviation, largest value, centre x and y (0.5 where all is 0), variance in x and
 /// in y, covariance of x and y.
-using Moments = std::array<double, moment_count>;
-
 /// @param heatmap  [height, width], row by row
 /// @throws Error  if its size is not width * height, or that is 0
-Moments moments_of(std::span<const std::uint8_t> heatmap, SensorSize size);
+Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size);
+
+/// Where a heatmap's weight lies, whatever it looks like there and however much it is: the share of each of 3 x 3 equal fields of
+/// the image, row by row from the top left. The sensor has one pair of markers in each. 1/9 everywhere where all is 0.
+/// @throws Error  likewise
+Features shares_of_fields(std::span<const std::uint8_t> heatmap, SensorSize size);
 
 /// Always the touch that is most frequent in training; the earlier one of equals.
 struct MajorityBaseline {
@@ -42,13 +46,13 @@ struct EventCountBaseline {
 /// @throws Error  if there is no sample, or not one count for each
 EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth);
 
-/// Multinomial logistic regression on standardised moments; none's logit is 0.
+/// Multinomial logistic regression on standardised features; none's logit is 0.
 struct LogisticBaseline {
-  Moments mean{}, deviation{};  ///< of the training samples; a moment that never varies has deviation 1
-  std::array<std::array<double, moment_count + 1>, touch_count - 1> weights{};  ///< of press and slip; the last one stands alone
+  Features mean{}, deviation{};  ///< of the training samples; a feature that never varies has deviation 1
+  std::array<std::array<double, feature_count + 1>, touch_count - 1> weights{};  ///< of press and slip; the last one stands alone
 
-  std::array<double, touch_count> probabilities(const Moments& moments) const;
-  Touch verdict(const Moments& moments) const;  ///< the likeliest; the earlier one of equals
+  std::array<double, touch_count> probabilities(const Features& features) const;
+  Touch verdict(const Features& features) const;  ///< the likeliest; the earlier one of equals
 };
 
 struct LogisticOptions {
@@ -58,8 +62,8 @@ struct LogisticOptions {
 };
 
 /// Minimises mean cross-entropy plus ridge by Newton's method with step halving: deterministic, and the minimum is the only one.
-/// @throws Error  if there is no sample, or no moments for each
-LogisticBaseline fit_logistic_moments(std::span<const Moments> moments, std::span<const Touch> truth,
-                                      const LogisticOptions& options = {});
+/// @throws Error  if there is no sample, or no features for each
+LogisticBaseline fit_logistic(std::span<const Features> features, std::span<const Touch> truth,
+                              const LogisticOptions& options = {});
 
 }  // namespace tactile

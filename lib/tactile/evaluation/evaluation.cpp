@@ -33,7 +33,7 @@ void check_same_dataset(const Dataset& dataset, const Classifier& classifier) {
 struct RunSamples {
   std::vector<Touch> truth, said;
   std::vector<std::uint64_t> events;
-  std::vector<Moments> moments;
+  std::vector<Features> moments, fields;
 };
 
 std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
@@ -59,7 +59,9 @@ RunSamples samples_of(const Dataset& dataset, const Classifier& classifier, std:
   of_run.events = event_counts(dataset, run, samples, classifier.rendering().history);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     of_run.truth.push_back(dataset.samples()[samples[i]].touch);
-    of_run.moments.push_back(moments_of(std::span(heatmaps).subspan(i * cells, cells), classifier.input_size()));
+    const auto heatmap = std::span(heatmaps).subspan(i * cells, cells);
+    of_run.moments.push_back(moments_of(heatmap, classifier.input_size()));
+    of_run.fields.push_back(shares_of_fields(heatmap, classifier.input_size()));
   }
   return of_run;
 }
@@ -68,7 +70,8 @@ std::vector<BaselineScore> baseline_scores(const RunSamples& training, std::span
                                            std::span<const std::string> objects, const BootstrapOptions& bootstrap) {
   const MajorityBaseline majority = fit_majority(training.truth);
   const EventCountBaseline event_count = fit_event_count(training.events, training.truth);
-  const LogisticBaseline logistic = fit_logistic_moments(training.moments, training.truth);
+  const LogisticBaseline by_moments = fit_logistic(training.moments, training.truth);
+  const LogisticBaseline by_fields = fit_logistic(training.fields, training.truth);
   const auto score = [&](const std::string& name, auto verdict) {
     std::vector<RunConfusion> runs;
     for (std::size_t i = 0; i < tests.size(); ++i) {
@@ -80,7 +83,8 @@ std::vector<BaselineScore> baseline_scores(const RunSamples& training, std::span
   };
   return {score("majority", [&](const RunSamples&, std::size_t) { return majority.touch; }),
           score("event_count", [&](const RunSamples& run, std::size_t k) { return event_count.verdict(run.events[k]); }),
-          score("logistic_moments", [&](const RunSamples& run, std::size_t k) { return logistic.verdict(run.moments[k]); })};
+          score("logistic_moments", [&](const RunSamples& run, std::size_t k) { return by_moments.verdict(run.moments[k]); }),
+          score("logistic_position", [&](const RunSamples& run, std::size_t k) { return by_fields.verdict(run.fields[k]); })};
 }
 
 constexpr std::size_t trivial_count = 3;
@@ -268,6 +272,7 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
     training.truth.insert(training.truth.end(), of_run.truth.begin(), of_run.truth.end());
     training.events.insert(training.events.end(), of_run.events.begin(), of_run.events.end());
     training.moments.insert(training.moments.end(), of_run.moments.begin(), of_run.moments.end());
+    training.fields.insert(training.fields.end(), of_run.fields.begin(), of_run.fields.end());
   }
   std::vector<RunSamples> tests;
   std::vector<RunConfusion> confusions;

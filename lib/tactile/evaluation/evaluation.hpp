@@ -34,7 +34,7 @@ struct DetectorScore {
 
 /// A baseline on the same test samples as the network, fitted on the same training samples.
 struct BaselineScore {
-  std::string name;  ///< "majority", "event_count", "logistic_moments"
+  std::string name;  ///< "majority", "event_count", "logistic_moments", "logistic_position"
   Accuracy accuracy;
 };
 
