@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
 #include "tactile/conversion/bag_import.hpp"
@@ -265,7 +266,7 @@ void add_convert_command(CLI::App& app) {
       ->type_name("OUT")
       ->required();
   command->add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
-      ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
+      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
   command->add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time]")->type_name("US");
   command->add_option("--to-us", args->to_us, "Leave out what is at this time or later [us of camera time]")->type_name("US");
   command->add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")

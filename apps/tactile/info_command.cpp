@@ -11,6 +11,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
 #include "tactile/core/error.hpp"
@@ -391,7 +392,7 @@ void add_info_command(CLI::App& app) {
   command->add_option("--stream", args->stream, "Of several event streams only this one, by id or source")
       ->type_name("ID|SOURCE");
   command->add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{3'600'000}))
+      ->check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       ->capture_default_str();
   command->add_flag("--check", args->check, "Compare a run's files with their SHA-256; end with 2 if one is sick, and log why");
 }
