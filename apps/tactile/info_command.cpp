@@ -11,6 +11,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "log_rows.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
@@ -43,6 +44,7 @@ struct Report {
   RecordingHealth health;
   std::optional<RunInfo> run;
   RunFiles files;
+  std::optional<LogRows> robot, video;
 };
 
 std::vector<Subject> subjects_in(const std::string& place) {
@@ -106,8 +108,12 @@ void add_run(Report& report, const InfoArguments& args, const ProgressCallback& 
 
 Report examine(const Subject& subject, const InfoArguments& args, unsigned threads, const ProgressCallback& progress) {
   const HealthOptions options{.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms), .threads = threads};
-  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}};
-  if (subject.run) add_run(report, args, progress);
+  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}, {}, {}};
+  if (subject.run) {
+    report.robot = log_rows(subject.run->robot(), "timestamp", 1, 0.1);
+    report.video = log_rows(subject.run->video_times(), "pts_us", 1e-6, 1);
+    add_run(report, args, progress);
+  }
   return report;
 }
 
@@ -201,6 +207,12 @@ nlohmann::json json_of(const Report& report, const InfoArguments& args) {
       {"reasons", health.reasons},
       {"notes", health.notes},
   };
+  const auto json_of_rows = [](const std::optional<LogRows>& log, const char* rows) {
+    return log ? nlohmann::json{{rows, log->rows}, {"rate_hz", json_or_null(log->rate_hz)}, {"gaps", log->gaps}}
+               : nlohmann::json();
+  };
+  json["robot"] = json_of_rows(report.robot, "rows");
+  json["video"] = json_of_rows(report.video, "frames");
   json["run"] = report.run ? json_of(*report.run) : nlohmann::json();
   json["run_files"] = !report.run
                           ? nlohmann::json()
@@ -313,6 +325,13 @@ std::string event_lines(const StreamHealth& stream, const InfoArguments& args) {
   return lines.text();
 }
 
+std::string text_of(const LogRows& log, const std::string& thing) {
+  std::string text = counted(log.rows, thing);
+  if (log.rate_hz) text += ", " + rate_text(*log.rate_hz);
+  if (log.gaps > 0) text += ", " + counted(log.gaps, "gap");
+  return text;
+}
+
 std::string text_of(const Report& report, const InfoArguments& args) {
   const RecordingHealth& health = report.health;
   Lines head("  ");
@@ -327,6 +346,8 @@ std::string text_of(const Report& report, const InfoArguments& args) {
     head.add("begin", moment_text(*health.first()));
     head.add("duration", duration_text(health.duration()));
   }
+  if (report.robot) head.add("robot", text_of(*report.robot, "row"));
+  if (report.video) head.add("video", text_of(*report.video, "frame"));
   head.add("file", fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
                                counted(health.packets(), "packet"), table_state(health)));
   std::string text = report.subject.name + "\n" + head.text() + "\n" + stream_table(health);

@@ -183,6 +183,7 @@ void play(const ServeArguments& args, CameraSource& source, CameraBroadcast& bro
 void serve(const ServeArguments& args, const CommonArguments& common) {
   LiveLine line(!common.quiet);
   const std::unique_ptr<CameraSource> source = open_source(args);
+  if (const std::string remark = source->remark(); !remark.empty()) line.warn(args.source + ": " + remark);
   CameraBroadcast broadcast({.packet_span = microseconds{args.packet_us}});
   const std::vector<Served> served = start_servers(args, *source, line);
   nlohmann::json streams = nlohmann::json::array();

@@ -76,7 +76,7 @@ std::string about_option(const CLI::Option& option, const CLI::ParseError& error
       if (other->count() > 0) return fmt::format("{}: does not go with {}; expected one of the two", label, label_of(*other));
     }
   }
-  if (option.get_type_size() == 0) return fmt::format("{}: takes no value; expected it alone", label);
+  if (value_text(option).name.empty()) return fmt::format("{}: takes no value; expected it alone", label);
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     return option.count() > 1 ? fmt::format("{}: is given {} times; expected it once", label, option.count())
                               : fmt::format("{}: has no value; expected {}", label, expected_value(option));
