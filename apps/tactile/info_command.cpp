@@ -321,7 +321,7 @@ std::string event_lines(const StreamHealth& stream, const InfoArguments& args) {
                         : *events.readout_period_us <= 10.0 ? "no common period: events bear times of their own"
                                                             : fmt::format("every {:.0f} us", *events.readout_period_us));
   lines.add("silences", gaps_text(stamps, args));
-  lines.add("hot pixels", hot_pixels_text(events, stamps.elements));
+  lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();
 }
 

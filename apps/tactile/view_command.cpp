@@ -104,7 +104,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     throw Error(args.out + ": the picture is a PNG; expected a name that ends in .png");
   const bool is_run = fs::is_directory(args.what);
   const std::optional<RunFolder> run = is_run ? std::optional(run_folder_at(args.what)) : std::nullopt;
-  RecordingReader recording(run ? run->events() : fs::path(args.what));
+  RecordingReader recording(is_run ? recording_in(args.what) : fs::path(args.what));
   const Stream& stream = event_stream(recording, args.stream);
   const std::string name = run ? run->name() : recording.file().filename().string();
   if (!stream.size)
