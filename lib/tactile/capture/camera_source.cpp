@@ -30,6 +30,7 @@ std::string address_in(std::string_view text) {
   for (const std::string_view begin : {"tcp:", "//"}) {
     if (text.starts_with(begin)) text.remove_prefix(begin.size());
   }
+  if (text.find('/') != std::string_view::npos) return {};  // a path, or what another protocol calls an address
   const std::string address = "tcp://" + std::string(text);
   try {
     network_address(address);
