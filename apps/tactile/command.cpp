@@ -6,16 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <thread>
 
 #include "interruption.hpp"
+#include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/numbers.hpp"
 
 namespace tactile {
 namespace {
@@ -51,16 +49,13 @@ void fill_in_from(const std::string& file, CLI::App& command) {
     CLI::Option* option = command.get_options(has_this_name).front();
     if (option->count() > 0) continue;
     option->add_result(texts_of(value, fmt::format("{}: '{}'", file, key)));
-    option->run_callback();
-  }
-}
-
-/// Every range lets "nan" through, for it is neither below nor above anything.
-void refuse_nan(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& text : option->results()) {
-      const std::optional<double> number = number_in(text);
-      if (number && std::isnan(*number)) throw CLI::ValidationError(option->get_name(), text + " is no number");
+    try {
+      option->run_callback();
+    } catch (const CLI::ValidationError& e) {
+      const std::string what = e.what(), begin = option->get_name() + ": ";
+      throw CLI::ValidationError(
+          fmt::format("{}: '{}': {}", file, key, what.starts_with(begin) ? what.substr(begin.size()) : what),
+          CLI::ExitCodes::ValidationError);
     }
   }
 }
@@ -68,35 +63,30 @@ void refuse_nan(const CLI::App& command) {
 }  // namespace
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      std::function<void(const CommonArguments&)> run) {
+                      std::function<void(const CommonArguments&)> run, CtrlC ctrl_c) {
   CLI::App* command = app.add_subcommand(name, description);
   auto common = std::make_shared<CommonArguments>();
   common->threads = std::max(1U, std::thread::hardware_concurrency());
   command->add_option("--config", common->config, "JSON file of options; the command line wins over it")
       ->type_name("FILE.json")
-      ->check(CLI::ExistingFile);
+      ->check(is_existing_file());
   command->add_flag("--json", common->json, "Print the result as JSON");
   command->add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
-  command->add_option("--threads", common->threads, "Threads to work on")->check(CLI::Range(1U, 1024U))->capture_default_str();
-  command->callback([command, common, run = std::move(run)] {
+  command->add_option("--threads", common->threads, "Threads to work on")->check(in_range(1U, 1024U))->capture_default_str();
+  command->callback([command, common, run = std::move(run), ctrl_c] {
     if (!common->config.empty()) fill_in_from(common->config, *command);
-    refuse_nan(*command);
+    catch_ctrl_c();
+    if (ctrl_c == CtrlC::is_the_end) catch_termination();
+    release_signals();
+    if (ctrl_c == CtrlC::breaks_off) stop_if_interrupted();
     if (common->quiet) spdlog::set_level(spdlog::level::warn);
     run(*common);
   });
   return command;
 }
 
-CLI::Validator is_seed() {
-  return CLI::Validator(
-      [](std::string& text) {
-        std::uint64_t seed = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-        return error == std::errc{} && end == text.data() + text.size()
-                   ? std::string()
-                   : text + " is no whole number from 0 to 18446744073709551615";
-      },
-      "0 to 18446744073709551615");
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted{};
 }
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
@@ -107,7 +97,6 @@ void print_result(const CommonArguments& common, const nlohmann::json& json, con
 
 ProgressCallback progress_line(const CommonArguments& common) {
   using Clock = std::chrono::steady_clock;
-  catch_ctrl_c();
   struct Line {
     Clock::time_point begun = Clock::now(), drawn = begun;
     bool visible = false;
@@ -117,7 +106,7 @@ ProgressCallback progress_line(const CommonArguments& common) {
   };
   const bool draws = !common.quiet && isatty(STDERR_FILENO) != 0;
   return [line = std::make_shared<Line>(), draws](const Progress& progress) {
-    if (interrupted()) throw Interrupted{};
+    stop_if_interrupted();
     const auto now = Clock::now();
     if (!draws || now - line->begun < std::chrono::seconds(1) || now - line->drawn < std::chrono::milliseconds(100)) return;
     line->drawn = now;

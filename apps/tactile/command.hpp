@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -25,13 +26,17 @@ struct CheckFailed {};
 /// Ctrl-C: the command ends with 130, and what it wrote so far stays.
 struct Interrupted {};
 
-/// Declares a command with --config, --json, --quiet and --threads, and what it runs once its options are read. Values from
-/// --config fill in for options that were not given; a key that no option has is an error that names the nearest one.
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      std::function<void(const CommonArguments&)> run);
+/// What Ctrl-C is to a command: it breaks off what is to be finished, or is the usual end.
+enum class CtrlC : std::uint8_t { breaks_off, is_the_end };
 
-/// Takes whole numbers that a seed can be, 0 to 18446744073709551615.
-CLI::Validator is_seed();
+/// Declares a command with --config, --json, --quiet and --threads, and what it runs once its options are read. Values from
+/// --config fill in for options that were not given; a key that no option has is an error that names the nearest one. A Ctrl-C
+/// that came before the command ran breaks it off then, unless it is the command's end: then the command finds `interrupted()`,
+/// and SIGTERM and SIGHUP are the same.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      std::function<void(const CommonArguments&)> run, CtrlC ctrl_c = CtrlC::breaks_off);
+
+void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C
 
 /// Prints a result to stdout: the JSON with --json, else the text.
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text);

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -9,12 +11,14 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
 #include "tactile/conversion/bag_import.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/run_folder.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -24,7 +28,7 @@ struct ConvertArguments {
   std::string in, out;
   std::string compression, size, source, crop;
   std::vector<std::string> streams;
-  std::optional<std::int64_t> from_us, to_us;
+  std::string from_us, to_us;
   BagImportOptions bag;
   bool force = false;
 };
@@ -59,11 +63,38 @@ std::string check_region(const std::string& text) {
                          : fmt::format("'{}' is no region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
 }
 
+/// A time of the recording's clock, or with a '+' in front one that counts from its first element.
+struct Moment {
+  CameraTime t;
+  bool counts_from_first;
+};
+
+std::optional<Moment> moment_in(std::string_view text) {
+  const bool counts_from_first = text.starts_with('+');
+  const auto us = whole_number_in(counts_from_first ? text.substr(1) : text);
+  if (!us || (counts_from_first && *us < 0)) return std::nullopt;
+  return Moment{camera_time(*us), counts_from_first};
+}
+
+std::string check_moment(const std::string& text) {
+  return moment_in(text) ? std::string()
+                         : fmt::format(
+                               "'{}' is no time; expected whole us of the recording's clock, or such as +5000 from its "
+                               "first element on",
+                               text);
+}
+
 ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
   ConvertOptions options;
   if (!args.compression.empty()) options.compression = compression_named(args.compression);
-  if (args.from_us) options.from = camera_time(*args.from_us);
-  if (args.to_us) options.to = camera_time(*args.to_us);
+  if (const auto from = moment_in(args.from_us)) {
+    options.from = from->t;
+    options.from_counts_from_first = from->counts_from_first;
+  }
+  if (const auto to = moment_in(args.to_us)) {
+    options.to = to->t;
+    options.to_counts_from_first = to->counts_from_first;
+  }
   options.streams = args.streams;
   if (!args.crop.empty()) options.crop = region_in(args.crop);
   if (!args.size.empty()) options.size = size_in(args.size);
@@ -78,6 +109,11 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
   if (summary.size_guessed) {
     spdlog::info("{}: the sensor is taken to have {}x{} pixels, which hold all events; --size WxH says otherwise", args.in,
                  summary.size->width, summary.size->height);
+  }
+  const auto from = moment_in(args.from_us);
+  if (from && !from->counts_from_first && summary.first_in && from->t < *summary.first_in) {
+    spdlog::warn("--from-us {}: cuts nothing, for the first element of {} is at {} us; '+{}' would count from there",
+                 args.from_us, args.in, us_of(*summary.first_in), std::max<std::int64_t>(us_of(from->t), 0));
   }
   for (const Stream& stream : summary.left_out)
     spdlog::info("{}: stream {} ({}) is left out", args.in, stream.id, stream.name.empty() ? name_of(stream.type) : stream.name);
@@ -229,7 +265,8 @@ void warn(const ConvertArguments& args, const BagImportSummary& summary) {
 
 /// A bag becomes a run folder; the options of recordings mean nothing to it.
 void import(const ConvertArguments& args, const CommonArguments& common) {
-  if (args.from_us || args.to_us || !args.crop.empty() || !args.streams.empty() || !args.size.empty() || !args.source.empty()) {
+  if (!args.from_us.empty() || !args.to_us.empty() || !args.crop.empty() || !args.streams.empty() || !args.size.empty() ||
+      !args.source.empty()) {
     throw Error(args.in +
                 ": a bag is taken whole; expected --from-us, --to-us, --crop, --stream, --size and --source left out: the " +
                 "run's events.aedat4 can be cut and cropped afterwards");
@@ -241,8 +278,9 @@ void import(const ConvertArguments& args, const CommonArguments& common) {
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
-void convert(const ConvertArguments& args, const CommonArguments& common) {
+void convert(ConvertArguments args, const CommonArguments& common) {
   refuse_ros2_bag(args.in);
+  if (std::filesystem::is_directory(args.in)) args.in = recording_in(args.in).string();
   if (is_ros_bag(args.in)) return import(args, common);
   const BagImportOptions& bag = args.bag;
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
@@ -260,14 +298,20 @@ void add_convert_command(CLI::App& app) {
   CLI::App* command = add_command(
       app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; ROS 1 bags into run folders",
       [args](const CommonArguments& common) { convert(*args, common); });
-  command->add_option("in", args->in, "To read: .aedat4, .csv, .h5 or a ROS 1 .bag")->type_name("IN")->required();
+  command->add_option("in", args->in, "To read: .aedat4, .csv, .h5, a ROS 1 .bag, or a run's folder for its recording")
+      ->type_name("IN")
+      ->required();
   command->add_option("out", args->out, "To write: .aedat4, .csv, .h5 or .npz; of a bag the run folder DATA/OBJECT/NN")
       ->type_name("OUT")
       ->required();
   command->add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
-      ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
-  command->add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time]")->type_name("US");
-  command->add_option("--to-us", args->to_us, "Leave out what is at this time or later [us of camera time]")->type_name("US");
+      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
+  command->add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time, or +US from the first element]")
+      ->check(CLI::Validator(check_moment, ""))
+      ->type_name("US");
+  command->add_option("--to-us", args->to_us, "Leave out what is at this time or later [likewise]")
+      ->check(CLI::Validator(check_moment, ""))
+      ->type_name("US");
   command->add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")
       ->type_name("X,Y,WxH")
       ->check(CLI::Validator(check_region, ""));

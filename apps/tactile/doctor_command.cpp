@@ -147,8 +147,11 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
   const std::string torch = torch_version();  // loads libtorch, and so its BLAS
   const Blas blas = blas_in_use();
   const std::vector<std::string> features = cpu_features();
+  stop_if_interrupted();
   const double step_ns = timer_step_ns(), delay_us = wake_up_delay_us();
+  stop_if_interrupted();
   const std::optional<double> disk_mb_s = disk_write_speed(folder);
+  stop_if_interrupted();
 #ifdef TACTILE_HAS_LIBCAER
   constexpr bool has_libcaer = true;
 #else

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
+#include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/evaluation/evaluation.hpp"
@@ -78,15 +79,14 @@ std::string accuracy_text(const Evaluation& evaluation) {
 
 constexpr const char* delay_legend =
     "One tick is the best delay possible; it is averaged over the intervals that were detected. miss: not detected within 500 ms "
-    "or the\n"
-    "interval; early: said long before it began. 95 %: bootstrap interval, sem: standard error of the mean; - : too few to "
-    "tell.\n"
-    "In brackets, detectors that know nothing: one that detects at once by chance pays with false alarms.\n\n";
+    "or the interval; early: said long before it began. 95 %: bootstrap interval, sem: standard error of the mean; - : too few "
+    "to "
+    "tell. In brackets, detectors that know nothing: one that detects at once by chance pays with false alarms. From gross slip: "
+    "below 0 where told before it.";
 
 constexpr const char* false_alarm_legend =
     "A false alarm begins in no interval; one that begins within the guard after an interval is counted apart, and so is one in "
-    "real motion\n"
-    "that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run.\n";
+    "real motion that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run.";
 
 Row delay_row(const std::string& name, const DelaySummary& delay) {
   return {name,
@@ -105,7 +105,7 @@ std::string delay_text(const std::string& title, const DelayTable& network,
   for (const auto& [name, delay] : network.objects) rows.push_back(delay_row(name, delay));
   rows.push_back(delay_row("all", network.all));
   for (const auto& [name, table] : others) rows.push_back(delay_row(name, table->all));
-  return text_table({title, "mean", "95 %", "sem", "median", "intervals", "misses", "early"}, rows) + "\n";
+  return text_table({title, "mean", "95 %", "sem", "median", "of", "misses", "early"}, rows) + "\n";
 }
 
 std::string delays_text(const Evaluation& evaluation) {
@@ -115,12 +115,12 @@ std::string delays_text(const Evaluation& evaluation) {
     slip.emplace_back("(" + name + ")", &score.slip);
   }
   if (evaluation.true_press) {
-    press.emplace_back("against the true onset", &*evaluation.true_press);
-    slip.emplace_back("against the true onset", &*evaluation.true_slip);
-    slip.emplace_back("against gross slip, < 0 before it", &*evaluation.gross_slip);
+    press.emplace_back("from the true onset", &*evaluation.true_press);
+    slip.emplace_back("from the true onset", &*evaluation.true_slip);
+    slip.emplace_back("from gross slip", &*evaluation.gross_slip);
   }
   return delay_text("delay of press [ms]", evaluation.network.press, press) +
-         delay_text("delay of slip [ms]", evaluation.network.slip, slip) + delay_legend;
+         delay_text("delay of slip [ms]", evaluation.network.slip, slip) + wrapped(delay_legend) + "\n\n";
 }
 
 std::string false_alarms_text(const Evaluation& evaluation) {
@@ -136,9 +136,8 @@ std::string false_alarms_text(const Evaluation& evaluation) {
   };
   std::vector<Row> rows{row("network", evaluation.network.false_alarms)};
   for (const auto& [name, score] : evaluation.trivial) rows.push_back(row("(" + name + ")", score.false_alarms));
-  return text_table({"false alarms [1/min of none]", "", "95 %", "count in min", "after an interval", "unlabelled motion"},
-                    rows) +
-         false_alarm_legend;
+  return text_table({"false alarms per min", "", "95 %", "in min", "after", "unlabelled"}, rows) + wrapped(false_alarm_legend) +
+         "\n";
 }
 
 std::string text_of(const Evaluation& evaluation) {
@@ -317,7 +316,7 @@ void add_eval_command(CLI::App& app) {
   command
       ->add_option("--guard-ms", args->guard_ms,
                    "For so long after an interval, alarms are counted apart [ms]; the dataset's own guard if not given")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(in_range(0.0, 1e6));
 }
 
 }  // namespace tactile

@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
@@ -112,7 +113,7 @@ void add_heatmaps_command(CLI::App& app) {
   command->add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset")->capture_default_str();
   command->add_option("--th", args->histories_ms, "Histories t_h [ms], a list with commas; each a whole number of ticks")
       ->delimiter(',')
-      ->check(CLI::Range(0.001, 1e5))
+      ->check(in_range(0.001, 1e5))
       ->capture_default_str();
   add_rendering_options(*command, args->rendering);
   command->add_option("--png", args->pictures, "Also write each heatmap as a PNG below this folder")->type_name("DIR");

@@ -11,6 +11,8 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "log_rows.hpp"
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
 #include "tactile/core/error.hpp"
@@ -42,6 +44,7 @@ struct Report {
   RecordingHealth health;
   std::optional<RunInfo> run;
   RunFiles files;
+  std::optional<LogRows> robot, video;
 };
 
 std::vector<Subject> subjects_in(const std::string& place) {
@@ -105,8 +108,12 @@ void add_run(Report& report, const InfoArguments& args, const ProgressCallback& 
 
 Report examine(const Subject& subject, const InfoArguments& args, unsigned threads, const ProgressCallback& progress) {
   const HealthOptions options{.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms), .threads = threads};
-  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}};
-  if (subject.run) add_run(report, args, progress);
+  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}, {}, {}};
+  if (subject.run) {
+    report.robot = log_rows(subject.run->robot(), "timestamp", 1, 0.1);
+    report.video = log_rows(subject.run->video_times(), "pts_us", 1e-6, 1);
+    add_run(report, args, progress);
+  }
   return report;
 }
 
@@ -200,6 +207,12 @@ nlohmann::json json_of(const Report& report, const InfoArguments& args) {
       {"reasons", health.reasons},
       {"notes", health.notes},
   };
+  const auto json_of_rows = [](const std::optional<LogRows>& log, const char* rows) {
+    return log ? nlohmann::json{{rows, log->rows}, {"rate_hz", json_or_null(log->rate_hz)}, {"gaps", log->gaps}}
+               : nlohmann::json();
+  };
+  json["robot"] = json_of_rows(report.robot, "rows");
+  json["video"] = json_of_rows(report.video, "frames");
   json["run"] = report.run ? json_of(*report.run) : nlohmann::json();
   json["run_files"] = !report.run
                           ? nlohmann::json()
@@ -308,8 +321,15 @@ std::string event_lines(const StreamHealth& stream, const InfoArguments& args) {
                         : *events.readout_period_us <= 10.0 ? "no common period: events bear times of their own"
                                                             : fmt::format("every {:.0f} us", *events.readout_period_us));
   lines.add("silences", gaps_text(stamps, args));
-  lines.add("hot pixels", hot_pixels_text(events, stamps.elements));
+  lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();
+}
+
+std::string text_of(const LogRows& log, const std::string& thing) {
+  std::string text = counted(log.rows, thing);
+  if (log.rate_hz) text += ", " + rate_text(*log.rate_hz);
+  if (log.gaps > 0) text += ", " + counted(log.gaps, "gap");
+  return text;
 }
 
 std::string text_of(const Report& report, const InfoArguments& args) {
@@ -326,6 +346,8 @@ std::string text_of(const Report& report, const InfoArguments& args) {
     head.add("begin", moment_text(*health.first()));
     head.add("duration", duration_text(health.duration()));
   }
+  if (report.robot) head.add("robot", text_of(*report.robot, "row"));
+  if (report.video) head.add("video", text_of(*report.video, "frame"));
   head.add("file", fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
                                counted(health.packets(), "packet"), table_state(health)));
   std::string text = report.subject.name + "\n" + head.text() + "\n" + stream_table(health);
@@ -391,7 +413,7 @@ void add_info_command(CLI::App& app) {
   command->add_option("--stream", args->stream, "Of several event streams only this one, by id or source")
       ->type_name("ID|SOURCE");
   command->add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{3'600'000}))
+      ->check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       ->capture_default_str();
   command->add_flag("--check", args->check, "Compare a run's files with their SHA-256; end with 2 if one is sick, and log why");
 }

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <ctime>
+#include <initializer_list>
 
 namespace tactile {
 namespace {
@@ -35,7 +36,24 @@ void catch_signal(int number) {
   sigaction(number, &action, nullptr);
 }
 
+sigset_t held_signals() {
+  sigset_t held;
+  sigemptyset(&held);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, number);
+  return held;
+}
+
 }  // namespace
+
+void hold_signals() {
+  const sigset_t held = held_signals();
+  pthread_sigmask(SIG_BLOCK, &held, nullptr);
+}
+
+void release_signals() {
+  const sigset_t held = held_signals();
+  pthread_sigmask(SIG_UNBLOCK, &held, nullptr);
+}
 
 void catch_ctrl_c() {
   static const bool caught = (catch_signal(SIGINT), true);

@@ -2,6 +2,11 @@
 
 namespace tactile {
 
+/// From here on Ctrl-C, SIGTERM and SIGHUP wait until they are released: first in a program, which cannot meet them yet, and
+/// ahead of becoming another one, for what waits is waiting there too.
+void hold_signals();
+void release_signals();
+
 /// Ctrl-C raises a flag from here on; pressed once more it ends the process, as it always does.
 void catch_ctrl_c();
 

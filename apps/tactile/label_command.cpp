@@ -96,14 +96,16 @@ std::string table_of(const std::vector<LabelledRun>& runs) {
                     onset_text(labelled, Touch::slip), length_text(labelled.labels, Touch::slip), ms(lag_of(labelled.labels)),
                     standing == 0 ? "" : std::to_string(standing)});
   }
-  std::string text =
-      text_table({"run", "press onset [ms]", "lasts [ms]", "slip onset [ms]", "lasts [ms]", "lift to slip [ms]", "flags"}, rows);
+  std::string text = text_table({"run", "press at [ms]", "lasts", "slip at [ms]", "lasts", "lift to slip", "flags"}, rows);
   for (const LabelledRun& labelled : runs) {
-    for (const LabelFlag& flag : labelled.labels.flags) text += fmt::format("{}: {}\n", labelled.run.name(), flag.reason);
+    for (const LabelFlag& flag : labelled.labels.flags)
+      text += wrapped(fmt::format("{}: {}", labelled.run.name(), flag.reason), 2) + "\n";
   }
   return text +
-         "Onsets count from a run's first event; ± is half their 95 % interval. Lift to slip holds the robot clock's error, some "
-         "10 ms.\n";
+         wrapped(
+             "Times in ms; onsets count from a run's first event, ± is half their 95 % interval. Lift to slip holds the "
+             "robot clock's error, some 10 ms.") +
+         "\n";
 }
 
 nlohmann::json json_of(const std::vector<LabelledRun>& runs) {
@@ -188,10 +190,12 @@ Comparison compare_all(const std::vector<LabelledRun>& runs) {
     rows.push_back({words, std::to_string(errors->count()), fmt::format("{:.2f}", errors->quantile_ms(0.5)),
                     fmt::format("{:.2f}", errors->quantile_ms(0.95)), fmt::format("{:.2f}", errors->quantile_ms(1.0))});
   }
-  std::string text = fmt::format(
-      "\nAgainst the truth of {} simulated runs: {} intervals, {} missed, {} spurious; {} of {} onsets inside their 95 % "
-      "interval.\n",
-      compared, truly, missed, spurious, covered, truly);
+  std::string text =
+      "\n" +
+      wrapped(fmt::format("Against the truth of {} simulated runs: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
+                          "their 95 % interval.",
+                          compared, truly, missed, spurious, covered, truly)) +
+      "\n";
   text += text_table({"absolute error [ms]", "n", "median", "95th percentile", "largest"}, rows);
   return {json, text};
 }

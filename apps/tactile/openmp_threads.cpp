@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "command.hpp"
+#include "interruption.hpp"
+
 namespace tactile {
 namespace {
 
@@ -38,8 +41,10 @@ void let_openmp_threads_sleep() {
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   if (pointers.empty()) return;
   pointers.push_back(nullptr);
+  hold_signals();
+  stop_if_interrupted();
   ::execv("/proc/self/exe", pointers.data());
-  // Where that fails, the work goes on with threads that spin: slower, not wrong.
+  release_signals();  // that failed: the work goes on with threads that spin, slower, not wrong
 }
 
 }  // namespace tactile

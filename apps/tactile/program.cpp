@@ -11,26 +11,32 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "command.hpp"
+#include "help_text.hpp"
+#include "interruption.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
+#include "usage_error.hpp"
 
 namespace tactile {
 
 int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+  hold_signals();
   spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
   spdlog::set_pattern("%^%l%$: %v");
 
   CLI::App app("Event-camera tactile sensing: from recordings of a sensor skin to verdicts a robot can act on.", "tactile");
-  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()));
+  app.set_help_flag("-h,--help", "Tell this");
+  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()), "Tell version and revision");
   app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<HelpText>());
   for (const auto add_command : commands) add_command(app);
 
   try {
@@ -41,12 +47,13 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
     std::vector<std::string> names;
     for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-      fmt::print(stderr, "tactile: '{}' is no command; the nearest is '{}'. 'tactile --help' lists them.\n", argv[1],
+      fmt::print(stderr, "tactile: '{}' is no command; the nearest is '{}', and 'tactile --help' lists all\n", argv[1],
                  nearest_name(argv[1], names));
       return e.get_exit_code();
     }
-    fmt::print(stderr, "tactile: {}\nTry 'tactile --help', or --help behind a command.\n", e.what());
-    return e.get_exit_code();
+    const UsageError error = usage_error(app, e);
+    fmt::print(stderr, "tactile: {}\n", error.sentence);
+    return error.exit_code;
   } catch (const CheckFailed&) {
     return 2;
   } catch (const Interrupted&) {
@@ -59,6 +66,7 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
 }
 
 int hand_over_to(const char* program, char** argv) {
+  hold_signals();
   std::error_code failed;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
   const std::string file = (here / program).string();

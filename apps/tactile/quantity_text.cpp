@@ -7,7 +7,11 @@
 
 namespace tactile {
 
-std::string counted(std::uint64_t n, const std::string& thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
+std::string counted(std::uint64_t n, const std::string& thing) { return counted(n, thing, thing + "s"); }
+
+std::string counted(std::uint64_t n, const std::string& one, const std::string& several) {
+  return fmt::format("{} {}", n, n == 1 ? one : several);
+}
 
 std::string rate_text(double per_second) {
   if (per_second < 9.995) return fmt::format("{:.2f} /s", per_second);

@@ -331,12 +331,15 @@ RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, Live
 }
 
 std::string text_of(const RunSummary& run) {
-  const double span_s = seconds_of(run.span);
+  const double span_s = seconds_of(run.events_span);
   const std::string rate = span_s > 0 ? ", " + rate_text(static_cast<double>(run.events) / span_s) : "";
   std::vector<std::pair<std::string, std::string>> lines{
-      {"events", fmt::format("{} in {}{}", run.events, duration_text(run.span), rate)},
-      {"files", fmt::format("{}, recorded in {}", bytes_text(run.bytes), duration_text(run.elapsed))},
-      {"dropped", drops_text(run.drops)}};
+      {"events", fmt::format("{} in {}{}", run.events, duration_text(run.events_span), rate)}};
+  if (run.imu_samples > 0) lines.emplace_back("imu", counted(run.imu_samples, "sample"));
+  if (run.triggers > 0) lines.emplace_back("triggers", std::to_string(run.triggers));
+  if (run.frames > 0) lines.emplace_back("frames", fmt::format("{} of the camera", run.frames));
+  lines.emplace_back("files", fmt::format("{}, recorded in {}", bytes_text(run.bytes), duration_text(run.elapsed)));
+  lines.emplace_back("dropped", drops_text(run.drops));
   if (run.robot) {
     lines.emplace_back("robot", fmt::format("{}, {}, {} missing", counted(run.robot->rows, "row"),
                                             counted(run.robot->gaps, "gap"), counted(run.robot->missing, "package")));
@@ -358,7 +361,7 @@ std::string text_of(const RunSummary& run) {
 }
 
 nlohmann::json json_of(const RunSummary& run) {
-  const double span_s = seconds_of(run.span);
+  const double events_s = seconds_of(run.events_span);
   nlohmann::json json = {
       {"folder", run.run.folder.string()},
       {"object", run.run.object},
@@ -370,9 +373,12 @@ nlohmann::json json_of(const RunSummary& run) {
       {"errors", run.errors},
       {"events", run.events},
       {"others", run.others},
+      {"imu_samples", run.imu_samples},
+      {"triggers", run.triggers},
+      {"frames", run.frames},
       {"elapsed_s", seconds_of(run.elapsed)},
-      {"duration_s", span_s},
-      {"events_per_s", span_s > 0 ? nlohmann::json(static_cast<double>(run.events) / span_s) : nlohmann::json()},
+      {"duration_s", seconds_of(run.span)},
+      {"events_per_s", events_s > 0 ? nlohmann::json(static_cast<double>(run.events) / events_s) : nlohmann::json()},
       {"bytes", run.bytes},
       {"dropped", json_of(run.drops)},
       {"robot", nullptr},

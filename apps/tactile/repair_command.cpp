@@ -119,9 +119,8 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
 void repair(const RepairArguments& args, const CommonArguments& common) {
   const bool of_run = std::filesystem::is_directory(args.in);
   if (of_run && args.force) throw Error(args.out + ": --force replaces a recording; expected it left out for a run's folder");
-  const RepairSummary summary =
-      of_run ? repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
-             : repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
+  const RepairSummary summary = of_run ? repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
+                                       : repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
@@ -132,7 +131,9 @@ void add_repair_command(CLI::App& app) {
   CLI::App* command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
                                   [args](const CommonArguments& common) { repair(*args, common); });
   command->add_option("in", args->in, "Damaged recording, or run folder; it is left as it is")->type_name("IN")->required();
-  command->add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")->type_name("OUT")->required();
+  command->add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")
+      ->type_name("OUT")
+      ->required();
   command->add_flag("--force", args->force, "Replace OUT if it exists; never IN");
 }
 

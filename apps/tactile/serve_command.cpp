@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "interruption.hpp"
 #include "live_line.hpp"
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/capture/camera_broadcast.hpp"
 #include "tactile/capture/camera_source.hpp"
@@ -147,8 +148,8 @@ class ServeLine {
   std::uint64_t events_ = 0;
 };
 
-/// Until each server has a client that stays a moment: a recorder begins its run once it is connected, and one that only looks what
-/// is there goes again. Then everyone who was waited for gets the whole.
+/// Until each server has a client that stays a moment: a recorder begins its run once it is connected, and one that only looks
+/// what is there goes again. Then everyone who was waited for gets the whole.
 void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
   const auto all_have = [&] {
     return std::all_of(served.begin(), served.end(), [](const Served& one) { return one.server->clients() > 0; });
@@ -180,10 +181,9 @@ void play(const ServeArguments& args, CameraSource& source, CameraBroadcast& bro
 }
 
 void serve(const ServeArguments& args, const CommonArguments& common) {
-  catch_ctrl_c();
-  catch_termination();
   LiveLine line(!common.quiet);
   const std::unique_ptr<CameraSource> source = open_source(args);
+  if (const std::string remark = source->remark(); !remark.empty()) line.warn(args.source + ": " + remark);
   CameraBroadcast broadcast({.packet_span = microseconds{args.packet_us}});
   const std::vector<Served> served = start_servers(args, *source, line);
   nlohmann::json streams = nlohmann::json::array();
@@ -213,8 +213,8 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
       {"source", args.source},           {"simulated", source->simulated()},  {"streams", streams},
       {"events", counts.events},         {"imu_samples", counts.imu_samples}, {"triggers", counts.triggers},
       {"packets", counts.packets},       {"clients", clients.joined},         {"dropped_clients", clients.dropped},
-      {"broken_packets", drops.packets}, {"unsound_events", drops.events},    {"duration_s", duration.count()},
-      {"interrupted", was_interrupted}};
+      {"broken_packets", drops.packets}, {"unsound_events", drops.events},    {"unsound_others", drops.others},
+      {"duration_s", duration.count()},  {"interrupted", was_interrupted}};
   std::string played = counted(counts.events, "event");
   if (counts.imu_samples > 0) played += ", " + counted(counts.imu_samples, "IMU sample");
   if (counts.triggers > 0) played += ", " + counted(counts.triggers, "trigger");
@@ -222,9 +222,11 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
       {"played", fmt::format("{} in {}", played, counted(counts.packets, "packet"))},
       {"lasted", duration_text(microseconds{static_cast<std::int64_t>(1e6 * duration.count())})},
       {"clients", fmt::format("{}, {} dropped", clients.joined, clients.dropped)}};
-  if (drops.packets + drops.events > 0) {
-    lines.emplace_back("lost", fmt::format("{} that could not be read, {} that cannot be", counted(drops.packets, "packet"),
-                                           counted(drops.events, "event")));
+  if (drops.packets + drops.events + drops.others > 0) {
+    std::string lost = counted(drops.packets, "packet") + " that could not be read, " + counted(drops.events, "event");
+    if (drops.others > 0)
+      lost += " and " + counted(drops.others, "IMU sample, trigger or frame", "IMU samples, triggers and frames");
+    lines.emplace_back("lost", lost + " that cannot be");
   }
   print_result(common, json, fmt::format("{}{}\n", args.source, source->simulated() ? " (simulated)" : "") + text_list(lines));
 }
@@ -233,31 +235,37 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
 
 void add_serve_command(CLI::App& app) {
   auto args = std::make_shared<ServeArguments>();
-  CLI::App* command = add_command(app, "serve", "Play a recording or the simulator as a DV-compatible stream",
-                                  [args](const CommonArguments& common) { serve(*args, common); });
+  CLI::App* command = add_command(
+      app, "serve", "Play a recording or the simulator as a DV-compatible stream",
+      [args](const CommonArguments& common) { serve(*args, common); }, CtrlC::is_the_end);
   command->add_option("source", args->source, "Recording, run folder, or the simulator: FILE, RUN or sim[:OBJECT]")
       ->type_name("SOURCE")
       ->required();
-  CLI::Option* port =
-      command->add_option("--port", args->port, "Port of the events; 0 takes a free one")->type_name("N")->capture_default_str();
+  const CLI::Validator is_port = in_range<std::uint16_t>(0, 65535);
+  CLI::Option* port = command->add_option("--port", args->port, "Port of the events, 0 takes a free one")
+                          ->check(is_port)
+                          ->type_name("N")
+                          ->capture_default_str();
   command->add_option("--host", args->host, "Address to listen on; 0.0.0.0 lets in other machines")
       ->type_name("HOST")
       ->capture_default_str();
   command->add_option("--unix", args->unix_path, "Serve the events on a unix socket instead, at a path where nothing is")
       ->type_name("PATH")
       ->excludes(port);
-  command->add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too")->type_name("N");
-  command->add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")->type_name("N");
+  command->add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too")->check(is_port)->type_name("N");
+  command->add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")
+      ->check(is_port)
+      ->type_name("N");
   command->add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(in_range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
   command->add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");
   command->add_option("--compression", args->compression, "Of the packets")
-      ->check(CLI::IsMember({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
+      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
       ->capture_default_str();
   command->add_option("--packet-us", args->packet_us, "A packet's elements lie less than this apart [us]")
-      ->check(CLI::Range(1, 1'000'000))
+      ->check(in_range(1, 1'000'000))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--stream", args->stream, "Of a recording with several event streams: which")->type_name("ID|SOURCE");

@@ -10,6 +10,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "text_table.hpp"
 
@@ -84,9 +85,9 @@ void add_simulate_command(CLI::App& app) {
                                   [args](const CommonArguments& common) { simulate_runs(*args, common); });
   command->add_option("data", args->data, "Folder of runs")->capture_default_str();
   command->add_option("--preset", args->preset, "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s")
-      ->check(CLI::IsMember({"tiny", "quick"}))
+      ->check(one_of({"tiny", "quick"}))
       ->capture_default_str();
-  command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(CLI::Range(1, 99))->type_name("N");
+  command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(in_range(1, 99))->type_name("N");
   command->add_option("--objects", args->objects, "Objects, parted by commas, or all ten")
       ->delimiter(',')
       ->type_name("NAME,...")

@@ -25,7 +25,8 @@ std::string text_table(const std::vector<std::string>& header, const std::vector
     for (std::size_t i = 0; i < widths.size(); ++i) {
       const std::string cell = i < row.size() ? row[i] : std::string();
       const std::string padding(widths[i] - width_of(cell), ' ');
-      line += (i == 0 ? cell + padding : "  " + padding + cell);
+      const bool is_left = i == 0 || (i + 1 == widths.size() && header[i].empty());
+      line += (i == 0 ? "" : "  ") + (is_left ? cell + padding : padding + cell);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + '\n';
@@ -33,6 +34,26 @@ std::string text_table(const std::vector<std::string>& header, const std::vector
   add_row(header);
   for (const auto& row : rows) add_row(row);
   return text;
+}
+
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string lines;
+  std::size_t column = indent;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (column > indent && column + 1 + width_of(word) > width) {
+      lines += '\n' + std::string(indent, ' ');
+      column = indent;
+    } else if (column > indent) {
+      lines += ' ';
+      ++column;
+    }
+    lines += word;
+    column += width_of(word);
+    begin = end + 1;
+  }
+  return lines;
 }
 
 std::string text_list(const std::vector<std::pair<std::string, std::string>>& entries) {

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
+#include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
@@ -106,7 +107,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
 
 std::string check_bundle_name(const std::string& name) {
   const bool plain = !name.empty() && name.front() != '.' && name.find('/') == std::string::npos;
-  return plain ? "" : "a model's name is that of a folder: no '/', and no '.' in front";
+  return plain ? "" : fmt::format("'{}' is no model's name; expected that of a folder: no '/', and no '.' in front", name);
 }
 
 }  // namespace
@@ -118,10 +119,10 @@ void add_train_command(CLI::App& app) {
   command->add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; a missing one is made")
       ->capture_default_str();
   command->add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
-      ->check(CLI::Range(0.001, 1e5))
+      ->check(in_range(0.001, 1e5))
       ->capture_default_str();
   command->add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
-      ->check(CLI::IsMember({"single-run", "unseen"}))
+      ->check(one_of({"single-run", "unseen"}))
       ->capture_default_str();
   command->add_option("--train-run", args->train_run, "Run to train on, of each object")->capture_default_str();
   command->add_option("--held-out", args->held_out, "Objects that --split unseen does not train on, a list with commas")
@@ -131,18 +132,16 @@ void add_train_command(CLI::App& app) {
       ->check(is_seed())
       ->capture_default_str();
   command->add_option("--epochs", args->training.epochs, "Passes over the training samples")
-      ->check(CLI::Range(1U, 100'000U))
+      ->check(in_range(1U, 100'000U))
       ->capture_default_str();
-  command->add_option("--batch", args->training.batch, "Samples to a step")
-      ->check(CLI::Range(1U, 65'536U))
-      ->capture_default_str();
+  command->add_option("--batch", args->training.batch, "Samples to a step")->check(in_range(1U, 65'536U))->capture_default_str();
   command->add_option("--lr", args->training.learning_rate, "Learning rate of Adam")
-      ->check(CLI::Range(1e-12, 10.0))
+      ->check(in_range(1e-12, 10.0))
       ->capture_default_str();
   add_rendering_options(*command, args->rendering);
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
-      ->check(CLI::Validator(check_bundle_name, "NAME"));
+      ->check(CLI::Validator(check_bundle_name, ""));
   command->add_flag("--force", args->force, "Train again and replace what is there");
 }
 

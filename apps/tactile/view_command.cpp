@@ -10,6 +10,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
@@ -103,7 +104,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     throw Error(args.out + ": the picture is a PNG; expected a name that ends in .png");
   const bool is_run = fs::is_directory(args.what);
   const std::optional<RunFolder> run = is_run ? std::optional(run_folder_at(args.what)) : std::nullopt;
-  RecordingReader recording(run ? run->events() : fs::path(args.what));
+  RecordingReader recording(is_run ? recording_in(args.what) : fs::path(args.what));
   const Stream& stream = event_stream(recording, args.stream);
   const std::string name = run ? run->name() : recording.file().filename().string();
   if (!stream.size)
@@ -115,6 +116,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   std::optional<CameraTime> first, last;
   std::uint64_t events = 0;
   for_all_events(recording, stream.id, [&](std::span<const Event> packet) {
+    stop_if_interrupted();
     if (packet.empty()) return;
     if (!first) first = packet.front().t;
     last = packet.back().t;
@@ -139,6 +141,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   for (const TickGroup& group : groups) {
     sheet.push_back({.title = group.title, .tiles = {}});
     for (const CameraTime t : group.ticks) {
+      stop_if_interrupted();
       SlidingCounts counts(sensor, options.history);
       for_events_between(recording, stream.id, before(t, options.history), t,
                          [&](std::span<const Event> part) { counts.add(part); });
@@ -195,15 +198,19 @@ void add_view_command(CLI::App& app) {
   command->add_option("what", args->what, "Recording (AEDAT4) or run folder")
       ->type_name("FILE|RUN")
       ->required()
-      ->check(CLI::ExistingPath);
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return fs::exists(text) ? std::string() : fmt::format("there is no {}; expected a recording or a run's folder", text);
+          },
+          ""));
   command->add_option("--out", args->out, "Picture to write")->type_name("FILE.png");
   command->add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
-      ->check(CLI::Range(0.001, 1e5))
+      ->check(in_range(0.001, 1e5))
       ->capture_default_str();
   command->add_option("--stream", args->stream, "Event stream, by its id or source, where there is more than one")
       ->type_name("ID|SOURCE");
   command->add_option("--tiles", args->tiles, "Heatmaps on the sheet; a labelled run shows those around its onsets instead")
-      ->check(CLI::Range(1, 600))
+      ->check(in_range(1, 600))
       ->capture_default_str();
   add_rendering_options(*command, args->rendering);
 }

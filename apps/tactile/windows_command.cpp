@@ -6,6 +6,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -109,18 +110,18 @@ void add_windows_command(CLI::App& app) {
   command->add_option("data", args->data, "Folder of runs, DATA/<object>/<run>")->capture_default_str();
   command->add_option("--out", args->out, "Dataset to write; DATA/dataset.h5 if not given")->type_name("FILE.h5");
   command->add_option("--window-ms", args->window_ms, "Kept of each press and slip [ms]")
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(in_range(0.001, 1e6))
       ->capture_default_str();
   command->add_option("--guard-ms", args->guard_ms, "None keeps so far from every press and slip [ms]")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(in_range(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--history-ms", args->history_ms,
                    "Events stored before each sample: the longest history [ms], a whole number of ticks")
-      ->check(CLI::Range(0.001, 1e5))
+      ->check(in_range(0.001, 1e5))
       ->capture_default_str();
   command->add_option("--tick-us", args->tick_us, "Between two ticks [us]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       ->capture_default_str();
   command->add_option("--seed", args->seed, "Of what is drawn at random")->check(is_seed())->capture_default_str();
   command->add_flag("--mix", args->mix, "Simulated and real runs in one dataset; else the real ones where there are both");

@@ -1,8 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <random>
 #include <regex>
+#include <sstream>
+#include <thread>
+#include <tuple>
 
+#include "support/comes_true.hpp"
 #include "support/run_command.hpp"
+#include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -11,8 +18,8 @@ namespace {
 
 using test::run_tactile;
 
-const std::vector<std::string> commands{"simulate", "info", "repair", "convert", "label", "windows",
-                                        "heatmaps", "view", "train",  "eval",    "doctor"};
+const std::vector<std::string> commands{"simulate", "record",   "serve", "info",  "repair", "convert", "label",
+                                        "windows",  "heatmaps", "view",  "train", "eval",   "doctor"};
 
 TEST(CommandLine, VersionNamesTheGitRevision) {
   const auto result = run_tactile("--version");
@@ -37,6 +44,68 @@ TEST(CommandLine, EveryCommandHasHelpWithTheCommonOptions) {
     EXPECT_EQ(result.exit_code, 0) << command;
     for (const char* option : {"--config", "--json", "--quiet", "--threads"})
       EXPECT_NE(result.out.find(option), std::string::npos) << command << " " << option;
+  }
+}
+
+TEST(CommandLine, HelpKeepsWithin80Columns) {
+  for (const std::string& command : commands) {
+    std::istringstream help(run_tactile(command + " --help").out);
+    int lines = 0;
+    for (std::string line; std::getline(help, line); ++lines) EXPECT_LE(line.size(), 80U) << command << ": " << line;
+    EXPECT_GT(lines, 8) << command;
+  }
+}
+
+TEST(CommandLine, SaysInOneSentenceWhatIsWrongAndWhatIsRight) {
+  const std::vector<std::tuple<std::string, int, std::string>> cases{
+      {"doctor --thrads 1", 109,
+       "--thrads: is no option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
+      {"doctor --thrads=1", 109,
+       "--thrads: is no option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
+      {"view a.aedat4 --ot a.png", 109,
+       "--ot: is no option of 'tactile view'; the nearest is '--out', and 'tactile view --help' lists all"},
+      {"--json doctor", 109, "--json: stands ahead of the command; expected 'tactile doctor --json'"},
+      {"simulate data more", 109, "'more': is one argument too many; expected 'tactile simulate [OPTIONS] [DATA]'"},
+      {"doctor --threads 0", 105, "--threads: 0 is out of range; expected 1 to 1024"},
+      {"doctor --threads 1.5", 105, "--threads: 1.5 is no whole number; expected 1 to 1024"},
+      {"windows --guard-ms nan", 105, "--guard-ms: 'nan' is no number; expected 0 to 1000000"},
+      {"serve sim --port 70000", 105, "--port: 70000 is out of range; expected 0 to 65535"},
+      {"simulate --preset big", 105, "--preset: 'big' is unknown; expected tiny or quick"},
+      {"doctor --config no.json", 105, "--config: there is no no.json; expected a file that can be read"},
+      {"convert a.csv", 106, "OUT: is missing; expected 'tactile convert [OPTIONS] IN OUT'"},
+      {"record --duration", 114, "--duration: has no value; expected --duration S, 0.001 to 1000000000"},
+      {"simulate --seed 1 --seed 2", 114, "--seed: is given 2 times; expected it once"},
+      {"doctor --json=perhaps", 104, "--json: takes no value; expected it alone"},
+      {"serve a --port 1 --unix b", 108, "--port: does not go with --unix; expected one of the two"}};
+  const test::TemporaryFolder folder;
+  write_whole(folder / "a.aedat4", "");
+  for (const auto& [arguments, exit_code, sentence] : cases) {
+    const auto result = run_tactile(arguments, folder.path());
+    EXPECT_EQ(result.exit_code, exit_code) << arguments;
+    EXPECT_EQ(result.err, "tactile: " + sentence + "\n") << arguments;
+    EXPECT_TRUE(result.out.empty()) << arguments;
+  }
+}
+
+/// A signal may come while libraries load, and while one program of ours becomes another.
+TEST(CommandLine, CtrlCNeverKillsItBareHoweverEarlyItComes) {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(3);
+  for (const char* arguments : {"simulate --preset quick", "doctor", "record --from sim", "serve sim --port 0"}) {
+    const bool is_the_end = std::string(arguments).starts_with("record") || std::string(arguments).starts_with("serve");
+    for (int i = 0; i < 6; ++i) {
+      test::RunningCommand command(arguments, folder.path());
+      ASSERT_TRUE(test::comes_true([&] { return command.minds(SIGINT) || command.has_ended(); }));
+      std::this_thread::sleep_for(std::chrono::milliseconds(i == 0 ? 0 : random() % 300));
+      command.signal(SIGINT);
+      const auto result = command.wait();
+      if (is_the_end) {
+        EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.err;
+      } else if (result.exit_code != 0 || result.out.empty()) {  // it may have been done by then
+        EXPECT_EQ(result.exit_code, 130) << arguments;
+        EXPECT_NE(result.err.find("tactile: interrupted"), std::string::npos) << arguments << "\n" << result.err;
+      }
+    }
   }
 }
 

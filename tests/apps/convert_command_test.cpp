@@ -42,6 +42,38 @@ TEST(ConvertCommand, CutsHalfOpenAndSaysWhatItWrote) {
   EXPECT_EQ(run_tactile("info --check cut.aedat4", folder.path()).exit_code, 0);
 }
 
+TEST(ConvertCommand, CountsFromTheFirstElementWhereAskedTo) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "a.csv", "t_us,x,y,on\n7000,1,1,1\n7010,2,1,1\n7020,3,1,0\n7030,4,1,0\n");
+  for (const char* command :
+       {"convert a.csv a.aedat4 --size 320x240", "convert a.aedat4 a.h5", "convert a.aedat4 b.csv --from-us +10 --to-us +30",
+        "convert a.h5 c.aedat4 --from-us +10 --to-us 7030", "convert c.aedat4 c.csv",
+        "convert a.csv d.aedat4 --size 320x240 --from-us 7010 --to-us +30", "convert d.aedat4 d.csv"}) {
+    const test::CommandResult result = run_tactile(command, folder.path());
+    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+  }
+  for (const char* file : {"b.csv", "c.csv", "d.csv"})
+    EXPECT_EQ(read_text(folder / file), "t_us,x,y,on\n7010,2,1,1\n7020,3,1,0\n") << file;
+  const test::CommandResult useless = run_tactile("convert a.aedat4 e.csv --from-us 10", folder.path());
+  EXPECT_EQ(useless.exit_code, 0);
+  EXPECT_NE(useless.err.find("--from-us 10: cuts nothing"), std::string::npos) << useless.err;
+  EXPECT_NE(useless.err.find("'+10'"), std::string::npos) << useless.err;
+  EXPECT_EQ(run_tactile("convert a.aedat4 f.csv --from-us +30 --to-us +10", folder.path()).exit_code, 1);
+  EXPECT_GE(run_tactile("convert a.aedat4 f.csv --from-us +-5", folder.path()).exit_code, 100);
+}
+
+TEST(ConvertCommand, TakesARunForItsRecording) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "data/fan/01");
+  fs::copy_file(vendor_file, folder / "data/fan/01/events.aedat4");
+  EXPECT_EQ(run_tactile("convert data/fan/01 a.csv", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("convert " + vendor_file + " b.csv", folder.path()).exit_code, 0);
+  EXPECT_EQ(read_text(folder / "a.csv"), read_text(folder / "b.csv"));
+  const test::CommandResult all = run_tactile("convert data c.csv", folder.path());
+  EXPECT_EQ(all.exit_code, 1);
+  EXPECT_NE(all.err.find("such as data/fan/01"), std::string::npos) << all.err;
+}
+
 TEST(ConvertCommand, SaysThatItGuessedTheSensor) {
   const test::TemporaryFolder folder;
   write_whole(folder / "a.csv", "t_us,x,y,on\n0,339,0,1\n");

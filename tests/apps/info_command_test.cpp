@@ -208,6 +208,24 @@ TEST_F(InfoOfARun, TellsWhatRunJsonSays) {
   EXPECT_EQ(json.at("recordings").at(0).at("run").at("session"), "monday");
 }
 
+TEST_F(InfoOfARun, TellsWhatTheLogsBesideItHold) {
+  describe(true, 160, 120);
+  const nlohmann::json without = info_of("'" + run.folder.string() + "'").at(0);
+  EXPECT_TRUE(without.at("robot").is_null());
+  EXPECT_TRUE(without.at("video").is_null());
+  write_whole(run.robot(), "a,timestamp\n1,0.000\n1,0.008\n\n1,3.000\n1,3.008\n1,3.0");
+  write_whole(run.video_times(), "index,pts_us\n0,0\n1,40000\n2,80000\n");
+  const nlohmann::json json = info_of("'" + run.folder.string() + "'").at(0);
+  EXPECT_EQ(json.at("robot").at("rows"), 4) << "the last one is cut short";
+  EXPECT_EQ(json.at("robot").at("gaps"), 1);
+  EXPECT_NEAR(json.at("robot").at("rate_hz").get<double>(), 125, 1e-6);
+  EXPECT_EQ(json.at("video").at("frames"), 3);
+  EXPECT_NEAR(json.at("video").at("rate_hz").get<double>(), 25, 1e-9);
+  const test::CommandResult text = run_tactile("info data/fan/03", folder.path());
+  EXPECT_NE(text.out.find("robot       4 rows, 125 /s, 1 gap\n"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("video       3 frames, 25 /s\n"), std::string::npos) << text.out;
+}
+
 TEST_F(InfoOfARun, ComparesItsFilesWithWhatRunJsonLists) {
   write_whole(run.robot(), "timestamp\n1\n");
   RunInfo info{.object = "fan", .run = "03", .session = {}, .simulated = false, .complete = true, .width = 160, .height = 120};

@@ -2,6 +2,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -82,6 +83,66 @@ TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
   EXPECT_EQ(again.err, "");
   EXPECT_NE(again.out.find("data/fan/02"), std::string::npos) << again.out;
   EXPECT_NE(run_json("fan", "01").at("session"), run_json("fan", "02").at("session"));
+}
+
+TEST_F(RecordCommand, TellsWhatItRecordedBesideTheEvents) {
+  const std::vector<Event> events = test::steady_events(1001, 5'000'000, 100, size);  // 0.1 s of events
+  {
+    const Stream imu = test::stream_of(1, StreamType::imu, "IMUS", "DVXplorer_DXM00001");
+    RecordingWriter writer(folder / "in.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001"), imu});
+    writer.write_events(0, events);
+    const std::array<ImuSample, 2> samples{ImuSample{.t = camera_time(5'000'000)}, ImuSample{.t = camera_time(6'000'000)}};
+    writer.write_imu(1, samples);
+    writer.close();
+  }
+  const CommandResult result = run("record --json --from file:in.aedat4 --speed 0");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("imu_samples"), 2);
+  EXPECT_EQ(json.at("triggers"), 0);
+  EXPECT_EQ(json.at("others"), 2);
+  EXPECT_DOUBLE_EQ(json.at("duration_s").get<double>(), 1);
+  EXPECT_DOUBLE_EQ(json.at("events_per_s").get<double>(), 10'010) << "over the events' own span";
+  const CommandResult text = run("record --from file:in.aedat4 --speed 0");
+  EXPECT_NE(text.out.find("imu      2 samples\n"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("1001 in 100.0 ms, 10.0 k/s"), std::string::npos) << text.out;
+}
+
+TEST_F(RecordCommand, SaysWhatAReplayedRecordingLacks) {
+  fs::copy_file(folder / "recordings/dv-lz4.aedat4", folder / "cut.aedat4");
+  fs::resize_file(folder / "cut.aedat4", 40'000);
+  const CommandResult cut = run("record --from file:cut.aedat4 --speed 0");
+  EXPECT_EQ(cut.exit_code, 0);
+  EXPECT_NE(cut.err.find("file:cut.aedat4: "), std::string::npos) << cut.err;
+  EXPECT_NE(cut.err.find("behind the last whole packet are lost"), std::string::npos) << cut.err;
+  EXPECT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --quiet").err, "") << "which is whole";
+
+  test::cut_off_table(folder / "data/unnamed/02/events.aedat4");
+  RunInfo info = read_run_info(run_folder("unnamed", "02"));
+  info.complete = false;
+  write_run_info(run_folder("unnamed", "02"), info);
+  const CommandResult open = run("record --from file:data/unnamed/02 --speed 0 --quiet");
+  EXPECT_EQ(open.exit_code, 0);
+  EXPECT_NE(open.err.find("was never closed"), std::string::npos) << open.err;
+  EXPECT_NE(open.err.find("run.json says that the run was not completed"), std::string::npos) << open.err;
+  EXPECT_EQ(lines_in(open.err), 1) << open.err;
+}
+
+TEST_F(RecordCommand, NamesWhatWasProbablyMeant) {
+  ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan").exit_code, 0);
+  write_whole(folder / "plan.json", "{\"objects\": [\n  {\"name\": fan}]}");
+  for (const auto& [arguments, meant] : std::vector<std::pair<std::string, std::string>>{
+           {"--from 127.0.0.1:7777", "expected tcp://127.0.0.1:7777"},
+           {"--from tcp:localhost:7777", "expected tcp://localhost:7777"},
+           {"--from recordings/dv-lz4.aedat4", "expected file:recordings/dv-lz4.aedat4"},
+           {"--from sim:fna", "the nearest is 'fan'"},
+           {"--from file:data", "data: is a folder of a run; expected one run, such as data/fan/01"},
+           {"--from sim --session plan.json", "plan.json: line 2 is no JSON at 'fan'; expected a value"}}) {
+    const CommandResult result = run("record " + arguments);
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_EQ(lines_in(result.err), 1) << result.err;
+    EXPECT_NE(result.err.find(meant), std::string::npos) << result.err;
+  }
 }
 
 TEST_F(RecordCommand, NeverWritesOverARun) {

@@ -260,6 +260,16 @@ TEST(ServeCommand, ServesTheStreamThatIsChosen) {
   EXPECT_NE(unchosen.err.find("2 event streams"), std::string::npos) << unchosen.err;
 }
 
+TEST(ServeCommand, SaysWhatARecordingLacks) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(recording, folder / "cut.aedat4");
+  std::filesystem::resize_file(folder / "cut.aedat4", 40'000);
+  const CommandResult result = run_tactile("serve cut.aedat4 --port 0 --no-wait --speed 0", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("cut.aedat4: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("behind the last whole packet are lost"), std::string::npos) << result.err;
+}
+
 TEST(ServeCommand, RefusesWhatItCannotServeInOneLine) {
   const auto refused = [](const std::string& arguments, const std::string& part) {
     const CommandResult result = run_tactile("serve " + arguments);

@@ -35,11 +35,13 @@ CameraSourceOptions in_mode(const std::string& mode) {
 }
 
 TEST(OpenCameraSource, SaysWhatASourceLooksLikeWhenItIsGivenNone) {
-  for (const char* text :
-       {"", "cam", "simulator", "http://127.0.0.1:7777", "tcp:127.0.0.1:7777", "cameras", "sim.water-bottle"}) {
+  for (const char* text : {"", "cam", "simulator", "http://127.0.0.1:7777", "cameras", "sim.water-bottle"}) {
     const std::string refusal = refusal_of(text);
     EXPECT_NE(refusal.find("'" + std::string(text) + "' is no source"), std::string::npos) << refusal;
     EXPECT_NE(refusal.find("camera[:SERIAL]"), std::string::npos) << refusal;
+  }
+  for (const char* text : {"127.0.0.1:7777", "tcp:127.0.0.1:7777", "//127.0.0.1:7777"}) {
+    EXPECT_NE(refusal_of(text).find("is no source; expected tcp://127.0.0.1:7777"), std::string::npos) << refusal_of(text);
   }
   for (const char* text : {"sim:", "camera:", "file:"}) {
     EXPECT_NE(refusal_of(text).find("nothing behind the colon"), std::string::npos) << text;

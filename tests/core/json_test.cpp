@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -55,6 +58,30 @@ TEST(Json, NestedTooDeepIsRefusedBeforeTheStackEnds) {
   EXPECT_THROW(read_json(folder / "deep.json"), Error);
   write_nested(2'000'000);
   EXPECT_THROW(read_json(folder / "deep.json"), Error);
+}
+
+TEST(Json, NamesTheLineAndWhatBelongsThere) {
+  const test::TemporaryFolder folder;
+  for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
+           {"{\n \"a\": 1,\n b: 2}", "line 3 is no JSON at 'b'; expected a name in double quotes there"},
+           {"{\"a\": 1,}", "line 1 is no JSON at '}'; expected a name in double quotes there"},
+           {"{\"a\" 1}", "line 1 is no JSON at '1'; expected ':' behind the name there"},
+           {"{\"a\": 1\n \"b\": 2}", "line 2 is no JSON at '\"b\"'; expected ',' or '}' there"},
+           {"[1 2]", "line 1 is no JSON at '2'; expected ',' or ']' there"},
+           {"{\"name\":\nfan}", "line 2 is no JSON at 'fan'; expected a value"},
+           {"[1, ]", "line 1 is no JSON at ']'; expected a value"},
+           {"[1,", "line 1 is no JSON at the end of the file; expected a value"},
+           {"", "line 1 is no JSON at the end of the file; expected a value"},
+           {"1 2", "line 1 is no JSON at '2'; expected nothing behind the one value there"},
+           {"{\"a\": \"b\n}", "line 1 is no JSON: a text is not ended"}}) {
+    std::ofstream(folder / "bad.json") << text;
+    try {
+      read_json(folder / "bad.json");
+      ADD_FAILURE() << text << " was taken";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("bad.json: " + said), std::string::npos) << text << "\n" << e.what();
+    }
+  }
 }
 
 TEST(Json, BrokenFileIsAnErrorThatNamesIt) {

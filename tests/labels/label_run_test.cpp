@@ -131,7 +131,8 @@ TEST(LabelRun, FlagsAGapInTheRobotLog) {
   });
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, torn));
   EXPECT_EQ(labels.intervals.size(), 2U);
-  EXPECT_TRUE(says(labels, "the robot log has 1 gaps, the longest of 2"));
+  EXPECT_TRUE(says(labels, "the robot log has 1 gap, the longest of 2"));
+  EXPECT_TRUE(says(labels, " s behind its first row (at "));
 }
 
 TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -52,6 +53,18 @@ class RunningCommand {
   void close_input() {
     if (input_ >= 0) ::close(input_);
     input_ = -1;
+  }
+  /// Whether `tactile` itself is there already and holds this signal back, or catches it.
+  bool minds(int number) const {
+    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+    bool is_tactile = false;
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("Name:")) is_tactile = line.find("tactile") != std::string::npos;
+      if (!line.starts_with("SigBlk:") && !line.starts_with("SigCgt:")) continue;
+      const std::uint64_t signals = std::stoull(line.substr(line.find_first_not_of(" \t", 7)), nullptr, 16);
+      if (is_tactile && (signals >> (number - 1) & 1U) != 0) return true;
+    }
+    return false;
   }
   void signal(int number) const { ::kill(pid_, number); }
   std::string err() const { return text_of(err_file()); }

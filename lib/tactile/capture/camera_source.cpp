@@ -1,6 +1,7 @@
 #include "tactile/capture/camera_source.hpp"
 
 #include <filesystem>
+#include <string_view>
 
 #include "tactile/capture/file_source.hpp"
 #include "tactile/capture/libcaer_camera.hpp"
@@ -8,6 +9,7 @@
 #include "tactile/capture/readout_mode.hpp"
 #include "tactile/capture/simulator_source.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/network/network_address.hpp"
 
 namespace tactile {
 namespace {
@@ -22,6 +24,21 @@ std::optional<std::string> behind(const std::string& kind, const std::string& te
 }
 
 bool is_kind(const std::string& kind, const std::string& text) { return text == kind || text.starts_with(kind + ":"); }
+
+/// `HOST:PORT`, or `tcp:` ahead of it, as people write an address; empty if `text` is none.
+std::string address_in(std::string_view text) {
+  for (const std::string_view begin : {"tcp:", "//"}) {
+    if (text.starts_with(begin)) text.remove_prefix(begin.size());
+  }
+  if (text.find('/') != std::string_view::npos) return {};  // a path, or what another protocol calls an address
+  const std::string address = "tcp://" + std::string(text);
+  try {
+    network_address(address);
+    return address;
+  } catch (const Error&) {
+    return {};
+  }
+}
 
 }  // namespace
 
@@ -52,8 +69,11 @@ std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const 
   if (is_network) return open_network_source(text);
   std::error_code ignored;
   const bool is_path = std::filesystem::exists(text, ignored);
+  const std::string address = address_in(text);
   throw Error("'" + text + "' is no source; expected " +
-              (is_path ? "file:" + text : "tcp://host:port, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]"));
+              (is_path            ? "file:" + text
+               : !address.empty() ? address
+                                  : "tcp://host:port, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]"));
 }
 
 }  // namespace tactile

@@ -83,6 +83,9 @@ class CameraSource {
   /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
   virtual nlohmann::json camera() const = 0;
 
+  /// What a person should know ahead of the first packet, such as what a recording lacks, in one line; mostly nothing.
+  virtual std::string remark() const { return {}; }
+
   /// Waits up to `patience` for the next elements and puts them into `packet`. `ended`: nothing will come any more. Silence is
   /// legal. @throws Error  if the source is gone or sends what cannot be
   virtual Received receive(CameraPacket& packet, std::chrono::milliseconds patience) = 0;

@@ -8,6 +8,7 @@
 #include "tactile/capture/pace.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile {
@@ -85,6 +86,22 @@ nlohmann::json run_info_beside(const fs::path& file) {
   }
 }
 
+/// What a recording lacks, as far as its list of packets tells.
+std::vector<std::string> lacks_of(const RecordingReader& reader) {
+  const RecordingProblems& problems = reader.problems();
+  std::vector<std::string> lacks;
+  const auto add = [&lacks](std::uint64_t n, const char* thing, const char* what) {
+    if (n > 0) lacks.push_back(std::to_string(n) + " " + thing + (n == 1 ? " " : "s ") + what);
+  };
+  add(problems.truncated_bytes, "byte", "behind the last whole packet are lost: the recording was cut off");
+  add(problems.skipped_bytes, "byte", "between packets are damaged, and what they held is lost");
+  add(problems.missing_packets, "packet", "that the data table lists are not there");
+  if (lacks.empty() && !problems.table.empty()) lacks.push_back("the data table cannot be used: " + problems.table);
+  if (lacks.empty() && reader.index() == PacketIndex::scan)
+    lacks.emplace_back("was never closed: its end may be missing, but every packet that is there is whole");
+  return lacks;
+}
+
 class FileSource final : public CameraSource {
  public:
   FileSource(std::string name, const fs::path& file, const CameraSourceOptions& options)
@@ -113,6 +130,10 @@ class FileSource final : public CameraSource {
     if (info.contains("camera") && info.at("camera").is_object()) camera_ = info.at("camera");
     camera_.update(camera_json(streams_));
     camera_["replay_of"] = file.string();
+    std::vector<std::string> lacks = lacks_of(reader_);
+    if (info.contains("complete") && info.at("complete") == false)
+      lacks.emplace_back("run.json says that the run was not completed");
+    for (const std::string& lack : lacks) remark_ += (remark_.empty() ? "" : "; ") + lack;
   }
 
   std::string name() const override { return name_; }
@@ -120,6 +141,8 @@ class FileSource final : public CameraSource {
   bool simulated() const override { return simulated_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return camera_; }
+
+  std::string remark() const override { return remark_; }
 
   Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
     if (!pace_.has_begun()) pace_.begin(first_.value_or(CameraTime{}));
@@ -192,13 +215,14 @@ class FileSource final : public CameraSource {
   CameraPacket next_;     ///< waits until it is due
   SourceDrops backward_;  ///< what stepped back in time
   bool simulated_ = false;
+  std::string remark_;
   nlohmann::json camera_ = nlohmann::json::object();
 };
 
 }  // namespace
 
 std::unique_ptr<CameraSource> open_file_source(std::string name, const fs::path& path, const CameraSourceOptions& options) {
-  const fs::path file = fs::is_directory(path) ? path / "events.aedat4" : path;
+  const fs::path file = fs::is_directory(path) ? recording_in(path) : path;
   if (!fs::is_regular_file(file))
     throw Error(name + ": there is no " + file.string() + "; expected an AEDAT4 file or a run's folder");
   return std::make_unique<FileSource>(std::move(name), file, options);

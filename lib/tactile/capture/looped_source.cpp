@@ -17,6 +17,7 @@ class LoopedSource final : public CameraSource {
   bool simulated() const override { return round_->simulated(); }
   bool live() const override { return round_->live(); }
   nlohmann::json camera() const override { return round_->camera(); }
+  std::string remark() const override { return round_->remark(); }
   SourceDrops drops() const override {
     SourceDrops drops = earlier_;
     return drops += round_->drops();

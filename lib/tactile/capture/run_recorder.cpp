@@ -114,15 +114,25 @@ nlohmann::json json_of(const LostElements& lost) {
 
 /// What a recording holds.
 struct HeldElements {
-  std::uint64_t events = 0, others = 0;
-  std::optional<CameraTime> first, last;
+  std::uint64_t events = 0, imu_samples = 0, triggers = 0, frames = 0;
+  std::optional<CameraTime> first, last, first_event, last_event;
+
+  std::uint64_t others() const { return imu_samples + triggers + frames; }
 };
 
 HeldElements held_elements(const std::vector<PacketRecord>& packets, const std::vector<Stream>& streams) {
   HeldElements held;
   for (const PacketRecord& packet : packets) {
-    const bool of_events = streams[static_cast<std::size_t>(packet.stream_id)].type == StreamType::events;
-    (of_events ? held.events : held.others) += static_cast<std::uint64_t>(packet.elements);
+    const StreamType type = streams[static_cast<std::size_t>(packet.stream_id)].type;
+    const bool of_events = type == StreamType::events;
+    (of_events                      ? held.events
+     : type == StreamType::imu      ? held.imu_samples
+     : type == StreamType::triggers ? held.triggers
+                                    : held.frames) += static_cast<std::uint64_t>(packet.elements);
+    if (of_events) {
+      held.first_event = std::min(held.first_event.value_or(packet.first), packet.first);
+      held.last_event = std::max(held.last_event.value_or(packet.last), packet.last);
+    }
     held.first = std::min(held.first.value_or(packet.first), packet.first);
     held.last = std::max(held.last.value_or(packet.last), packet.last);
   }
@@ -810,12 +820,16 @@ RunSummary RunRecorder::end(const std::string& why) {
 
   const HeldElements held = held_elements(run.writer.packets(), state.declared);
   summary.events = held.events;
-  summary.others = held.others;
+  summary.others = held.others();
+  summary.imu_samples = held.imu_samples;
+  summary.triggers = held.triggers;
+  summary.frames = held.frames;
   summary.drops = state.drops(written);
   // Where writing failed, what was handed to the file may still have waited for the rest of its packet.
   summary.drops.unwritten.events += written.events - held.events;
-  summary.drops.unwritten.others += written.others - held.others;
+  summary.drops.unwritten.others += written.others - held.others();
   if (held.first) summary.span = between(*held.first, *held.last);
+  if (held.first_event) summary.events_span = between(*held.first_event, *held.last_event);
   nlohmann::json files = nlohmann::json::object();
   attempt([&] {
     std::vector<fs::path> made;

@@ -63,9 +63,11 @@ struct RunSummary {
   bool simulated = false;
   bool complete = false;                 ///< everything that was not counted as dropped is in its files, and these are closed
   std::uint64_t events = 0, others = 0;  ///< that the recording holds
-  std::uint64_t bytes = 0;               ///< of all of its files but run.json
-  std::chrono::microseconds elapsed{};   ///< of the host
-  std::chrono::microseconds span{};      ///< from the earliest to the latest element that the recording holds, of the camera
+  std::uint64_t imu_samples = 0, triggers = 0, frames = 0;  ///< of the others
+  std::uint64_t bytes = 0;                                  ///< of all of its files but run.json
+  std::chrono::microseconds elapsed{};                      ///< of the host
+  std::chrono::microseconds span{};         ///< from the earliest to the latest element that the recording holds, of the camera
+  std::chrono::microseconds events_span{};  ///< likewise of the events alone
   RunDrops drops;
   std::optional<RobotMonitorState> robot;
   std::optional<VideoCaptureState> video;

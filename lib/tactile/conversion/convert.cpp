@@ -29,9 +29,21 @@ constexpr std::array common_sizes{SensorSize{320, 240}, SensorSize{346, 260}, Se
 class Cut {
  public:
   explicit Cut(const ConvertOptions& options)
-      : from_(options.from.value_or(CameraTime::min())), to_(options.to), asked_(options.from || options.to) {
-    if (to_ && *to_ <= from_)
-      throw Error(fmt::format("the cut from {} to {} us is empty; expected an end behind the begin", us_of(from_), us_of(*to_)));
+      : from_(options.from.value_or(CameraTime::min())),
+        to_(options.to),
+        from_waits_(options.from && options.from_counts_from_first),
+        to_waits_(options.to && options.to_counts_from_first),
+        asked_(options.from || options.to) {
+    if (from_waits_ == to_waits_) check();
+  }
+
+  /// What counts from the first element does so from here on; does nothing once it does.
+  void begin_at(CameraTime first) {
+    if (!from_waits_ && !to_waits_) return;
+    if (from_waits_) from_ = after(first, microseconds{us_of(from_)});
+    if (to_waits_) to_ = after(first, microseconds{us_of(*to_)});
+    from_waits_ = to_waits_ = false;
+    check();
   }
 
   bool holds(CameraTime t) const { return t >= from_ && (!to_ || t < *to_); }
@@ -52,8 +64,14 @@ class Cut {
   }
 
  private:
+  void check() const {
+    if (to_ && *to_ <= from_)
+      throw Error(fmt::format("the cut from {} to {} us is empty; expected an end behind the begin", us_of(from_), us_of(*to_)));
+  }
+
   CameraTime from_;
   std::optional<CameraTime> to_;
+  bool from_waits_, to_waits_;  ///< for the first element
   bool asked_;
 };
 
@@ -238,6 +256,9 @@ class Passage {
         whole_(out),
         output_(open_output(whole_.path(), in, summary)) {}
 
+  /// Tells when the first element is; else what is passed first is it.
+  void begin_at(CameraTime first) { cut_.begin_at(first); }
+
   /// Where the elements of this stream go; nothing if they are left out.
   ConvertedStream* place_of(std::int32_t stream_id) {
     const auto found = std::find_if(summary_.streams.begin(), summary_.streams.end(),
@@ -245,7 +266,7 @@ class Passage {
     return found == summary_.streams.end() ? nullptr : &*found;
   }
   void pass(ConvertedStream& to, std::span<const Event> events) {
-    all_.add(events);
+    note(events);
     std::span<const Event> inside = cut_.of(events, events_kept_);
     if (crop_) {
       events_cropped_.clear();
@@ -256,15 +277,15 @@ class Passage {
     hand_over(to, inside);
   }
   void pass(ConvertedStream& to, std::span<const ImuSample> samples) {
-    all_.add(samples);
+    note(samples);
     hand_over(to, cut_.of(samples, imu_kept_));
   }
   void pass(ConvertedStream& to, std::span<const Trigger> triggers) {
-    all_.add(triggers);
+    note(triggers);
     hand_over(to, cut_.of(triggers, triggers_kept_));
   }
   void pass(ConvertedStream& to, const Frame& frame) {
-    all_.add(frame.t);
+    note(std::span(&frame, 1));
     if (!cut_.holds(frame.t)) return;
     const std::optional<Frame> part = crop_ ? cropped(frame, *crop_, bytes_per_pixel(frame.format)) : std::nullopt;
     if (crop_ && !part) {
@@ -278,7 +299,8 @@ class Passage {
 
   void finish() {
     if (cut_.asked() && !written_.first && summary_.cropped_events == 0)
-      throw Error(fmt::format("{}: the cut {} us leaves nothing; {}", in_.string(), cut_.text(), text_of(all_)));
+      throw Error(fmt::format("{}: the cut {} us leaves nothing; {}, and a '+' in front counts from the first of them",
+                              in_.string(), cut_.text(), text_of(all_)));
     const bool any = std::any_of(summary_.streams.begin(), summary_.streams.end(), [](const ConvertedStream& s) {
       return s.elements > 0 && (s.stream.type == StreamType::events || s.stream.type == StreamType::frames);
     });
@@ -286,6 +308,7 @@ class Passage {
       throw Error(fmt::format("{}: the crop leaves none of {} events; expected a region where there are some", in_.string(),
                               summary_.cropped_events));
     }
+    summary_.first_in = all_.first;
     summary_.first = written_.first;
     summary_.last = written_.last;
     summary_.steps_back = output_->steps_back();
@@ -295,6 +318,12 @@ class Passage {
   }
 
  private:
+  template <class Element>
+  void note(std::span<const Element> elements) {
+    all_.add(elements);
+    if (all_.first) cut_.begin_at(*all_.first);
+  }
+
   template <class Element>
   void hand_over(ConvertedStream& to, std::span<const Element> inside) {
     if (inside.empty()) return;
@@ -337,6 +366,12 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
   choose_streams(recording.streams(), in, options, summary);
   if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(recording.compression());
   Passage passage(in, out, options, summary);
+  std::optional<CameraTime> first;
+  for (const PacketRecord& packet : recording.packets()) {
+    if (packet.elements > 0 && passage.place_of(packet.stream_id) != nullptr)
+      first = std::min(first.value_or(packet.first), packet.first);
+  }
+  if (first) passage.begin_at(*first);
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
     ConvertedStream* const to = passage.place_of(packet.stream_id);

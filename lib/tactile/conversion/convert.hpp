@@ -28,8 +28,9 @@ RecordingFormat recording_format_of(const std::filesystem::path& file);
 struct ConvertOptions {
   /// Of an AEDAT4 output; else the input's, LZ4 if that is none.
   std::optional<Compression> compression{};
-  std::optional<CameraTime> from{};   ///< earlier elements are left out
-  std::optional<CameraTime> to{};     ///< elements at this time and later are left out
+  std::optional<CameraTime> from{};                                   ///< earlier elements are left out
+  std::optional<CameraTime> to{};                                     ///< elements at this time and later are left out
+  bool from_counts_from_first = false, to_counts_from_first = false;  ///< `from`, `to` from the first element of the streams kept
   std::optional<PixelRegion> crop{};  ///< of events and frames, which it must lie within: others are left out
   /// Of an AEDAT4 or HDF5 input: the event streams to keep, by id or source, with the rest of their cameras' streams; all if
   /// empty.
@@ -56,6 +57,7 @@ struct ConvertSummary {
   std::optional<SensorSize> size;          ///< of the first stream of events, as written
   bool size_guessed = false;               ///< from the extent of a CSV's events
   std::optional<CameraTime> first, last;   ///< of the elements written, over all streams
+  std::optional<CameraTime> first_in;      ///< of the elements read, cut or not
   std::uint64_t cropped_events = 0;        ///< within the cut, but outside the crop
   std::uint64_t cropped_frames = 0;        ///< wholly outside it
   std::uint64_t steps_back = 0;            ///< in time, of the events written to CSV or NPZ as they are

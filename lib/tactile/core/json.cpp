@@ -44,6 +44,52 @@ std::size_t depth_of(std::string_view text) {
   return deepest;
 }
 
+/// What may stand where the parser stopped, in words, of its message that ends in "expected …"; a value where it does not say.
+std::string right_there(const std::string& message) {
+  const std::string said = "expected ";
+  const std::size_t begin = message.rfind(said);
+  const std::string expected = begin == std::string::npos ? "" : message.substr(begin + said.size());
+  if (expected == "string literal") return "a name in double quotes";
+  if (expected == "end of input") return "nothing behind the one value";
+  if (expected == "'}'") return "',' or '}'";
+  if (expected == "']'") return "',' or ']'";
+  if (expected == "':'") return "':' behind the name";
+  return message.find("object key") != std::string::npos
+             ? "a name in double quotes"
+             : "a value: a text in double quotes, a number, true, false, null, a list "
+               "or an object";
+}
+
+/// The word at `place`, or what else stands there, for people.
+std::string word_at(std::string_view text, std::size_t place) {
+  constexpr std::string_view ends = " \t\r\n,:[]{}";
+  if (place >= text.size()) return "the end of the file";
+  std::size_t begin = place, end = place + 1;
+  if (ends.find(text[place]) == std::string_view::npos) {
+    while (begin > 0 && ends.find(text[begin - 1]) == std::string_view::npos) --begin;
+    while (end < text.size() && ends.find(text[end]) == std::string_view::npos) ++end;
+  }
+  std::string word;
+  for (const char c : text.substr(begin, std::min<std::size_t>(end - begin, 40))) {
+    const auto byte = static_cast<unsigned char>(c);
+    word += byte >= 0x20 && byte < 0x7f ? c : '?';
+  }
+  return "'" + word + "'";
+}
+
+std::string what_is_no_json(std::string_view text, const nlohmann::json::parse_error& error) {
+  // It counts the bytes read, the first as 1; what it read last is what does not belong there.
+  std::size_t place = error.byte > 0 ? error.byte - 1 : 0;
+  const std::string message = error.what();
+  const bool is_open_text = message.find("invalid string") != std::string::npos;
+  if (is_open_text) place = std::min(place, text.size());
+  const std::size_t line = 1 + static_cast<std::size_t>(std::count(
+                                   text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(place, text.size())), '\n'));
+  const std::string where = "line " + std::to_string(line) + " is no JSON";
+  if (is_open_text) return where + ": a text is not ended or holds what it may not; expected it in double quotes, on one line";
+  return where + " at " + word_at(text, place) + "; expected " + right_there(message) + " there";
+}
+
 }  // namespace
 
 nlohmann::json read_json(const std::filesystem::path& file) {
@@ -54,6 +100,8 @@ nlohmann::json read_json(const std::filesystem::path& file) {
                 std::to_string(deepest));
   try {
     return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& e) {
+    throw Error(file.string() + ": " + what_is_no_json(text, e));
   } catch (const nlohmann::json::exception& e) {
     throw Error(file.string() + ": no valid JSON (" + e.what() + "); expected one JSON value");
   }

@@ -13,7 +13,8 @@
 
 namespace tactile {
 
-/// @throws Error  if the file cannot be read, is larger than 8 MiB, is no JSON, or nests values more than 100 deep: the bounds
+/// @throws Error  if the file cannot be read, is larger than 8 MiB, is no JSON (the line and what belongs there are named), or
+/// nests values more than 100 deep: the bounds
 ///                keep what hostile bytes can cost below 256 MiB, and within the stack
 nlohmann::json read_json(const std::filesystem::path& file);
 

@@ -44,6 +44,15 @@ std::vector<RunFolder> find_runs(const fs::path& data) {
   return runs;
 }
 
+fs::path recording_in(const fs::path& folder) {
+  const fs::path file = folder / "events.aedat4";
+  if (fs::is_regular_file(file)) return file;
+  const std::vector<RunFolder> runs = fs::is_directory(folder) ? find_runs(folder) : std::vector<RunFolder>{};
+  if (runs.empty()) throw Error(folder.string() + ": holds no events.aedat4; expected a run's folder or a recording");
+  throw Error(folder.string() + ": is a folder of " + (runs.size() == 1 ? "a run" : std::to_string(runs.size()) + " runs") +
+              "; expected one run, such as " + runs.front().folder.string());
+}
+
 RunInfo read_run_info(const RunFolder& run) {
   nlohmann::json json = read_json(run.info());
   const std::string where = run.info().string();

@@ -47,6 +47,9 @@ RunFolder run_folder_at(const std::filesystem::path& folder);
 /// @throws Error if `data` is no folder
 std::vector<RunFolder> find_runs(const std::filesystem::path& data);
 
+/// The recording of the run in `folder`. @throws Error if there is none; it names a run where `folder` holds runs instead
+std::filesystem::path recording_in(const std::filesystem::path& folder);
+
 /// @throws Error if `run.json` is missing, no JSON, or lacks a member
 RunInfo read_run_info(const RunFolder& run);
 nlohmann::json json_of(const RunInfo& info);  ///< as `run.json` holds it

@@ -223,7 +223,8 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
     for (const std::string& loss : losses_in(info)) flag(loss);
   }
   if (const auto gap = gap_in(rate, quiet, options.shortest_gap)) {
-    flag(fmt::format("the recording has a gap: no pixel fires for {} ms from {} us on", gap->second.count() / 1000,
+    flag(fmt::format("the recording has a gap: no pixel fires for {} ms from {:.3f} s behind its first event on ({} us)",
+                     gap->second.count() / 1000, 1e-6 * static_cast<double>(between(rate.begin, gap->first).count()),
                      us_of(gap->first)));
   }
 
@@ -239,8 +240,11 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
       const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
         return a.first_after - a.last_before < b.first_after - b.last_before;
       });
-      flag(fmt::format("the robot log has {} gaps, the longest of {} ms behind its {} us", log.gaps.size(),
-                       (longest->first_after - longest->last_before).count() / 1000, us_of(longest->last_before)));
+      const double at_s = 1e-6 * static_cast<double>((longest->last_before - log.states.front().t).count());
+      flag(fmt::format(
+          "the robot log has {} gap{}, the longest of {} ms, {:.3f} s behind its first row (at {:.3f} s of its clock)",
+          log.gaps.size(), log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000, at_s,
+          1e-6 * static_cast<double>(us_of(longest->last_before))));
     }
     if (log.cut_off) flag("the robot log is cut off in its last row");
     lift = lift_in(log);

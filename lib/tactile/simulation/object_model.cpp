@@ -1,8 +1,10 @@
 #include "tactile/simulation/object_model.hpp"
 
+#include <string>
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 
 namespace tactile {
 
@@ -189,12 +191,15 @@ std::span<const ObjectModel> object_models() {
 }
 
 const ObjectModel& object_model(std::string_view name) {
-  std::string names;
+  std::string list;
+  std::vector<std::string> names;
   for (const ObjectModel& object : object_models()) {
     if (object.name == name) return object;
-    names += (names.empty() ? "" : ", ") + object.name;
+    names.push_back(object.name);
+    list += (list.empty() ? "" : ", ") + object.name;
   }
-  throw Error("'" + std::string(name) + "' is no object that can be simulated; expected one of " + names);
+  throw Error("'" + std::string(name) + "' is no object that can be simulated; the nearest is '" + nearest_name(name, names) +
+              "', and all are " + list);
 }
 
 }  // namespace tactile

@@ -15,10 +15,10 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
-#include "tactile/hdf5/hdf5_objects.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -437,7 +437,7 @@ void set_old_events_aside(const fs::path& file, const fs::path& events_file, con
   WholeFile relinked(file);
   fs::copy_file(file, relinked.path());
   h5::Id out = h5::open_file(relinked.path(), true);
-  if (H5Ldelete(out, "events", H5P_DEFAULT) < 0) h5::fail(file.string(), "its events cannot be set aside");
+  if (H5Ldelete(out, "events", H5P_DEFAULT) < 0) h5::fail_writing(file.string(), "its events cannot be set aside");
   h5::link_to_file(out, "events", old_events_file.filename().string(), "/events", file.string());
   out.close(file.string());
   relinked.commit();

@@ -1,0 +1,97 @@
+#include "help_text.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "option_checks.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::array common_names{"--help", "--config", "--json", "--quiet", "--threads"};
+constexpr std::size_t text_column = 24;
+
+std::size_t columns() {
+  winsize window{};
+  if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_col == 0) return 80;
+  return std::clamp<std::size_t>(window.ws_col, 60, 100);
+}
+
+/// One entry: what is typed, and what it means in a column of its own.
+std::string entry(const std::string& typed, const std::string& meaning) {
+  std::string text = "  " + typed;
+  if (text.size() + 2 > text_column) {
+    text += '\n' + std::string(text_column, ' ');
+  } else {
+    text.resize(text_column, ' ');
+  }
+  return text + wrapped(meaning, text_column, columns()) + '\n';
+}
+
+std::string typed_of(const CLI::Option& option) {
+  const std::string value = value_text(option).name;
+  std::string text = option.get_positional()         ? value
+                     : option.get_name() == "--help" ? "-h, --help"
+                     : value.empty()                 ? option.get_name()
+                                                     : option.get_name() + " " + value;
+  if (option.get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+  return text;
+}
+
+std::string meaning_of(const CLI::Option& option) {
+  std::string text = option.get_description();
+  if (const std::string right = value_text(option).right; !right.empty()) text += "; " + right;
+  for (const CLI::Option* other : option.get_excludes()) text += "; not with " + label_of(*other);
+  std::string usual = option.get_default_str();
+  if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);
+  if (!usual.empty()) text += " (default " + usual + ")";
+  return text;
+}
+
+std::string group(const std::string& title, const std::vector<const CLI::Option*>& options) {
+  std::string text;
+  for (const CLI::Option* option : options) text += entry(typed_of(*option), meaning_of(*option));
+  return text.empty() ? text : "\n" + title + ":\n" + text;
+}
+
+bool is_common(const CLI::Option& option) {
+  return std::find(common_names.begin(), common_names.end(), option.get_name()) != common_names.end();
+}
+
+}  // namespace
+
+std::string label_of(const CLI::Option& option) { return option.get_positional() ? value_text(option).name : option.get_name(); }
+
+std::string usage_text(const CLI::App& app) {
+  const bool is_command = app.get_parent() != nullptr;
+  std::string text =
+      is_command ? app.get_parent()->get_name() + " " + app.get_name() + " [OPTIONS]" : app.get_name() + " COMMAND";
+  if (!is_command) return text + " [OPTIONS]";
+  for (const CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->get_positional(); })) {
+    std::string word = label_of(*option);
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) word += " ...";
+    text += " " + (option->get_required() ? word : "[" + word + "]");
+  }
+  return text;
+}
+
+std::string HelpText::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
+  std::string text = wrapped(app->get_description(), 0, columns()) + "\n\nUsage: " + usage_text(*app) + "\n";
+  const auto those = [app](const auto& wanted) { return app->get_options(wanted); };
+  text += group("Arguments", those([](const CLI::Option* o) { return o->get_positional(); }));
+  const std::vector<const CLI::App*> commands = app->get_subcommands({});
+  if (!commands.empty()) text += "\nCommands:\n";
+  for (const CLI::App* command : commands) text += entry(command->get_name(), command->get_description());
+  text += group("Options", those([](const CLI::Option* o) { return !o->get_positional() && !is_common(*o); }));
+  text += group(commands.empty() ? "Options of every command" : "Help",
+                those([](const CLI::Option* o) { return !o->get_positional() && is_common(*o); }));
+  if (!commands.empty()) text += "\n'tactile COMMAND --help' tells what a command takes.\n";
+  return text;
+}
+
+}  // namespace tactile

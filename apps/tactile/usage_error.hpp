@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace tactile {
+
+struct UsageError {
+  std::string sentence;  ///< which argument, what is wrong with it, what is right
+  int exit_code = 0;     ///< CLI11's
+};
+
+/// What was wrong with a command line that `app` did not take.
+UsageError usage_error(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace tactile
