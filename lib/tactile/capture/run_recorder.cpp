@@ -118,13 +118,14 @@ struct HeldElements {
   std::optional<CameraTime> first, last;
 };
 
-HeldElements held_elements(const std::vector<PacketRecord>& packets, const std::vector<Stream>& streams) {
+HeldElements held_elements(const std::vector<WrittenStream>& written, const std::vector<Stream>& streams) {
   HeldElements held;
-  for (const PacketRecord& packet : packets) {
-    const bool of_events = streams[static_cast<std::size_t>(packet.stream_id)].type == StreamType::events;
-    (of_events ? held.events : held.others) += static_cast<std::uint64_t>(packet.elements);
-    held.first = std::min(held.first.value_or(packet.first), packet.first);
-    held.last = std::max(held.last.value_or(packet.last), packet.last);
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const WrittenStream& stream = written[i];
+    if (stream.elements == 0) continue;
+    (streams[i].type == StreamType::events ? held.events : held.others) += stream.elements;
+    held.first = std::min(held.first.value_or(stream.first), stream.first);
+    held.last = std::max(held.last.value_or(stream.last), stream.last);
   }
   return held;
 }
@@ -808,7 +809,7 @@ RunSummary RunRecorder::end(const std::string& why) {
     attempt([&] { receiver->ask([&] { receiver->source->end_run(run.request.run, !state.robot, !state.video); }); });
   }
 
-  const HeldElements held = held_elements(run.writer.packets(), state.declared);
+  const HeldElements held = held_elements(run.writer.written(), state.declared);
   summary.events = held.events;
   summary.others = held.others;
   summary.drops = state.drops(written);
