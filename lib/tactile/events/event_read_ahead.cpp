@@ -100,7 +100,8 @@ struct EventReadAhead::State {
 
   State(const RecordingFile& recording, Compression method, unsigned count)
       : file(recording), compression(method), own_decoder(recording, method) {
-    for (std::size_t i = 0; i < 2 * std::size_t{count} + 3; ++i) spare.push_back(std::make_unique<Batch>());
+    // One for each thread, one that is read; what is fresh memory costs more than waiting now and then.
+    for (std::size_t i = 0; i < std::size_t{count} + 2; ++i) spare.push_back(std::make_unique<Batch>());
     try {
       for (unsigned i = 0; i < count; ++i) helpers.emplace_back([this] { help(); });
     } catch (const std::system_error&) {

@@ -144,6 +144,7 @@ std::size_t largest_content(Compression compression, std::size_t stored_size) {
 
 void PacketBuffer::grow(std::size_t capacity, std::size_t kept) {
   if (capacity <= capacity_) return;
+  capacity = std::max(capacity, capacity_ + capacity_ / 2);
   std::unique_ptr<std::byte[]> larger(new std::byte[capacity]);
   if (capacity_ > 0) std::memcpy(larger.get(), bytes_.get(), std::min(kept, capacity_));
   bytes_ = std::move(larger);
