@@ -422,9 +422,8 @@ void OpenRun::leave_out_misfits(FileStream& stream, CameraPacket& packet, RunDro
       const EventsCheck check = check_events(packet.events, size);
       const bool goes_on = packet.events.empty() || packet.events.front().t >= newest;
       if (check.inside && check.ascending && goes_on) break;
-      drops.outside.events += static_cast<std::uint64_t>(std::erase_if(packet.events, [&](const Event& e) {
-        return e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height || e.on > 1;
-      }));
+      drops.outside.events +=
+          static_cast<std::uint64_t>(std::erase_if(packet.events, [size](const Event& e) { return is_outside(e, size); }));
       drops.back_in_time.events += leave_out_steps_back(packet.events, newest);
       break;
     }

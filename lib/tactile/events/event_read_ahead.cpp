@@ -61,13 +61,9 @@ DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize 
   const EventsCheck check = check_events(decoded.events, sensor);
   decoded.ascending = check.ascending;
   if (check.inside) return decoded;
-  const auto is_outside = [=](const Event& e) {
-    return e.x < 0 || e.y < 0 || e.x >= sensor.width || e.y >= sensor.height || e.on > 1;
-  };
-  const auto kept_end = std::remove_if(decoded.events.begin(), decoded.events.end(), is_outside);
-  const auto kept = static_cast<std::size_t>(kept_end - decoded.events.begin());
-  decoded.dropped = decoded.events.size() - kept;
-  decoded.events = decoded.events.first(kept);
+  const std::span<Event> kept = without_outside(decoded.events, sensor);
+  decoded.dropped = decoded.events.size() - kept.size();
+  decoded.events = kept;
   decoded.ascending = check_events(decoded.events, sensor).ascending;
   return decoded;
 }

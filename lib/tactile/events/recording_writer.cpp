@@ -156,12 +156,11 @@ void RecordingWriter::State::check_events(const Waiting& stream, std::span<const
   if (check.inside && check.ascending && goes_on) return;
   check_times(stream, events);  // one of these two finds out which it is
   for (const Event& e : events) {
-    if (e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height) {
-      throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
-                              e.y, size.width, size.height));
-    }
+    if (!is_outside(e, size)) continue;
     if (e.on > 1)
       throw Error(fmt::format("{}: stream {} has an event of polarity {}; expected 0 or 1", name, stream.stream.id, e.on));
+    throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
+                            e.y, size.width, size.height));
   }
 }
 
