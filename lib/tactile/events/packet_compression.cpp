@@ -17,6 +17,8 @@ namespace {
 /// LZ4 decodes a block in place only where a whole block still fits; this is the size of the vendor's.
 constexpr std::size_t lz4_block = std::size_t{64} << 10;
 
+constexpr std::size_t most_at_once = std::size_t{8} << 20;  ///< that a buffer grows by half to; beyond, to what is asked for [B]
+
 /// What a packet says of its own length with its first four bytes, once they are there.
 std::size_t length_by_prefix(const std::byte* content, std::size_t known) {
   std::uint32_t prefix = 0;
@@ -144,7 +146,7 @@ std::size_t largest_content(Compression compression, std::size_t stored_size) {
 
 void PacketBuffer::grow(std::size_t capacity, std::size_t kept) {
   if (capacity <= capacity_) return;
-  capacity = std::max(capacity, capacity_ + capacity_ / 2);
+  capacity = std::max(capacity, std::min(capacity_ + capacity_ / 2, most_at_once));
   std::unique_ptr<std::byte[]> larger(new std::byte[capacity]);
   if (capacity_ > 0) std::memcpy(larger.get(), bytes_.get(), std::min(kept, capacity_));
   bytes_ = std::move(larger);

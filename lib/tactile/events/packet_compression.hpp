@@ -17,8 +17,9 @@ inline constexpr std::size_t packet_limit = std::size_t{256} << 20;
 /// most.
 std::size_t largest_content(Compression compression, std::size_t stored_size);
 
-/// Bytes that are used again from packet to packet, aligned for any scalar. They grow, by half at least, and never shrink, and
-/// are not set to anything. Fresh memory is slow: packets each a little larger than those before must not ask for it every time.
+/// Bytes that are used again from packet to packet, aligned for any scalar. They grow, small ones by half at least, and never
+/// shrink, and are not set to anything. Fresh memory is slow: packets each a little larger than those before must not ask for it
+/// every time.
 class PacketBuffer {
  public:
   std::byte* data() { return bytes_.get(); }
