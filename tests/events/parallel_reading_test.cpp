@@ -6,7 +6,6 @@
 #include "events/recording_contents.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/events/event_checks.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
@@ -113,36 +112,6 @@ TEST_F(ParallelReading, SaysWhenTheFileBecomesShorterMeanwhile) {
       fs::remove(file);
     }
   }
-}
-
-TEST(EventChecks, FindWhatIsWrongAtEveryPlace) {
-  const SensorSize size{64, 48};
-  for (std::size_t count = 1; count < 40; ++count) {
-    const std::vector<Event> sound = test::steady_events(count, 1'000, 3, size);
-    EXPECT_TRUE(check_events(sound, size).inside);
-    EXPECT_TRUE(check_events(sound, size).ascending);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto outside = [&](auto&& change) {
-        std::vector<Event> events = sound;
-        change(events[i]);
-        return !check_events(events, size).inside;
-      };
-      EXPECT_TRUE(outside([](Event& e) { e.x = 64; })) << i << " of " << count;
-      EXPECT_TRUE(outside([](Event& e) { e.y = 48; })) << i << " of " << count;
-      EXPECT_TRUE(outside([](Event& e) { e.x = -1; })) << i << " of " << count;
-      EXPECT_TRUE(outside([](Event& e) { e.y = -32'768; })) << i << " of " << count;
-      EXPECT_TRUE(outside([](Event& e) { e.on = 2; })) << i << " of " << count;
-      EXPECT_FALSE(outside([](Event& e) { e.x = 63, e.y = 47, e.on = 1, e.padding[0] = 7, e.padding[2] = 255; }))
-          << i << " of " << count;
-      std::vector<Event> falling = sound;
-      falling[i].t = camera_time(i == 0 ? std::numeric_limits<std::int64_t>::max() : std::numeric_limits<std::int64_t>::min());
-      EXPECT_EQ(check_events(falling, size).ascending, count == 1) << i << " of " << count;
-    }
-  }
-  const std::vector<Event> any(9, Event{.t = camera_time(0), .x = 32'767, .y = 32'767, .on = 0});
-  EXPECT_TRUE(check_events(any, {32'768, 32'768}).inside);
-  EXPECT_FALSE(check_events(any, {32'767, 32'768}).inside);
-  EXPECT_TRUE(check_events({}, size).inside);
 }
 
 }  // namespace

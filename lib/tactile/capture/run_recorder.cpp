@@ -120,21 +120,23 @@ struct HeldElements {
   std::uint64_t others() const { return imu_samples + triggers + frames; }
 };
 
-HeldElements held_elements(const std::vector<PacketRecord>& packets, const std::vector<Stream>& streams) {
+HeldElements held_elements(const std::vector<WrittenStream>& written, const std::vector<Stream>& streams) {
   HeldElements held;
-  for (const PacketRecord& packet : packets) {
-    const StreamType type = streams[static_cast<std::size_t>(packet.stream_id)].type;
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const WrittenStream& stream = written[i];
+    if (stream.elements == 0) continue;
+    const StreamType type = streams[i].type;
     const bool of_events = type == StreamType::events;
     (of_events                      ? held.events
      : type == StreamType::imu      ? held.imu_samples
      : type == StreamType::triggers ? held.triggers
-                                    : held.frames) += static_cast<std::uint64_t>(packet.elements);
+                                    : held.frames) += stream.elements;
     if (of_events) {
-      held.first_event = std::min(held.first_event.value_or(packet.first), packet.first);
-      held.last_event = std::max(held.last_event.value_or(packet.last), packet.last);
+      held.first_event = std::min(held.first_event.value_or(stream.first), stream.first);
+      held.last_event = std::max(held.last_event.value_or(stream.last), stream.last);
     }
-    held.first = std::min(held.first.value_or(packet.first), packet.first);
-    held.last = std::max(held.last.value_or(packet.last), packet.last);
+    held.first = std::min(held.first.value_or(stream.first), stream.first);
+    held.last = std::max(held.last.value_or(stream.last), stream.last);
   }
   return held;
 }
@@ -431,9 +433,8 @@ void OpenRun::leave_out_misfits(FileStream& stream, CameraPacket& packet, RunDro
       const EventsCheck check = check_events(packet.events, size);
       const bool goes_on = packet.events.empty() || packet.events.front().t >= newest;
       if (check.inside && check.ascending && goes_on) break;
-      drops.outside.events += static_cast<std::uint64_t>(std::erase_if(packet.events, [&](const Event& e) {
-        return e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height || e.on > 1;
-      }));
+      drops.outside.events +=
+          static_cast<std::uint64_t>(std::erase_if(packet.events, [size](const Event& e) { return is_outside(e, size); }));
       drops.back_in_time.events += leave_out_steps_back(packet.events, newest);
       break;
     }
@@ -818,7 +819,7 @@ RunSummary RunRecorder::end(const std::string& why) {
     attempt([&] { receiver->ask([&] { receiver->source->end_run(run.request.run, !state.robot, !state.video); }); });
   }
 
-  const HeldElements held = held_elements(run.writer.packets(), state.declared);
+  const HeldElements held = held_elements(run.writer.written(), state.declared);
   summary.events = held.events;
   summary.others = held.others();
   summary.imu_samples = held.imu_samples;

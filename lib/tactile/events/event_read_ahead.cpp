@@ -61,13 +61,9 @@ DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize 
   const EventsCheck check = check_events(decoded.events, sensor);
   decoded.ascending = check.ascending;
   if (check.inside) return decoded;
-  const auto is_outside = [=](const Event& e) {
-    return e.x < 0 || e.y < 0 || e.x >= sensor.width || e.y >= sensor.height || e.on > 1;
-  };
-  const auto kept_end = std::remove_if(decoded.events.begin(), decoded.events.end(), is_outside);
-  const auto kept = static_cast<std::size_t>(kept_end - decoded.events.begin());
-  decoded.dropped = decoded.events.size() - kept;
-  decoded.events = decoded.events.first(kept);
+  const std::span<Event> kept = without_outside(decoded.events, sensor);
+  decoded.dropped = decoded.events.size() - kept.size();
+  decoded.events = kept;
   decoded.ascending = check_events(decoded.events, sensor).ascending;
   return decoded;
 }
@@ -100,7 +96,8 @@ struct EventReadAhead::State {
 
   State(const RecordingFile& recording, Compression method, unsigned count)
       : file(recording), compression(method), own_decoder(recording, method) {
-    for (std::size_t i = 0; i < 2 * std::size_t{count} + 3; ++i) spare.push_back(std::make_unique<Batch>());
+    // One for each thread, one that is read; what is fresh memory costs more than waiting now and then.
+    for (std::size_t i = 0; i < std::size_t{count} + 2; ++i) spare.push_back(std::make_unique<Batch>());
     try {
       for (unsigned i = 0; i < count; ++i) helpers.emplace_back([this] { help(); });
     } catch (const std::system_error&) {

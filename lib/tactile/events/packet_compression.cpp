@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "tactile/core/error.hpp"
 
@@ -15,6 +16,8 @@ namespace {
 
 /// LZ4 decodes a block in place only where a whole block still fits; this is the size of the vendor's.
 constexpr std::size_t lz4_block = std::size_t{64} << 10;
+
+constexpr std::size_t most_at_once = std::size_t{8} << 20;  ///< that a buffer grows by half to; beyond, to what is asked for [B]
 
 /// What a packet says of its own length with its first four bytes, once they are there.
 std::size_t length_by_prefix(const std::byte* content, std::size_t known) {
@@ -106,6 +109,31 @@ struct FreeZstdEncoder {
 void check_lz4(std::size_t result) {
   if (LZ4F_isError(result) != 0U) throw Error(std::string("LZ4: ") + LZ4F_getErrorName(result) + "; expected it to work");
 }
+void check_zstd(std::size_t result) {
+  if (ZSTD_isError(result) != 0U) throw Error(std::string("zstd: ") + ZSTD_getErrorName(result) + "; expected it to work");
+}
+
+LZ4F_preferences_t lz4_preferences(int level) {
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.blockSizeID = LZ4F_max64KB;
+  preferences.frameInfo.blockMode = LZ4F_blockLinked;
+  preferences.compressionLevel = level;
+  return preferences;
+}
+
+/// As the vendor's software has them.
+int level_of(Compression compression) {
+  switch (compression) {
+    case Compression::lz4_high:
+      return 9;
+    case Compression::zstd:
+      return 3;
+    case Compression::zstd_high:
+      return ZSTD_maxCLevel();
+    default:
+      return 0;
+  }
+}
 
 }  // namespace
 
@@ -118,6 +146,7 @@ std::size_t largest_content(Compression compression, std::size_t stored_size) {
 
 void PacketBuffer::grow(std::size_t capacity, std::size_t kept) {
   if (capacity <= capacity_) return;
+  capacity = std::max(capacity, std::min(capacity_ + capacity_ / 2, most_at_once));
   std::unique_ptr<std::byte[]> larger(new std::byte[capacity]);
   if (capacity_ > 0) std::memcpy(larger.get(), bytes_.get(), std::min(kept, capacity_));
   bytes_ = std::move(larger);
@@ -157,8 +186,12 @@ struct PacketCompressor::State {
   std::unique_ptr<LZ4F_cctx, FreeLz4Encoder> lz4;
   std::unique_ptr<ZSTD_CCtx, FreeZstdEncoder> zstd;
 
+  LZ4F_cctx* lz4_context();
+  ZSTD_CCtx* zstd_context();
   std::size_t lz4_frame(int level, std::span<const std::byte> content, PacketBuffer& stored, std::size_t reserved);
   std::size_t zstd_frame(int level, std::span<const std::byte> content, PacketBuffer& stored, std::size_t reserved);
+  void lz4_pieces(int level, const std::function<void(const ByteSink&)>& make, const ByteSink& sink);
+  void zstd_pieces(int level, std::uint64_t size, const std::function<void(const ByteSink&)>& make, const ByteSink& sink);
 };
 
 PacketCompressor::PacketCompressor() : state_(std::make_unique<State>()) {}
@@ -166,59 +199,100 @@ PacketCompressor::~PacketCompressor() = default;
 PacketCompressor::PacketCompressor(PacketCompressor&&) noexcept = default;
 PacketCompressor& PacketCompressor::operator=(PacketCompressor&&) noexcept = default;
 
+LZ4F_cctx* PacketCompressor::State::lz4_context() {
+  if (lz4) return lz4.get();
+  LZ4F_cctx* context = nullptr;
+  check_lz4(LZ4F_createCompressionContext(&context, LZ4F_VERSION));
+  lz4.reset(context);
+  return context;
+}
+
+ZSTD_CCtx* PacketCompressor::State::zstd_context() {
+  if (!zstd) zstd.reset(ZSTD_createCCtx());
+  if (!zstd) throw std::bad_alloc();
+  return zstd.get();
+}
+
 std::size_t PacketCompressor::State::lz4_frame(int level, std::span<const std::byte> content, PacketBuffer& stored,
                                                std::size_t reserved) {
-  if (!lz4) {
-    LZ4F_cctx* context = nullptr;
-    check_lz4(LZ4F_createCompressionContext(&context, LZ4F_VERSION));
-    lz4.reset(context);
-  }
-  LZ4F_preferences_t preferences{};
-  preferences.frameInfo.blockSizeID = LZ4F_max64KB;
-  preferences.frameInfo.blockMode = LZ4F_blockLinked;
-  preferences.compressionLevel = level;
+  LZ4F_cctx* context = lz4_context();
+  const LZ4F_preferences_t preferences = lz4_preferences(level);
   const std::size_t room = LZ4F_HEADER_SIZE_MAX + LZ4F_compressBound(content.size(), &preferences);
   stored.grow(reserved + room, 0);
   std::byte* frame = stored.data() + reserved;
   // Not LZ4F_compressFrame, which makes a frame of one block an independent one.
-  std::size_t size = LZ4F_compressBegin(lz4.get(), frame, room, &preferences);
+  std::size_t size = LZ4F_compressBegin(context, frame, room, &preferences);
   check_lz4(size);
-  const std::size_t blocks = LZ4F_compressUpdate(lz4.get(), frame + size, room - size, content.data(), content.size(), nullptr);
+  const std::size_t blocks = LZ4F_compressUpdate(context, frame + size, room - size, content.data(), content.size(), nullptr);
   check_lz4(blocks);
   size += blocks;
-  const std::size_t end = LZ4F_compressEnd(lz4.get(), frame + size, room - size, nullptr);
+  const std::size_t end = LZ4F_compressEnd(context, frame + size, room - size, nullptr);
   check_lz4(end);
   return size + end;
 }
 
 std::size_t PacketCompressor::State::zstd_frame(int level, std::span<const std::byte> content, PacketBuffer& stored,
                                                 std::size_t reserved) {
-  if (!zstd) zstd.reset(ZSTD_createCCtx());
-  if (!zstd) throw std::bad_alloc();
+  ZSTD_CCtx* context = zstd_context();
   const std::size_t room = ZSTD_compressBound(content.size());
   stored.grow(reserved + room, 0);
-  const std::size_t size = ZSTD_compressCCtx(zstd.get(), stored.data() + reserved, room, content.data(), content.size(), level);
-  if (ZSTD_isError(size) != 0U) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size) + "; expected it to work");
+  const std::size_t size = ZSTD_compressCCtx(context, stored.data() + reserved, room, content.data(), content.size(), level);
+  check_zstd(size);
   return size;
+}
+
+void PacketCompressor::State::lz4_pieces(int level, const std::function<void(const ByteSink&)>& make, const ByteSink& sink) {
+  LZ4F_cctx* context = lz4_context();
+  const LZ4F_preferences_t preferences = lz4_preferences(level);
+  PacketBuffer frame;
+  const auto hand_on = [&](std::size_t made) {
+    check_lz4(made);
+    if (made > 0) sink({frame.data(), made});
+  };
+  frame.grow(LZ4F_HEADER_SIZE_MAX + LZ4F_compressBound(0, &preferences), 0);
+  hand_on(LZ4F_compressBegin(context, frame.data(), frame.capacity(), &preferences));
+  make([&](std::span<const std::byte> piece) {
+    frame.grow(LZ4F_compressBound(piece.size(), &preferences), 0);
+    hand_on(LZ4F_compressUpdate(context, frame.data(), frame.capacity(), piece.data(), piece.size(), nullptr));
+  });
+  hand_on(LZ4F_compressEnd(context, frame.data(), frame.capacity(), nullptr));
+}
+
+void PacketCompressor::State::zstd_pieces(int level, std::uint64_t size, const std::function<void(const ByteSink&)>& make,
+                                          const ByteSink& sink) {
+  ZSTD_CCtx* context = zstd_context();
+  ZSTD_CCtx_reset(context, ZSTD_reset_session_only);
+  check_zstd(ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level));
+  check_zstd(ZSTD_CCtx_setPledgedSrcSize(context, size));
+  std::vector<std::byte> frame(ZSTD_CStreamOutSize());
+  const auto put = [&](std::span<const std::byte> piece, ZSTD_EndDirective directive) {
+    ZSTD_inBuffer in{piece.data(), piece.size(), 0};
+    for (std::size_t rest = 1; directive == ZSTD_e_end ? rest > 0 : in.pos < in.size;) {
+      ZSTD_outBuffer out{frame.data(), frame.size(), 0};
+      rest = ZSTD_compressStream2(context, &out, &in, directive);
+      check_zstd(rest);
+      if (out.pos > 0) sink(std::span(frame).first(out.pos));
+    }
+  };
+  make([&](std::span<const std::byte> piece) { put(piece, ZSTD_e_continue); });
+  put({}, ZSTD_e_end);
 }
 
 std::size_t PacketCompressor::compress(Compression compression, std::span<const std::byte> content, PacketBuffer& stored,
                                        std::size_t reserved) {
-  switch (compression) {
-    case Compression::none:
-      break;
-    case Compression::lz4:
-      return state_->lz4_frame(0, content, stored, reserved);
-    case Compression::lz4_high:
-      return state_->lz4_frame(9, content, stored, reserved);
-    case Compression::zstd:
-      return state_->zstd_frame(3, content, stored, reserved);
-    case Compression::zstd_high:
-      return state_->zstd_frame(ZSTD_maxCLevel(), content, stored, reserved);
-  }
+  const int level = level_of(compression);
+  if (is_lz4(compression)) return state_->lz4_frame(level, content, stored, reserved);
+  if (compression != Compression::none) return state_->zstd_frame(level, content, stored, reserved);
   stored.grow(reserved + content.size(), 0);
   std::memcpy(stored.data() + reserved, content.data(), content.size());
   return content.size();
+}
+
+void PacketCompressor::compress_pieces(Compression compression, std::uint64_t size,
+                                       const std::function<void(const ByteSink&)>& make, const ByteSink& sink) {
+  if (compression == Compression::none) return make(sink);
+  const int level = level_of(compression);
+  is_lz4(compression) ? state_->lz4_pieces(level, make, sink) : state_->zstd_pieces(level, size, make, sink);
 }
 
 }  // namespace tactile

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -16,8 +17,9 @@ inline constexpr std::size_t packet_limit = std::size_t{256} << 20;
 /// most.
 std::size_t largest_content(Compression compression, std::size_t stored_size);
 
-/// Bytes that are used again from packet to packet, aligned for any scalar. They grow and never shrink, and are not set to
-/// anything.
+/// Bytes that are used again from packet to packet, aligned for any scalar. They grow, small ones by half at least, and never
+/// shrink, and are not set to anything. Fresh memory is slow: packets each a little larger than those before must not ask for it
+/// every time.
 class PacketBuffer {
  public:
   std::byte* data() { return bytes_.get(); }
@@ -52,6 +54,9 @@ class PacketDecompressor {
   std::unique_ptr<State> state_;
 };
 
+/// Takes bytes that come piece by piece; each is valid during the call.
+using ByteSink = std::function<void(std::span<const std::byte>)>;
+
 /// Compresses packets one after the other with one set of working memory, as the vendor's software does: LZ4 frames of 64 KiB
 /// linked blocks without checksums at level 0 or 9, zstd frames with their content size at level 3 or the highest.
 class PacketCompressor {
@@ -64,6 +69,12 @@ class PacketCompressor {
   /// `content` as a frame, which starts `reserved` bytes into `stored`; returns the frame's size. @throws Error if the library
   /// fails
   std::size_t compress(Compression compression, std::span<const std::byte> content, PacketBuffer& stored, std::size_t reserved);
+
+  /// Likewise `size` bytes that `make` puts piece by piece; the frame goes to `sink` in pieces too, so that memory follows a
+  /// piece.
+  /// @throws Error likewise, and what `make` and `sink` throw
+  void compress_pieces(Compression compression, std::uint64_t size, const std::function<void(const ByteSink&)>& make,
+                       const ByteSink& sink);
 
  private:
   struct State;

@@ -202,20 +202,6 @@ std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t r
   return hand_over(builder, packet, reserved);
 }
 
-std::size_t encode_table(std::span<const PacketRecord> records, PacketBuffer& packet, std::size_t reserved) {
-  flatbuffers::FlatBufferBuilder builder;
-  std::vector<flatbuffers::Offset<aedat4::FileDataDefinition>> entries;
-  entries.reserve(records.size());
-  for (const PacketRecord& record : records) {
-    const aedat4::PacketHeader header(record.stream_id, static_cast<std::int32_t>(record.payload_size));
-    entries.push_back(aedat4::CreateFileDataDefinition(builder, static_cast<std::int64_t>(record.payload_offset), &header,
-                                                       record.elements, us_of(record.first), us_of(record.last)));
-  }
-  const auto vector = builder.CreateVector(entries);
-  aedat4::FinishSizePrefixedFileDataTableBuffer(builder, aedat4::CreateFileDataTable(builder, vector));
-  return hand_over(builder, packet, reserved);
-}
-
 std::size_t bytes_per_pixel(std::int8_t format) {
   constexpr std::array<std::size_t, 8> depths{1, 1, 2, 2, 4, 4, 8, 2};  // as OpenCV counts them, u8 to f16
   if (format < 0) return 0;

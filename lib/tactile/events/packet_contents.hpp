@@ -38,7 +38,6 @@ void write_event_packet_head(std::byte* head, std::size_t count);
 std::size_t encode_imu(std::span<const ImuSample> samples, PacketBuffer& packet, std::size_t reserved);
 std::size_t encode_triggers(std::span<const Trigger> triggers, PacketBuffer& packet, std::size_t reserved);
 std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t reserved);
-std::size_t encode_table(std::span<const PacketRecord> records, PacketBuffer& packet, std::size_t reserved);
 
 /// Bytes of a pixel of this format; 0 if there is no such format.
 std::size_t bytes_per_pixel(std::int8_t format);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -182,11 +181,8 @@ const Stream* RecordingReader::State::declared(std::int32_t id) const {
   return found == streams.end() ? nullptr : &*found;
 }
 
-/// Where no size is declared, whatever the coordinates can be.
 SensorSize RecordingReader::State::sensor_of(const PacketRecord& record) const {
-  constexpr int most = std::numeric_limits<std::int16_t>::max() + 1;
-  const SensorSize size = declared(record.stream_id)->size.value_or(SensorSize{.width = most, .height = most});
-  return {.width = std::min(size.width, most), .height = std::min(size.height, most)};
+  return bounds_of(declared(record.stream_id)->size);
 }
 
 /// Puts times right that a table has as they are stored.

@@ -17,6 +17,7 @@
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
+#include "tactile/events/packet_table.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_reader.hpp"
 
@@ -32,6 +33,7 @@ constexpr std::size_t most_table_entries = 30'000'000;
 /// What waits to be written to one stream.
 struct Waiting {
   Stream stream;
+  WrittenStream written;
   std::size_t count = 0;
   CameraTime first, last;  ///< of what waits
   bool begun = false;      ///< something was written to the stream before
@@ -51,7 +53,7 @@ struct RecordingWriter::State {
   std::uint64_t end = 0;             ///< of the last whole packet [B]
   std::uint64_t position_field = 0;  ///< where the header has the table's position [B]
   std::vector<Waiting> streams;
-  std::vector<PacketRecord> written;
+  PacketTable table;
   PacketBuffer content, stored;
   PacketCompressor compressor;
 
@@ -73,8 +75,9 @@ struct RecordingWriter::State {
   void gather(Waiting& stream, std::span<const Element> elements, const Append& append);
   void append_events(Waiting& stream, std::span<const Event> events) const;
   void write_waiting(Waiting& stream);
-  void write_packet(PacketRecord record, PacketBuffer& packet, std::size_t content_size);
-  std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size, std::size_t reserved);
+  void write_packet(Waiting& stream, PacketRecord record, PacketBuffer& packet, std::size_t content_size);
+  void write_table();
+  std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   void sync() const;
   void cut_to_end() const;
@@ -117,6 +120,7 @@ void RecordingWriter::State::open(const std::vector<Stream>& declared) {
   }
   sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // its name too shall outlive a power cut
   end = start.size();
+  table = PacketTable(end);
   position_field = magic_line.size() + header.table_position;
   for (const Stream& stream : declared) streams.emplace_back().stream = stream;
 }
@@ -152,12 +156,11 @@ void RecordingWriter::State::check_events(const Waiting& stream, std::span<const
   if (check.inside && check.ascending && goes_on) return;
   check_times(stream, events);  // one of these two finds out which it is
   for (const Event& e : events) {
-    if (e.x < 0 || e.x >= size.width || e.y < 0 || e.y >= size.height) {
-      throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
-                              e.y, size.width, size.height));
-    }
+    if (!is_outside(e, size)) continue;
     if (e.on > 1)
       throw Error(fmt::format("{}: stream {} has an event of polarity {}; expected 0 or 1", name, stream.stream.id, e.on));
+    throw Error(fmt::format("{}: stream {} has an event at ({}, {}); expected it inside {} x {}", name, stream.stream.id, e.x,
+                            e.y, size.width, size.height));
   }
 }
 
@@ -221,32 +224,46 @@ void RecordingWriter::State::write_waiting(Waiting& stream) {
       size = encode_triggers(stream.triggers, content, packet_header_size);
       break;
   }
-  write_packet(record, stream.stream.type == StreamType::events ? stream.events : content, size);
+  write_packet(stream, record, stream.stream.type == StreamType::events ? stream.events : content, size);
   stream.count = 0;
   stream.imu.clear();
   stream.triggers.clear();
 }
 
-/// The contents behind `reserved` bytes of `packet` as the file has them, with as many free bytes in front.
-std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& packet, std::size_t content_size,
-                                                              std::size_t reserved) {
-  const std::span<const std::byte> plain(packet.data(), reserved + content_size);
+/// The contents behind the room for a packet's header as the file has them, with such room in front too.
+std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& packet, std::size_t content_size) {
+  const std::span<const std::byte> plain(packet.data(), packet_header_size + content_size);
   if (options.compression == Compression::none) return plain;
-  const std::size_t size = compressor.compress(options.compression, plain.subspan(reserved), stored, reserved);
-  return {stored.data(), reserved + size};
+  const std::size_t size =
+      compressor.compress(options.compression, plain.subspan(packet_header_size), stored, packet_header_size);
+  return {stored.data(), packet_header_size + size};
 }
 
 /// In one write, so that only a kill in the middle of it leaves a part of a packet.
-void RecordingWriter::State::write_packet(PacketRecord record, PacketBuffer& packet, std::size_t content_size) {
-  const std::span<const std::byte> bytes = compressed(packet, content_size, packet_header_size);
-  record.payload_offset = end + packet_header_size;
+void RecordingWriter::State::write_packet(Waiting& stream, PacketRecord record, PacketBuffer& packet, std::size_t content_size) {
+  const std::span<const std::byte> bytes = compressed(packet, content_size);
   record.payload_size = static_cast<std::uint32_t>(bytes.size() - packet_header_size);
   auto* header = const_cast<std::byte*>(bytes.data());
   std::memcpy(header, &record.stream_id, sizeof record.stream_id);
   std::memcpy(header + sizeof record.stream_id, &record.payload_size, sizeof record.payload_size);
   write_at(end, bytes);
   end += bytes.size();
-  written.push_back(record);
+  table.add(record);
+  if (stream.written.elements == 0) stream.written.first = record.first;
+  stream.written.last = record.last;
+  stream.written.elements += static_cast<std::uint64_t>(record.elements);
+  ++stream.written.packets;
+}
+
+void RecordingWriter::State::write_table() {
+  std::uint64_t at = end;
+  compressor.compress_pieces(
+      options.compression, table.content_size(), [&](const ByteSink& sink) { table.write_contents(sink); },
+      [&](std::span<const std::byte> piece) {
+        write_at(at, piece);
+        at += piece.size();
+      });
+  end = at;
 }
 
 void RecordingWriter::State::write_at(std::uint64_t offset, std::span<const std::byte> bytes) const {
@@ -290,13 +307,10 @@ void RecordingWriter::State::close() {
   }
   cut_to_end();
   const std::uint64_t table_at = end;
-  bool has_table = written.size() <= most_table_entries;
+  bool has_table = table.packets() <= most_table_entries;
   if (has_table) {
-    const std::size_t size = encode_table(written, content, 0);
-    const std::span<const std::byte> table = compressed(content, size, 0);
     try {
-      write_at(table_at, table);
-      end += table.size();
+      write_table();
     } catch (const Error&) {
       if (!failure) failure = std::current_exception();
       has_table = false;
@@ -359,7 +373,7 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
                             frame.pixels.size(), packet_limit - 4096));
   }
   const std::size_t size = encode_frame(frame, state_->content, packet_header_size);
-  state_->write_packet({.stream_id = stream_id, .elements = 1, .first = frame.t, .last = frame.t}, state_->content, size);
+  state_->write_packet(stream, {.stream_id = stream_id, .elements = 1, .first = frame.t, .last = frame.t}, state_->content, size);
   stream.newest = frame.t;
   stream.begun = true;
 }
@@ -367,7 +381,12 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
 void RecordingWriter::write_waiting() { state_->write_all_waiting(); }
 void RecordingWriter::flush() { state_->flush(); }
 void RecordingWriter::close() { state_->close(); }
-const std::vector<PacketRecord>& RecordingWriter::packets() const { return state_->written; }
+
+std::vector<WrittenStream> RecordingWriter::written() const {
+  std::vector<WrittenStream> all;
+  for (const Waiting& stream : state_->streams) all.push_back(stream.written);
+  return all;
+}
 
 Stream event_stream_declaration(SensorSize size, std::string source) {
   return {.id = 0,

@@ -19,11 +19,18 @@ struct RecordingWriterOptions {
   std::size_t packet_events = 8192;               ///< and at most so many events, > 0
 };
 
+/// What a recording holds of one stream, in whole packets.
+struct WrittenStream {
+  std::uint64_t packets = 0, elements = 0;
+  CameraTime first{}, last{};  ///< of all elements; meaningless where there are none
+};
+
 /// Writes an AEDAT4 recording that the vendor's software reads. It bears its final name from the first byte: whatever happens,
 /// the file is readable up to its last whole packet. Elements gather until a packet is full; `flush` writes those that wait.
 ///
 /// Elements of one stream must not go back in time, and events must lie inside the sensor; a span with one that does not is
 /// refused whole. A stream's further `info` is written as whole numbers where it is one, else as text.
+/// Memory grows by the data table, some 7 bytes a packet.
 class RecordingWriter {
  public:
   /// A stream must have a type of the four, an id of its own, a name, a source, and for events and frames a size: the vendor's
@@ -44,7 +51,7 @@ class RecordingWriter {
   /// which frees the room that a part of one took, and goes without a table if there is no room for it. @throws Error then too
   void close();
 
-  const std::vector<PacketRecord>& packets() const;  ///< those that the file holds whole, in file order
+  std::vector<WrittenStream> written() const;  ///< one for each stream, in the order of their declaration
 
  private:
   struct State;

@@ -15,6 +15,7 @@
 #include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
+#include "tactile/events/packet_table.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_health.hpp"
 
@@ -31,16 +32,16 @@ class PacketWriter {
       : name_(name), out_(file, std::ios::binary), compression_(compression), header_(header_image(compression, streams)) {
     put(magic_line);
     put(header_.bytes);
+    table_ = PacketTable(written_);
   }
 
   /// One packet; `record` tells its stream, its elements and their times.
   void write(PacketRecord record, std::span<const std::byte> payload) {
     record.payload_size = static_cast<std::uint32_t>(payload.size());
-    record.payload_offset = written_ + packet_header_size;
     const std::int32_t head[2] = {record.stream_id, static_cast<std::int32_t>(record.payload_size)};
     put({reinterpret_cast<const char*>(head), sizeof head});
     put(payload);
-    records_.push_back(record);
+    table_.add(record);
   }
 
   /// Likewise, of contents that stand behind nothing in `content`.
@@ -50,9 +51,9 @@ class PacketWriter {
 
   void close() {
     const std::uint64_t table_position = written_;
-    PacketBuffer table;
-    const std::size_t size = encode_table(records_, table, 0);
-    put(stored_form({table.data(), size}));
+    compressor_.compress_pieces(
+        compression_, table_.content_size(), [&](const ByteSink& sink) { table_.write_contents(sink); },
+        [&](std::span<const std::byte> piece) { put(piece); });
     out_.seekp(static_cast<std::streamoff>(magic_line.size() + header_.table_position));
     out_.write(reinterpret_cast<const char*>(&table_position), sizeof table_position);
     out_.close();
@@ -82,7 +83,7 @@ class PacketWriter {
   HeaderImage header_;
   PacketCompressor compressor_;
   PacketBuffer stored_;
-  std::vector<PacketRecord> records_;
+  PacketTable table_;
   std::uint64_t written_ = 0;
 };
 

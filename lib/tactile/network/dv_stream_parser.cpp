@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/event_checks.hpp"
@@ -24,17 +23,10 @@ std::uint32_t u32_at(const std::byte* bytes) {
   return value;
 }
 
-/// Drops, in place, what lies outside the sensor (at a negative place, where its size is unknown) or has a polarity above 1.
+/// Drops, in place, what lies outside the sensor or has a polarity above 1.
 std::span<Event> sound_events(std::span<Event> events, const std::optional<SensorSize>& size) {
-  constexpr int most = std::numeric_limits<std::int16_t>::max() + 1;
-  SensorSize sensor = size.value_or(SensorSize{.width = most, .height = most});
-  sensor = {.width = std::min(sensor.width, most), .height = std::min(sensor.height, most)};
-  if (check_events(events, sensor).inside) return events;
-  const auto is_outside = [=](const Event& e) {
-    return e.x < 0 || e.y < 0 || e.x >= sensor.width || e.y >= sensor.height || e.on > 1;
-  };
-  const auto kept_end = std::remove_if(events.begin(), events.end(), is_outside);
-  return events.first(static_cast<std::size_t>(kept_end - events.begin()));
+  const SensorSize bounds = bounds_of(size);
+  return check_events(events, bounds).inside ? events : without_outside(events, bounds);
 }
 
 }  // namespace
