@@ -152,6 +152,7 @@ TEST(DecodeToolPoses, TakesBaseToToolAloneAndCountsWhatIsNoPose) {
   EXPECT_EQ(poses[1].place, (std::array<double, 3>{4, 5, 6}));
   EXPECT_EQ(unusable, 1U);
   EXPECT_FALSE(decode_tool_poses(bytes_of(message.substr(0, message.size() - 1)), poses, unusable));
+  EXPECT_TRUE(poses.empty());
 }
 
 TEST(RotationVector, IsAxisTimesAngleTheShortWay) {

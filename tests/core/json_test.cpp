@@ -84,6 +84,15 @@ TEST(Json, NamesTheLineAndWhatBelongsThere) {
   }
 }
 
+TEST(Json, NamesThatAreNoUtf8AreWrittenAllTheSame) {
+  const test::TemporaryFolder folder;
+  write_json(folder / "run.json", {{"source",
+                                    "file:/data/b\xFC"
+                                    "ro.aedat4"}});
+  const nlohmann::json read = read_json(folder / "run.json");
+  EXPECT_EQ(read.at("source"), "file:/data/b\xEF\xBF\xBDro.aedat4");
+}
+
 TEST(Json, BrokenFileIsAnErrorThatNamesIt) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "broken.json") << "{\"a\": ";

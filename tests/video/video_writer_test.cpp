@@ -1,6 +1,8 @@
 #include "tactile/video/video_writer.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
@@ -53,6 +55,44 @@ TEST(VideoWriter, KeepsEveryFrameAndItsTime) {
       EXPECT_LT(cv::norm(frame, expected, cv::NORM_L1) / static_cast<double>(expected.total() * 3), 4.0) << "frame " << i;
     }
     EXPECT_FALSE(film.read(frame));
+  }
+}
+
+/// Memory behind whose last byte nothing may be read.
+class GuardedMemory {
+ public:
+  explicit GuardedMemory(std::size_t size) : size_(size) {
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    readable_ = (size + page - 1) / page * page;
+    all_ = readable_ + page;
+    begin_ = static_cast<std::byte*>(mmap(nullptr, all_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    if (begin_ == MAP_FAILED || mprotect(begin_ + readable_, page, PROT_NONE) != 0) std::abort();
+  }
+  ~GuardedMemory() { munmap(begin_, all_); }
+  GuardedMemory(const GuardedMemory&) = delete;
+  GuardedMemory& operator=(const GuardedMemory&) = delete;
+
+  std::byte* data() const { return begin_ + (readable_ - size_); }
+
+ private:
+  std::size_t size_, readable_ = 0, all_ = 0;
+  std::byte* begin_ = nullptr;
+};
+
+TEST(VideoWriter, NeverReadsBeyondTheEndOfAFrame) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    for (const cv::Size size : {cv::Size(2, 2), cv::Size(34, 6), cv::Size(66, 50), cv::Size(640, 480)}) {
+      const test::TemporaryFolder folder;
+      const GuardedMemory memory(static_cast<std::size_t>(size.area()) * CV_ELEM_SIZE(type));
+      const cv::Mat frame(size, type, memory.data());
+      VideoWriter writer(folder / "video.mp4", {.width = size.width, .height = size.height});
+      writer.write(frame, VideoTime{});
+      writer.close();
+      cv::VideoCapture film((folder / "video.mp4").string(), cv::CAP_FFMPEG);
+      cv::Mat read;
+      ASSERT_TRUE(film.read(read));
+      EXPECT_EQ(read.size(), size);
+    }
   }
 }
 

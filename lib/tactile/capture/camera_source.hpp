@@ -30,6 +30,7 @@ struct CameraPacket {
     triggers.clear();
     frame.reset();
   }
+  bool empty() const { return events.empty() && imu.empty() && triggers.empty() && !frame; }
 };
 
 /// What became of elements that were not recorded.

@@ -70,10 +70,6 @@ CameraTime last_time(const CameraPacket& packet) {
   return packet.frame ? packet.frame->t : CameraTime{};
 }
 
-bool is_empty(const CameraPacket& packet) {
-  return packet.events.empty() && packet.imu.empty() && packet.triggers.empty() && !packet.frame;
-}
-
 /// `run.json` beside a recording; an empty object where there is none, or none that can be read.
 nlohmann::json run_info_beside(const fs::path& file) {
   const fs::path info = file.parent_path() / "run.json";
@@ -109,12 +105,7 @@ class FileSource final : public CameraSource {
     const Stream& events = event_stream(reader_, options.stream);
     for (const Stream& stream : reader_.streams()) {
       if (stream.type == StreamType::other || stream.source != events.source) continue;
-      streams_.push_back(stream);
-      // Some programs leave out what the vendor's reader, and so our writer, demands.
-      Stream& own = streams_.back();
-      if (own.source.empty()) own.source = "unknown";
-      if (own.name.empty()) own.name = name_of(own.type);
-      own.type_identifier = stream.type_identifier;
+      streams_.push_back(completed(stream));
     }
     for (const Stream& stream : streams_) {
       Lane& lane = lanes_.emplace_back();
@@ -146,7 +137,7 @@ class FileSource final : public CameraSource {
 
   Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
     if (!pace_.has_begun()) pace_.begin(first_.value_or(CameraTime{}));
-    while (is_empty(next_)) {
+    while (next_.empty()) {
       if (!read_next()) return Received::ended;
     }
     if (!pace_.wait_for(last_time(next_), patience)) return Received::nothing;

@@ -316,7 +316,7 @@ class LibcaerCamera final : public CameraSource {
     for (std::size_t i = 0; i < streams_.size(); ++i) {
       if (streams_[i].id != packet.stream_id) continue;
       times_[i].keep(packet, name_, drops_);
-      return !packet.events.empty() || !packet.imu.empty() || !packet.triggers.empty();
+      return !packet.empty();
     }
     packet.clear();  // of a kind that this model was not said to have
     return false;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/run_drops.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/stream.hpp"
 #include "tactile/robot/robot_monitor.hpp"
@@ -31,17 +32,6 @@ struct RunRequest {
   std::string session;                   ///< see RunInfo
   std::optional<microseconds> duration;  ///< by the host's clock; where no source is live by the camera's, cut to the microsecond
   nlohmann::json settings = nlohmann::json::object();  ///< kept in run.json
-};
-
-struct RunDrops {
-  LostElements queue_full;    ///< the disk, or the compression, was too slow
-  LostElements back_in_time;  ///< earlier than what their stream had brought before, the sources' own finds included
-  LostElements outside;       ///< outside the sensor, of an impossible polarity, of no declared stream; frames of no sound shape
-  LostElements
-      unwritten;        ///< that the file, once it could no longer be written, does not hold; `packets`: of them the whole ones
-  LostElements source;  ///< told by the sources, but for those back in time
-
-  LostElements total() const;
 };
 
 /// How the present run goes.
@@ -118,8 +108,5 @@ class RunRecorder {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// As run.json's `dropped` has it, without the robot's and the film's.
-nlohmann::json json_of(const RunDrops& drops);
 
 }  // namespace tactile

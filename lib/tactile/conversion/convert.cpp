@@ -126,13 +126,6 @@ SensorSize size_that_holds(SensorSize extent) {
   return found == common_sizes.end() ? extent : *found;
 }
 
-/// The stream with what the vendor's reader demands of it and not every writer gives.
-Stream completed(Stream stream) {
-  if (stream.name.empty()) stream.name = name_of(stream.type);
-  if (stream.source.empty()) stream.source = "unknown";
-  return stream;
-}
-
 /// Which streams of the input the output gets, at the size that the crop leaves of them.
 void choose_streams(std::span<const Stream> streams, const fs::path& in, const ConvertOptions& options, ConvertSummary& summary) {
   std::vector<const Stream*> chosen;

@@ -272,6 +272,7 @@ bool decode_tool_poses(Bytes message, std::vector<ToolPose>& into, std::uint64_t
     for (double& part : pose.turn) part /= length;
     into.push_back(pose);
   }
+  if (!cursor.ok()) into.clear();
   return cursor.ok();
 }
 

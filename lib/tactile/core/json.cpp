@@ -107,7 +107,10 @@ nlohmann::json read_json(const std::filesystem::path& file) {
   }
 }
 
-void write_json(const std::filesystem::path& file, const nlohmann::json& json) { write_whole(file, json.dump(2) + "\n"); }
+void write_json(const std::filesystem::path& file, const nlohmann::json& json) {
+  // Paths, and the names that devices and other programs give, are any bytes; what is no UTF-8 becomes U+FFFD.
+  write_whole(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
 
 std::string hash_of(const nlohmann::json& json) { return sha256_of(json.dump()); }
 

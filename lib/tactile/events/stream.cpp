@@ -20,4 +20,10 @@ Compression compression_named(std::string_view name) {
   throw Error("compression: '" + std::string(name) + "' is not known; expected none, lz4, lz4-high, zstd or zstd-high");
 }
 
+Stream completed(Stream stream, std::string_view source) {
+  if (stream.name.empty()) stream.name = name_of(stream.type);
+  if (stream.source.empty()) stream.source = source;
+  return stream;
+}
+
 }  // namespace tactile

@@ -8,16 +8,16 @@
 #include <condition_variable>
 #include <deque>
 #include <iterator>
-#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
-#include "tactile/network/connection.hpp"
 #include "tactile/robot/growing_log.hpp"
+#include "tactile/robot/repeated_messages.hpp"
 #include "tactile/robot/rtde_protocol.hpp"
+#include "tactile/robot/rtde_session.hpp"
 
 namespace tactile {
 namespace {
@@ -45,9 +45,6 @@ constexpr std::array<std::string_view, 18> usual_fields{"timestamp",
                                                         "output_int_register_0"};
 constexpr std::string_view usual_register = "output_double_register_0";
 
-constexpr double old_highest_hz = 125, highest_hz = 500;
-constexpr std::uint32_t first_fast_version = 5;
-
 constexpr milliseconds shortest_pause{100}, longest_pause{5'000};  // between two attempts to connect
 constexpr milliseconds attempt_patience{2'000};
 constexpr milliseconds wake_every{100};
@@ -72,185 +69,11 @@ std::vector<std::string> wanted_fields(const RobotMonitorOptions& options) {
 
 double seconds_between(HostTime begin, HostTime end) { return static_cast<double>((end - begin).count()) / 1e6; }
 
-/// Some controllers send the same message with every package: it is told when it comes first, and counted from there on.
-class Messages {
- public:
-  using Tell = std::function<void(const std::string&)>;
-  explicit Messages(Tell tell) : tell_(std::move(tell)) {}
-
-  void hear(const std::string& text) {
-    Heard& heard = heard_[text];
-    heard.last = host_now();
-    if (++heard.times == 1) tell_(text);
-    if (heard_.size() > most_kept) forget_before(HostTime::max());
-  }
-  void forget_old() {
-    if (!heard_.empty()) forget_before(host_now() - quiet_for);
-  }
-  void forget_all() { forget_before(HostTime::max()); }
-
- private:
-  struct Heard {
-    std::uint64_t times = 0;
-    HostTime last{};
-  };
-  static constexpr std::size_t most_kept = 64;
-  static constexpr std::chrono::seconds quiet_for{10};
-
-  void forget_before(HostTime moment) {
-    std::erase_if(heard_, [&](const auto& one) {
-      const auto& [text, heard] = one;
-      if (heard.last >= moment) return false;
-      if (heard.times > 1) tell_(fmt::format("{} (came {} times)", text, heard.times));
-      return true;
-    });
-  }
-
-  Tell tell_;
-  std::map<std::string, Heard> heard_;
-};
-
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
-
-/// A controller's words, fit for a terminal.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
-  return text;
-}
-
-std::string said(const RtdeText& message) {
-  constexpr std::array<std::string_view, 4> levels{"exception", "error", "warning", "message"};
-  const std::string_view level = levels[std::min<std::size_t>(message.level, 3)];
-  const std::string source = message.source.empty() ? "" : printable(message.source) + ": ";
-  return fmt::format("{} of the robot: {}{}", level, source, printable(message.text));
-}
-
-/// What controller and client agreed on.
-struct Agreement {
-  RtdeControllerVersion version;
-  double frequency_hz = 0;
-  RtdeRecipe recipe;
-  std::vector<std::string> unknown;  ///< names that the controller does not have; then the recipe is not valid
-};
-
-/// One connection to a controller.
-class Session {
- public:
-  using Tell = std::function<void(const std::string&)>;
-
-  Session(const NetworkAddress& address, milliseconds patience, const Tell& tell)
-      : connection_(address, patience), patience_(patience), tell_(tell) {}
-
-  Agreement agree(const std::vector<std::string>& names, double frequency_hz) {
-    send(rtde_protocol_version_request(rtde_protocol_version));
-    if (!answer_to(RtdePackageType::protocol_version, "version request", accepted_in))
-      refuse("the controller does not speak RTDE version 2; expected a UR controller that does");
-    Agreement agreed;
-    send(rtde_bare_request(RtdePackageType::controller_version));
-    agreed.version = answer_to(RtdePackageType::controller_version, "question for its version", controller_version_in);
-    const double highest = agreed.version.major < first_fast_version ? old_highest_hz : highest_hz;
-    agreed.frequency_hz = frequency_hz > 0 ? frequency_hz : highest;
-
-    send(rtde_setup_outputs_request({agreed.frequency_hz, names}));
-    const RtdeSetupReply reply = answer_to(RtdePackageType::setup_outputs, "request for outputs", setup_reply_in);
-    if (reply.types.size() == names.size()) {
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        const auto type = rtde_field_type_called(reply.types[i]);
-        if (type) {
-          agreed.recipe.fields.push_back({names[i], *type});
-        } else if (reply.types[i] == "NOT_FOUND") {
-          agreed.unknown.push_back(names[i]);
-        } else {
-          refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", names[i],
-                             printable(reply.types[i])));
-        }
-      }
-    }
-    agreed.recipe.id = reply.recipe_id;
-    if (agreed.unknown.empty() && (reply.recipe_id == 0 || reply.types.size() != names.size())) {
-      refuse(fmt::format("the controller refuses to send {} outputs at {} Hz; it is of version {}, whose highest is {} Hz{}",
-                         names.size(), agreed.frequency_hz, text_of(agreed.version), highest,
-                         last_words_.empty() ? "" : " (" + last_words_ + ")"));
-    }
-    return agreed;
-  }
-
-  void start() {
-    send(rtde_bare_request(RtdePackageType::start));
-    if (!answer_to(RtdePackageType::start, "request to start", accepted_in))
-      refuse(fmt::format("the controller refuses to start sending{}; expected it to",
-                         last_words_.empty() ? "" : " (" + last_words_ + ")"));
-  }
-
-  void pause() {
-    try {
-      connection_.send(rtde_bare_request(RtdePackageType::pause), wake_every);
-    } catch (const Error&) {  // it is being closed: nobody waits for the answer
-    }
-  }
-
-  /// Waits up to `patience` for bytes; false if none came. @throws Error if the connection is over
-  bool receive(milliseconds patience) {
-    const std::optional<std::size_t> got = connection_.receive(buffer_, patience);
-    if (!got) refuse("the controller closed the connection");
-    reassembly_.append(std::span<const std::byte>(buffer_).first(*got));
-    return *got > 0;
-  }
-
-  /// The next whole package that has come, text messages told and left out.
-  std::optional<RtdePackage> next() {
-    for (;;) {
-      const std::optional<RtdePackage> package = checked([&] { return reassembly_.next(); });
-      if (!package || package->type != RtdePackageType::text) return package;
-      last_words_ = said(checked([&] { return text_in(package->payload); }));
-      tell_(last_words_);
-    }
-  }
-
-  /// Runs `step` and names the controller in what it throws.
-  template <class Step>
-  auto checked(Step&& step) const -> decltype(step()) {
-    try {
-      return step();
-    } catch (const Error& e) {
-      refuse(fmt::format("the controller sent {}", e.what()));
-    }
-  }
-
- private:
-  [[noreturn]] void refuse(const std::string& what) const { throw Error(connection_.address().text() + ": " + what); }
-
-  void send(const std::vector<std::byte>& package) { connection_.send(package, patience_); }
-
-  /// Data of an earlier start may still be on its way.
-  template <class Answer>
-  Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>)) {
-    const auto deadline = std::chrono::steady_clock::now() + patience_;
-    for (;;) {
-      while (const auto package = next()) {
-        if (package->type == type) return checked([&] { return read(package->payload); });
-      }
-      const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
-      if (left <= milliseconds(0)) {
-        refuse(fmt::format("no answer to the {} within {} s; expected a UR controller's RTDE server", what,
-                           static_cast<double>(patience_.count()) / 1e3));
-      }
-      receive(left);
-    }
-  }
-
-  Connection connection_;
-  milliseconds patience_;
-  Tell tell_;
-  std::vector<std::byte> buffer_ = std::vector<std::byte>(std::size_t{1} << 16);
-  RtdeReassembly reassembly_;
-  std::string last_words_;
-};
 
 bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
   return std::equal(a.fields.begin(), a.fields.end(), b.fields.begin(), b.fields.end(),
@@ -266,10 +89,10 @@ struct RobotMonitor::State {
   std::vector<std::string> columns;  ///< of a data package
   std::size_t time_column = 0;
   std::vector<std::size_t> needed_columns;
-  std::unique_ptr<Session> session;                                    ///< the monitor's thread alone, once that runs
-  RtdeRecipe recipe;                                                   ///< likewise
-  bool told_of_bad_numbers = false;                                    ///< likewise
-  Messages messages{[this](const std::string& text) { tell(text); }};  ///< likewise
+  std::unique_ptr<RtdeSession> session;                                        ///< the monitor's thread alone, once that runs
+  RtdeRecipe recipe;                                                           ///< likewise
+  bool told_of_bad_numbers = false;                                            ///< likewise
+  RepeatedMessages messages{[this](const std::string& text) { tell(text); }};  ///< likewise
 
   mutable std::mutex mutex;  ///< guards all that follows
   std::condition_variable woken;
@@ -293,7 +116,7 @@ struct RobotMonitor::State {
     if (options.log) options.log(text);
   }
 
-  void take(const Agreement& agreed);
+  void take(const RtdeAgreement& agreed);
   void first_connection();
   void connect_again();
   void lose_connection();
@@ -304,7 +127,7 @@ struct RobotMonitor::State {
   void run();
 };
 
-void RobotMonitor::State::take(const Agreement& agreed) {
+void RobotMonitor::State::take(const RtdeAgreement& agreed) {
   recipe = agreed.recipe;
   const std::lock_guard lock(mutex);
   shown.connected = true;
@@ -319,8 +142,8 @@ void RobotMonitor::State::first_connection() {
   const auto told = [this](const std::string& text) { messages.hear(text); };
 
   fields = wanted_fields(options);
-  session = std::make_unique<Session>(address, options.patience, told);
-  Agreement agreed = session->agree(fields, options.frequency_hz);
+  session = std::make_unique<RtdeSession>(address, options.patience, told);
+  RtdeAgreement agreed = session->agree(fields, options.frequency_hz);
   if (!agreed.unknown.empty()) {
     for (const std::string_view needed : needed_fields) {
       if (std::find(agreed.unknown.begin(), agreed.unknown.end(), needed) != agreed.unknown.end()) {
@@ -339,7 +162,7 @@ void RobotMonitor::State::first_connection() {
       return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
     });
     // Controllers differ in what a second request on the same connection does.
-    session = std::make_unique<Session>(address, options.patience, told);
+    session = std::make_unique<RtdeSession>(address, options.patience, told);
     agreed = session->agree(fields, options.frequency_hz);
     if (!agreed.unknown.empty())
       throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(),
@@ -381,9 +204,9 @@ void RobotMonitor::State::connect_again() {
     }
     pause = std::min(2 * pause, longest_pause);
     try {
-      session = std::make_unique<Session>(address, std::min(options.patience, attempt_patience),
-                                          [this](const std::string& text) { messages.hear(text); });
-      const Agreement agreed = session->agree(fields, options.frequency_hz);
+      session = std::make_unique<RtdeSession>(address, std::min(options.patience, attempt_patience),
+                                              [this](const std::string& text) { messages.hear(text); });
+      const RtdeAgreement agreed = session->agree(fields, options.frequency_hz);
       if (!agreed.unknown.empty() || !same_fields(agreed.recipe, recipe))
         throw Error(address.text() + ": the controller offers other outputs than before; expected the same as at the start");
       session->start();

@@ -216,6 +216,19 @@ struct VideoCapture::State {
 
   std::thread grabber, encoder;
 
+  ~State() {
+    {
+      const std::scoped_lock lock(guard);
+      stopping = true;
+      film_ending = true;
+    }
+    room.notify_all();
+    work.notify_all();
+    if (grabber.joinable()) grabber.join();
+    work.notify_all();
+    if (encoder.joinable()) encoder.join();
+  }
+
   void log(const std::string& text) const {
     if (options.log) options.log("video " + options.source + ": " + text);
   }
@@ -400,18 +413,7 @@ VideoCapture::VideoCapture(VideoCaptureOptions options) : state_(std::make_uniqu
   state.encoder = std::thread([&state] { state.encode_frames(); });
 }
 
-VideoCapture::~VideoCapture() {
-  {
-    const std::scoped_lock lock(state_->guard);
-    state_->stopping = true;
-    state_->film_ending = true;
-  }
-  state_->room.notify_all();
-  state_->work.notify_all();
-  state_->grabber.join();
-  state_->work.notify_all();
-  state_->encoder.join();
-}
+VideoCapture::~VideoCapture() = default;
 
 void VideoCapture::start_film(const fs::path& mp4, const fs::path& csv) {
   State& state = *state_;
@@ -430,6 +432,7 @@ void VideoCapture::start_film(const fs::path& mp4, const fs::path& csv) {
   state.frames = state.dropped = 0;
   state.error.clear();
   state.room.notify_all();
+  state.work.notify_all();  // the source may have ended meanwhile
 }
 
 void VideoCapture::stop_film() {

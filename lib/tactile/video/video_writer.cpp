@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -21,6 +23,7 @@ namespace tactile {
 namespace {
 
 constexpr AVRational microsecond{1, 1'000'000};
+constexpr std::size_t readable_beyond = 256;  // [B] behind a picture: libswscale reads some there
 
 std::string reason(int error) {
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
@@ -39,7 +42,8 @@ struct VideoWriter::State {
   AVPacket* packet = nullptr;
   AVPacket* waiting = nullptr;  ///< an encoded frame: it lasts until the next one, whose time must be known before it is written
   SwsContext* scaler = nullptr;
-  int scaler_type = -1;  ///< OpenCV's type that `scaler` converts from
+  int scaler_type = -1;              ///< OpenCV's type that `scaler` converts from
+  std::vector<std::uint8_t> pixels;  ///< of the frame being converted, row on row
   std::int64_t last_us = -1;
   std::int64_t fragment_us = 0;  ///< time of the present fragment's first frame
   std::int64_t last_duration_us = 33'333;
@@ -122,8 +126,11 @@ struct VideoWriter::State {
       scaler_type = frame.type();
     }
     check(av_frame_make_writable(picture), "making room for a frame");
-    const std::array<const std::uint8_t*, 1> rows{frame.data};
-    const std::array<int, 1> strides{static_cast<int>(frame.step)};
+    const std::size_t stride = static_cast<std::size_t>(frame.cols) * frame.elemSize();
+    pixels.resize(stride * static_cast<std::size_t>(frame.rows) + readable_beyond);
+    frame.copyTo(cv::Mat(frame.size(), frame.type(), pixels.data(), stride));
+    const std::array<const std::uint8_t*, 1> rows{pixels.data()};
+    const std::array<int, 1> strides{static_cast<int>(stride)};
     sws_scale(scaler, rows.data(), strides.data(), 0, options.height, picture->data, picture->linesize);
   }
 

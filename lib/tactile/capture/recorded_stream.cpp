@@ -1,0 +1,55 @@
+#include "tactile/capture/recorded_stream.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+int rank_of(StreamType type) {
+  constexpr std::array ranks{StreamType::events, StreamType::imu, StreamType::triggers, StreamType::frames};
+  return static_cast<int>(std::find(ranks.begin(), ranks.end(), type) - ranks.begin());
+}
+
+}  // namespace
+
+std::vector<RecordedStream> recorded_streams(std::span<const std::unique_ptr<CameraSource>> sources) {
+  std::vector<RecordedStream> all;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    for (const Stream& stream : sources[i]->streams()) {
+      if (stream.type == StreamType::other) continue;
+      const auto twice = std::find_if(all.begin(), all.end(), [&](const RecordedStream& other) {
+        return other.source_index != i && other.stream.type == stream.type && other.stream.source == stream.source;
+      });
+      if (twice != all.end()) {
+        throw Error(fmt::format("{}: has the {} of the camera '{}', which {} has too; expected each stream once",
+                                sources[i]->name(), name_of(stream.type), stream.source, sources[twice->source_index]->name()));
+      }
+      all.push_back({.stream = stream, .source_index = i, .source_stream = stream.id});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const RecordedStream& a, const RecordedStream& b) {
+    return rank_of(a.stream.type) < rank_of(b.stream.type);
+  });
+  if (all.empty() || all.front().stream.type != StreamType::events || !all.front().stream.size) {
+    throw Error(fmt::format("{}: brings no events of a sensor of known size; expected a source that does",
+                            sources.empty() ? "no source" : sources.front()->name()));
+  }
+  const std::string camera = all.front().stream.source.empty() ? "camera" : all.front().stream.source;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Stream& stream = all[i].stream;
+    stream = completed(std::move(stream), camera);
+    stream.id = static_cast<std::int32_t>(i);
+    stream.type_identifier.clear();
+    if (stream.type == StreamType::frames && !stream.size) stream.size = all.front().stream.size;
+  }
+  return all;
+}
+
+}  // namespace tactile

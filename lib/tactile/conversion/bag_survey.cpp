@@ -1,0 +1,231 @@
+#include "tactile/conversion/bag_survey.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::string_view nothing = "none";
+constexpr std::size_t most_topics = 4096;
+constexpr int most_video_side = 16'384;  // [px], of a frame that H.264 takes
+
+/// Types that we decode, by name: one of these with another MD5 sum is another version of it.
+constexpr std::array<std::string_view, 6> known_types{"dvs_msgs/EventArray",    "event_camera_msgs/EventPacket",
+                                                      "sensor_msgs/JointState", "tf2_msgs/TFMessage",
+                                                      "sensor_msgs/Image",      "sensor_msgs/Imu"};
+
+/// Decodes again and again into the same memory.
+struct Decoded {
+  RosEvents events;
+  JointPositions joints;
+  std::vector<ToolPose> poses;
+  RosImage image;
+};
+
+void look_at(SurveyedTopic& topic, std::span<const std::byte> data, Decoded& decoded) {
+  switch (topic.message) {
+    case RosMessage::event_array:
+      if (topic.size && topic.useful > 0) return;  // the second reading counts the rest
+      if (!decode_event_array(data, decoded.events)) return;
+      topic.size = decoded.events.size;
+      if (!decoded.events.events.empty()) ++topic.useful;
+      break;
+    case RosMessage::event_packet: {
+      if (topic.size && topic.useful > 0) return;
+      const PacketDecoding decoding = decode_event_packet(data, decoded.events);
+      if (decoding == PacketDecoding::broken) return;
+      if (decoding == PacketDecoding::other_encoding && topic.other_encoding.empty())
+        topic.other_encoding = decoded.events.encoding.substr(0, 64);
+      topic.size = decoded.events.size;
+      topic.encoding = decoded.events.encoding.substr(0, 64);
+      if (!decoded.events.events.empty()) ++topic.useful;
+      break;
+    }
+    case RosMessage::joint_state:
+      if (!decode_joint_state(data, decoded.joints)) return;
+      for (std::size_t i = 0; i < decoded.joints.size(); ++i) {
+        if (!topic.first_joints.at(i)) topic.first_joints.at(i) = decoded.joints.at(i);
+      }
+      if (std::any_of(decoded.joints.begin(), decoded.joints.end(), [](const auto& q) { return q.has_value(); })) ++topic.useful;
+      break;
+    case RosMessage::transforms: {
+      std::uint64_t unusable = 0;
+      if (decode_tool_poses(data, decoded.poses, unusable) && !decoded.poses.empty()) ++topic.useful;
+      break;
+    }
+    case RosMessage::image:
+      if (topic.size || !decode_image(data, decoded.image)) return;
+      topic.encoding = decoded.image.encoding;
+      if (decoded.image.pixels.empty()) return;
+      if (std::max(decoded.image.pixels.cols, decoded.image.pixels.rows) > most_video_side) {
+        if (!topic.unusable_size) topic.unusable_size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
+        return;
+      }
+      topic.size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
+      ++topic.useful;
+      break;
+    case RosMessage::imu:
+      ++topic.useful;
+      break;
+    case RosMessage::other:
+      break;
+  }
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list.size() > 400 ? list.substr(0, 400) + "..." : list;
+}
+
+std::string topics_text(const BagSurvey& found) {
+  std::vector<std::string> names;
+  for (const auto& [name, topic] : found.topics) names.push_back(fmt::format("{} ({})", name, topic.type));
+  return names.empty() ? "no message at all" : list_of(names);
+}
+
+/// Why a topic's images cannot become a video.
+std::string unusable_text(const SurveyedTopic& topic) {
+  if (topic.unusable_size) {
+    return fmt::format("has images of {}x{} px, and a video holds at most {} px each way", topic.unusable_size->width,
+                       topic.unusable_size->height, most_video_side);
+  }
+  if (topic.encoding.empty()) return "has no image that can be decoded";
+  return fmt::format("has images encoded as '{}', which is not known", topic.encoding);
+}
+
+/// @throws Error if the topic's type is one of ours in another version, or its events come in an encoding that is not known
+void check_topic(const std::string& bag, const std::string& name, const SurveyedTopic& topic) {
+  if (topic.message == RosMessage::other && std::find(known_types.begin(), known_types.end(), topic.type) != known_types.end()) {
+    throw Error(fmt::format("{}: topic {} has a definition of {} that is not known (MD5 {}); expected the released one", bag,
+                            name, topic.type, topic.md5sum.substr(0, 32)));
+  }
+  if (!topic.other_encoding.empty()) {
+    throw Error(fmt::format("{}: topic {} has events encoded as '{}'; expected libcaer, libcaer_cmp or mono", bag, name,
+                            topic.other_encoding));
+  }
+}
+
+}  // namespace
+
+std::optional<BagTopicKind> bag_topic_kind_of(RosMessage message) {
+  switch (message) {
+    case RosMessage::event_array:
+    case RosMessage::event_packet:
+      return BagTopicKind::events;
+    case RosMessage::joint_state:
+      return BagTopicKind::joints;
+    case RosMessage::transforms:
+      return BagTopicKind::pose;
+    case RosMessage::image:
+      return BagTopicKind::video;
+    case RosMessage::imu:
+      return BagTopicKind::imu;
+    case RosMessage::other:
+      break;
+  }
+  return std::nullopt;
+}
+
+BagSurvey survey_bag(RosBagReader& bag, const ProgressCallback& progress, const std::string& name) {
+  BagSurvey found;
+  Decoded decoded;
+  while (const auto message = bag.next()) {
+    const BagConnection& connection = *message->connection;
+    if (found.topics.size() == most_topics && !found.topics.contains(connection.topic))
+      throw Error(fmt::format("{}: has more than {} topics; expected fewer", name, most_topics));
+    SurveyedTopic& topic = found.topics[connection.topic];
+    if (topic.messages++ == 0) {
+      topic.type = connection.type;
+      topic.md5sum = connection.md5sum;
+      topic.message = ros_message_with(connection.md5sum);
+    }
+    if (connection.md5sum == topic.md5sum) look_at(topic, message->data, decoded);
+    tell(progress, bag.bytes_read() / 2, bag.file_size(), name);
+  }
+  found.problems = bag.problems();
+  return found;
+}
+
+std::string damage_text(const BagProblems& problems) {
+  std::string text;
+  if (problems.truncated_bytes > 0) text += fmt::format("; {} bytes cut off", problems.truncated_bytes);
+  if (problems.broken_chunks > 0)
+    text += fmt::format("{} {} chunks could not be read", text.empty() ? ";" : ",", problems.broken_chunks);
+  return text;
+}
+
+BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, const BagImportOptions& options,
+                             std::vector<std::string>& warnings) {
+  BagTopicChoice choice;
+  for (const BagTopicKindNames& kind : bag_topic_kinds) {
+    const std::string& asked = options.*kind.choice;
+    if (asked == nothing) {
+      if (kind.kind == BagTopicKind::events)
+        throw Error(fmt::format("{}: a run without events is none; expected a topic's name", kind.option));
+      continue;
+    }
+    std::vector<std::string> able;
+    for (const auto& [name, topic] : found.topics) {
+      const bool is_fit = bag_topic_kind_of(topic.message) == kind.kind;
+      // Links of the robot and joints of a gripper come as the same types; only topics with what we look for count.
+      const bool is_useful = topic.useful > 0 || kind.kind == BagTopicKind::events || kind.kind == BagTopicKind::video;
+      if (name == asked && is_fit && is_useful) able = {name};
+      if (asked.empty() && is_fit && is_useful) able.push_back(name);
+    }
+    if (!asked.empty() && able.empty()) {
+      const auto there = found.topics.find(asked);
+      if (there != found.topics.end()) check_topic(bag, asked, there->second);
+      throw Error(
+          fmt::format("{}: has no topic {} with {}; expected one of its own: {}", bag, asked, kind.what, topics_text(found)));
+    }
+    if (able.size() > 1) {
+      throw Error(fmt::format("{}: {} topics hold {}: {}; expected a choice by {}", bag, able.size(), kind.what, list_of(able),
+                              kind.option));
+    }
+    if (able.size() == 1) {
+      check_topic(bag, able.front(), found.topics.at(able.front()));
+      choice[kind.kind] = able.front();
+    }
+  }
+  if (!choice.contains(BagTopicKind::events)) {
+    for (const auto& [name, topic] : found.topics) check_topic(bag, name, topic);  // the reason may be a version
+    throw Error(fmt::format("{}: no topic holds events; expected dvs_msgs/EventArray or event_camera_msgs/EventPacket among {}{}",
+                            bag, topics_text(found), damage_text(found.problems)));
+  }
+  const std::string& events = choice.at(BagTopicKind::events);
+  if (!found.topics.at(events).size)
+    throw Error(fmt::format("{}: topic {} holds no message that can be decoded; expected events{}", bag, events,
+                            damage_text(found.problems)));
+
+  if (choice.contains(BagTopicKind::joints) && !choice.contains(BagTopicKind::pose)) {
+    warnings.push_back(
+        fmt::format("{}: {} has joint positions, but no topic a transform from base to tool0_controller, which a robot "
+                    "log needs; the run has no robot.csv",
+                    bag, choice.at(BagTopicKind::joints)));
+    choice.erase(BagTopicKind::joints);
+  }
+  if (const auto joints = choice.find(BagTopicKind::joints); joints != choice.end()) {
+    const JointPositions& known = found.topics.at(joints->second).first_joints;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      if (known.at(i)) continue;
+      warnings.push_back(fmt::format("{}: {} never names {}; robot.csv has no actual_q", bag, joints->second, joint_names.at(i)));
+      choice.erase(joints);
+      break;
+    }
+  }
+  if (const auto video = choice.find(BagTopicKind::video); video != choice.end() && !found.topics.at(video->second).size) {
+    const std::string why = unusable_text(found.topics.at(video->second));
+    if (!options.video_topic.empty())
+      throw Error(fmt::format("{}: topic {} {}; expected images as mono8, bgr8, rgb8 or the like", bag, video->second, why));
+    warnings.push_back(fmt::format("{}: {} {}; the run has no video", bag, video->second, why));
+    choice.erase(video);
+  }
+  return choice;
+}
+
+}  // namespace tactile

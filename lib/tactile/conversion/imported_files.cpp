@@ -1,0 +1,161 @@
+#include "tactile/conversion/imported_files.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/video/film_picture.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr microseconds sorted_span{20'000};                 // messages of several threads overlap by less
+constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; a faster camera's are sorted over less time
+
+std::string robot_log_header(bool has_joints) {
+  std::string text = "timestamp";
+  const auto add_six = [&](std::string_view name) {
+    for (int i = 0; i < 6; ++i) text += fmt::format(",{}_{}", name, i);
+  };
+  if (has_joints) add_six("actual_q");
+  add_six("actual_TCP_pose");
+  add_six("actual_TCP_speed");
+  return text + ",host_time_us";
+}
+
+VideoWriterOptions options_for(cv::Size size) {
+  VideoWriterOptions options;
+  options.width = film_size(size).width;
+  options.height = film_size(size).height;
+  return options;
+}
+
+}  // namespace
+
+LineFile::LineFile(const fs::path& file, std::string_view header)
+    : name_(file.string()), file_(std::fopen(file.c_str(), "wbxe")) {
+  if (!file_) throw Error(name_ + ": cannot be made (" + std::strerror(errno) + "); expected a writable folder");
+  write(std::string(header) + "\n");
+}
+
+void LineFile::write(const std::string& line) {
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size()) fail();
+}
+
+void LineFile::close() {
+  if (std::fclose(file_.release()) != 0) fail();
+  sync_to_disk(name_);
+}
+
+void LineFile::fail() const {
+  throw Error(name_ + ": cannot be written (" + std::strerror(errno) + "); expected a place with room");
+}
+
+void EventSorter::add(std::span<const Event> events) {
+  for (const Event& event : events) {
+    if (count_ > 0 && event.t < last_) {
+      ++late_;
+      continue;
+    }
+    if (!waiting_.empty() && event.t < waiting_.back().t) {
+      ++sorted_;
+      is_sorted_ = false;
+    }
+    newest_ = waiting_.empty() && count_ == 0 ? event.t : std::max(newest_, event.t);
+    waiting_.push_back(event);
+  }
+  put(waiting_.size() > most_waiting ? CameraTime::max() : before(newest_, sorted_span));
+}
+
+void EventSorter::finish() { put(CameraTime::max()); }
+
+void EventSorter::put(CameraTime until) {
+  if (waiting_.empty()) return;
+  if (!is_sorted_) std::stable_sort(waiting_.begin(), waiting_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+  is_sorted_ = true;
+  const auto end = std::partition_point(waiting_.begin(), waiting_.end(), [&](const Event& e) { return e.t <= until; });
+  if (end == waiting_.begin()) return;
+  if (count_ == 0) first_ = waiting_.front().t;
+  last_ = std::prev(end)->t;
+  count_ += static_cast<std::uint64_t>(end - waiting_.begin());
+  writer_.write_events(stream_id_, {waiting_.begin(), end});
+  waiting_.erase(waiting_.begin(), end);
+}
+
+ImportedRobotLog::ImportedRobotLog(const fs::path& file, std::optional<JointPositions> joints)
+    : joints_(joints), file_(file, robot_log_header(joints.has_value())) {}
+
+void ImportedRobotLog::set(const JointPositions& joints) {
+  for (std::size_t i = 0; joints_ && i < joints.size(); ++i) {
+    if (joints.at(i)) joints_->at(i) = joints.at(i);
+  }
+}
+
+bool ImportedRobotLog::add(const ToolPose& pose, HostTime received) {
+  if (current_ && pose.t <= current_->pose.t) return false;
+  if (current_) write(*current_, previous_ ? previous_->pose : current_->pose, pose);
+  previous_ = current_;
+  current_ = Row{pose, received, joints_.value_or(JointPositions{})};
+  ++rows_;
+  return true;
+}
+
+void ImportedRobotLog::close() {
+  if (current_) write(*current_, previous_ ? previous_->pose : current_->pose, current_->pose);
+  file_.close();
+}
+
+void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolPose& after) {
+  const std::int64_t us = us_of(row.pose.t);
+  std::string line = fmt::format("{}.{:06}", us / 1'000'000, us % 1'000'000);
+  const auto add = [&](const auto& values) {
+    for (const double value : values) line += fmt::format(",{}", value);
+  };
+  for (std::size_t i = 0; joints_ && i < row.joints.size(); ++i) line += fmt::format(",{}", row.joints.at(i).value_or(0));
+  add(row.pose.place);
+  add(rotation_vector(row.pose.turn));
+  const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
+  std::array<double, 3> velocity{}, turning{};
+  if (seconds > 0) {
+    turning = rotation_vector(turn_between(before.turn, after.turn));
+    for (std::size_t i = 0; i < 3; ++i) {
+      velocity.at(i) = (after.place.at(i) - before.place.at(i)) / seconds;
+      turning.at(i) /= seconds;
+    }
+  }
+  add(velocity);
+  add(turning);
+  file_.write(line + fmt::format(",{}\n", us_of(row.received)));
+}
+
+ImportedFilm::ImportedFilm(const RunFolder& run, SensorSize size)
+    : size_(size.width, size.height),
+      file_(run.video()),
+      times_(run.video_times(), "index,pts_us,host_time_us"),
+      writer_(file_, options_for(size_)) {}
+
+bool ImportedFilm::add(const RosImage& image, HostTime received) {
+  if (image.pixels.size() != size_) return false;
+  if (first_ && image.t <= last_) return false;
+  if (!first_) first_ = image.t;
+  last_ = image.t;
+  const auto pts = VideoTime{image.t - *first_};
+  writer_.write(film_picture(image.pixels, size_), pts);
+  times_.write(fmt::format("{},{},{}\n", frames_++, us_of(pts), us_of(received)));
+  return true;
+}
+
+void ImportedFilm::close() {
+  writer_.close();
+  sync_to_disk(file_);
+  times_.close();
+}
+
+}  // namespace tactile

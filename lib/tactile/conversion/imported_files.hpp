@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/conversion/ros_messages.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/time.hpp"
+#include "tactile/events/event.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/video/video_writer.hpp"
+
+// The files of a run, made of a bag's messages as they come.
+namespace tactile {
+
+/// A text file written line by line.
+class LineFile {
+ public:
+  /// @throws Error  if it exists or cannot be made
+  LineFile(const std::filesystem::path& file, std::string_view header);
+  void write(const std::string& line);  ///< with its end
+  void close();                         ///< and syncs. @throws Error if that or the writing failed
+
+ private:
+  [[noreturn]] void fail() const;
+
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string name_;
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+/// Events into a recording in the order of time: each is held back while others may come before it, for 20 ms of the newest's
+/// time, and of a very fast camera for less. What comes later still is dropped and counted.
+class EventSorter {
+ public:
+  EventSorter(RecordingWriter& writer, std::int32_t stream_id) : writer_(writer), stream_id_(stream_id) {}
+
+  void add(std::span<const Event> events);
+  void finish();  ///< writes all that waits
+
+  std::uint64_t written() const { return count_; }
+  std::uint64_t sorted() const { return sorted_; }  ///< that came out of order
+  std::uint64_t late() const { return late_; }      ///< dropped
+  CameraTime first() const { return first_; }       ///< of those that are written
+  CameraTime last() const { return last_; }
+
+ private:
+  void put(CameraTime until);
+
+  RecordingWriter& writer_;
+  std::int32_t stream_id_;
+  std::vector<Event> waiting_;
+  CameraTime newest_{}, first_{}, last_{};
+  std::uint64_t count_ = 0, sorted_ = 0, late_ = 0;
+  bool is_sorted_ = true;
+};
+
+/// robot.csv, a row behind what comes: a row's speed needs the row behind it.
+class ImportedRobotLog {
+ public:
+  /// @param joints  where the joints are at first; nothing if the log has none
+  ImportedRobotLog(const std::filesystem::path& file, std::optional<JointPositions> joints);
+
+  void set(const JointPositions& joints);  ///< of the rows to come; those that it does not name stay where they are
+  /// Whether the row is later than the one before; another is left out.
+  bool add(const ToolPose& pose, HostTime received);
+  std::uint64_t rows() const { return rows_; }
+  void close();
+
+ private:
+  struct Row {
+    ToolPose pose;
+    HostTime received;
+    JointPositions joints;
+  };
+  void write(const Row& row, const ToolPose& before, const ToolPose& after);
+
+  std::optional<JointPositions> joints_;
+  LineFile file_;
+  std::optional<Row> previous_, current_;
+  std::uint64_t rows_ = 0;
+};
+
+/// video.mp4 and video.csv.
+class ImportedFilm {
+ public:
+  ImportedFilm(const RunFolder& run, SensorSize size);
+
+  /// Whether the frame has the film's size and is later than the one before; another is left out.
+  bool add(const RosImage& image, HostTime received);
+  std::uint64_t frames() const { return frames_; }
+  std::optional<HostTime> first() const { return first_; }  ///< stamp
+  void close();
+
+ private:
+  cv::Size size_;
+  std::filesystem::path file_;
+  LineFile times_;
+  VideoWriter writer_;
+  std::optional<HostTime> first_;
+  HostTime last_{};
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace tactile

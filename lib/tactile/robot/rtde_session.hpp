@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/network/connection.hpp"
+#include "tactile/robot/rtde_protocol.hpp"
+
+namespace tactile {
+
+/// What controller and client agreed on.
+struct RtdeAgreement {
+  RtdeControllerVersion version;
+  double frequency_hz = 0;
+  RtdeRecipe recipe;
+  std::vector<std::string> unknown;  ///< names that the controller does not have; then the recipe is not valid
+};
+
+/// One connection to a controller: first the recipe is agreed on, then the controller is started, then packages come.
+class RtdeSession {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+
+  /// @param patience  with the connection and with each answer, > 0
+  /// @param tell      gets the controller's text messages, fit for a terminal
+  /// @throws Error    if there is no controller
+  RtdeSession(const NetworkAddress& address, std::chrono::milliseconds patience, Tell tell);
+
+  /// @param frequency_hz  0: the controller's highest, 125 below version 5, else 500
+  /// @throws Error        if it speaks no RTDE 2 or refuses, but not for names that it does not have
+  RtdeAgreement agree(const std::vector<std::string>& names, double frequency_hz);
+
+  void start();  ///< @throws Error if the controller refuses
+  void pause();  ///< asks it to end; nobody waits for the answer
+
+  /// Waits up to `patience` for bytes; false if none came. @throws Error if the connection is over
+  bool receive(std::chrono::milliseconds patience);
+
+  /// The next whole package that has come, text messages told and left out. Its payload lasts until the next `receive`.
+  std::optional<RtdePackage> next();
+
+  /// Runs `step` and names the controller in what it throws.
+  template <class Step>
+  auto checked(Step&& step) const -> decltype(step()) {
+    try {
+      return step();
+    } catch (const Error& e) {
+      refuse(std::string("the controller sent ") + e.what());
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const;
+  void send(const std::vector<std::byte>& package);
+  std::string last_words() const;
+  template <class Answer>
+  Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>));
+
+  Connection connection_;
+  std::chrono::milliseconds patience_;
+  Tell tell_;
+  std::vector<std::byte> buffer_;
+  RtdeReassembly reassembly_;
+  std::string last_words_;
+};
+
+}  // namespace tactile
