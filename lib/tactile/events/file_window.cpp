@@ -9,7 +9,7 @@
 namespace tactile {
 namespace {
 
-constexpr std::size_t least_size = std::size_t{8} << 20;  ///< only what is touched becomes part of this process
+constexpr std::size_t least_size = std::size_t{4} << 20;  ///< only what is touched becomes part of this process
 
 /// What this thread looks at, and where it goes on when that cannot be read.
 struct Guarded {

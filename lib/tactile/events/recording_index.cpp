@@ -95,7 +95,7 @@ class PacketFinder {
   std::string disagreement(const std::vector<PacketRecord>& entries, const Walk& walked) const;
   std::vector<PacketRecord> hints_from(std::vector<PacketRecord> entries);
 
-  Walk walk(std::uint64_t end, const std::vector<PacketRecord>& hints = {});
+  Walk walk(std::uint64_t end, const std::vector<PacketRecord>* table = nullptr);
   std::optional<std::uint64_t> go_on(Walk& walked, std::uint64_t at, std::uint64_t end, const std::vector<PacketRecord>& hints);
   std::optional<std::uint64_t> go_on_by_table(Walk& walked, std::uint64_t at, std::uint64_t end,
                                               const std::vector<PacketRecord>& hints);
@@ -108,7 +108,7 @@ class PacketFinder {
   bool is_whole(const PacketRecord& packet);
 
   void count_missing(const std::vector<PacketRecord>& entries, const Walk& walked);
-  void take(const Walk& walked);
+  void take(Walk walked);
   void take_table(const std::vector<PacketRecord>& entries);
 
   const RecordingFile& file_;
@@ -162,6 +162,7 @@ PacketList PacketFinder::find() {
       if (why.empty()) table_at = announced;
     }
   }
+  content_ = {}, stored_ = {};  // the table may be as large as all entries
   if (!table_at) {
     walked = walk(size_);
     if (!walked->at_table) {
@@ -172,17 +173,17 @@ PacketList PacketFinder::find() {
     }
   }
   if (table_at && (!walked || walked->damaged())) {
-    walked = walk(*table_at, hints_from(entries));
+    walked = walk(*table_at, &entries);
     walked->skipped += *table_at - walked->end;
   }
-  take(*walked);
-  if (!table_at) return std::move(list_);
-  why = walked->damaged() ? "packets before it are damaged" : disagreement(entries, *walked);
-  if (why.empty()) {
+  if (table_at) {
+    why = walked->damaged() ? "packets before it are damaged" : disagreement(entries, *walked);
+    if (!why.empty()) count_missing(entries, *walked);
+  }
+  take(std::move(*walked));
+  if (table_at && why.empty()) {
     take_table(entries);
     list_.problems.header_not_patched = !has_position;
-  } else {
-    count_missing(entries, *walked);
   }
   return std::move(list_);
 }
@@ -256,9 +257,11 @@ std::vector<PacketRecord> PacketFinder::hints_from(std::vector<PacketRecord> ent
   return entries;
 }
 
-/// From header to header up to `end` or a data table.
-Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>& hints) {
+/// From header to header up to `end` or a data table; where there is damage, by what the entries of `table` tell too.
+Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>* table) {
   Walk walked;
+  std::optional<std::vector<PacketRecord>> hints;  // once they are wanted, for they take memory
+  if (table != nullptr) walked.packets.reserve(table->size());
   std::uint64_t at = data_begin_;
   std::uint64_t empty_run = 0;  ///< packets without contents right before `at`
   while (at < end) {
@@ -287,7 +290,8 @@ Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>& hint
       at -= empty_run * packet_header_size;
     }
     empty_run = 0;
-    const auto next = go_on(walked, at, end, hints);
+    if (!hints) hints = table == nullptr ? std::vector<PacketRecord>{} : hints_from(*table);
+    const auto next = go_on(walked, at, end, *hints);
     if (!next) break;
     at = *next;
   }
@@ -536,17 +540,13 @@ void PacketFinder::count_missing(const std::vector<PacketRecord>& entries, const
   }
 }
 
-void PacketFinder::take(const Walk& walked) {
+void PacketFinder::take(Walk walked) {
   list_.problems.empty_packets = walked.empty;
   list_.problems.skipped_bytes = walked.skipped;
   list_.problems.resized_packets = walked.resized;
-  for (const PacketRecord& packet : walked.packets) {
-    if (declared(packet.stream_id) != nullptr) {
-      list_.packets.push_back(packet);
-    } else {
-      ++list_.problems.undeclared_packets;
-    }
-  }
+  const auto is_undeclared = [this](const PacketRecord& packet) { return declared(packet.stream_id) == nullptr; };
+  list_.problems.undeclared_packets = std::erase_if(walked.packets, is_undeclared);
+  list_.packets = std::move(walked.packets);
 }
 
 /// Completes the packets by the table's entries, which agree with them.

@@ -133,6 +133,7 @@ struct RecordingReader::State {
   PacketBuffer content;
   EventPacketDecoder decoder;
   std::unique_ptr<EventReadAhead> ahead;  ///< once packets of events are read one after the other
+  std::size_t ahead_until = 0;            ///< the first packet behind those that it knows of
   std::set<std::int32_t> streams_read;    ///< streams of events that were read from
   std::size_t next_events = 0;            ///< the packet of those that follows the one read last
   unsigned in_a_row = 0;                  ///< packets read one after the other
@@ -332,9 +333,11 @@ std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i)
 
   if (is_new_stream && ahead) ahead->expect({});
   constexpr unsigned habit = 3;
-  if (in_a_row == habit) {
+  constexpr std::size_t most_packets = 8192;  // that it is told of at once, for the list takes memory
+  if (in_a_row == habit || (in_a_row > habit && i >= ahead_until)) {
     std::vector<EventPacket> packets;
-    for (std::size_t k = next_events; k < records.size(); ++k) {
+    ahead_until = std::min(records.size(), next_events + most_packets);
+    for (std::size_t k = next_events; k < ahead_until; ++k) {
       if (streams_read.contains(records[k].stream_id)) packets.push_back({records[k], sensor_of(records[k])});
     }
     if (!ahead) ahead = std::make_unique<EventReadAhead>(file, start.header.compression, threads - 1);
