@@ -110,8 +110,13 @@ TEST(Connection, GivesUpOnAServerThatDoesNotAnswer) {
 }
 
 TEST(Connection, SaysSoWhenItBreaks) {
-  const ScriptedServer server([](ScriptedServer::Socket& client) { reset(client); });
+  std::promise<void> connected;
+  const ScriptedServer server([&](ScriptedServer::Socket& client) {
+    connected.get_future().wait();
+    reset(client);
+  });
   Connection connection(server.address(), 10s);
+  connected.set_value();
   std::array<std::byte, 10> bytes{};
   const std::string error = error_of([&] {
     while (connection.receive(bytes, 10s)) {
@@ -122,8 +127,13 @@ TEST(Connection, SaysSoWhenItBreaks) {
 }
 
 TEST(Connection, SendingToAServerThatIsGoneIsAnErrorAndNoSignal) {
-  const ScriptedServer server([](ScriptedServer::Socket& client) { reset(client); });
+  std::promise<void> connected;
+  const ScriptedServer server([&](ScriptedServer::Socket& client) {
+    connected.get_future().wait();
+    reset(client);
+  });
   Connection connection(server.address(), 10s);
+  connected.set_value();
   const std::string much(1 << 20, 'x');
   const std::string error = error_of([&] {
     for (int i = 0; i < 1000; ++i) connection.send(bytes_in(much), 10s);

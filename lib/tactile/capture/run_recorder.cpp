@@ -92,7 +92,7 @@ struct RunRecorder::State {
   std::vector<std::optional<HostTime>> told_ends;  ///< which of each source's ends was logged
   std::unique_ptr<OpenRun> open;
 
-  explicit State(const RunRecorderOptions& given) : options(given), queue(options.queue_bytes) {}
+  explicit State(RunRecorderOptions given) : options(std::move(given)), queue(options.queue_bytes) {}
 
   bool none_is_live() const {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
@@ -195,7 +195,7 @@ RunInfo RunRecorder::State::info(const RunRequest& request, HostTime begun) cons
 
 RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<RobotMonitor> robot,
                          std::unique_ptr<VideoCapture> video, RunRecorderOptions options)
-    : state_(std::make_unique<State>(options)) {
+    : state_(std::make_unique<State>(std::move(options))) {
   State& state = *state_;
   state.streams = recorded_streams(sources);
   for (const RecordedStream& stream : state.streams) state.declared.push_back(stream.stream);

@@ -20,6 +20,7 @@ constexpr std::uint64_t kept_in_memory = std::uint64_t{512}
 
 std::vector<Stream> declared(const std::vector<RecordedStream>& streams) {
   std::vector<Stream> all;
+  all.reserve(streams.size());
   for (const RecordedStream& stream : streams) all.push_back(stream.stream);
   return all;
 }
