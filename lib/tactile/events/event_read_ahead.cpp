@@ -19,7 +19,7 @@ namespace {
 
 /// Handing a batch from thread to thread costs some microseconds, decoding it hundreds.
 constexpr std::size_t batch_bytes = std::size_t{512} << 10;
-constexpr std::size_t batch_packets = 64;
+constexpr std::size_t batch_packets = 16;
 constexpr std::size_t most_bytes_ahead = std::size_t{64} << 20;
 /// A buffer that a huge packet left behind is not kept for small ones.
 constexpr std::size_t largest_kept_buffer = std::size_t{4} << 20;
