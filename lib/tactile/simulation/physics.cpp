@@ -78,6 +78,15 @@ const SimulationPreset& SimulationPhysics::preset(std::string_view name) const {
   refuse_name(name, "preset of the simulation", names);
 }
 
+double SimulationPhysics::longest_run_s(const SimulationPreset& preset) const {
+  return tactile::longest_run_s({.timings = preset.timings,
+                                 .variation = variation,
+                                 .after = after_effects,
+                                 .special = special_runs,
+                                 .imu_share = imu.share,
+                                 .may_be_special = preset.special_runs});
+}
+
 const SimulationPhysics& default_physics() {
   static const SimulationPhysics physics = read_default_physics();
   return physics;

@@ -48,9 +48,9 @@ struct SimulationPhysics {
 /// configs/simulation.json and configs/objects.json, as they were when this was built.
 const SimulationPhysics& default_physics();
 
-/// The defaults, with what the file gives in their place: any member of configs/simulation.json, and `objects`, a list like that of
-/// configs/objects.json whose members replace those of the same name, member by member, or are added. `why` may say in a sentence
-/// what the file is for.
+/// The defaults, with what the file gives in their place: any member of configs/simulation.json, and `objects`, a list like that
+/// of configs/objects.json whose members replace those of the same name, member by member, or are added. `why` may say in a
+/// sentence what the file is for.
 /// @throws Error  naming the file and the member, with the nearest name where there is none of it, or the range it must lie in
 SimulationPhysics read_physics(const std::filesystem::path& file);
 
