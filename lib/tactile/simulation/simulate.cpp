@@ -95,8 +95,13 @@ class TouchCounter {
 void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCounter& touch,
             const std::function<void(double)>& tell_share) {
   constexpr microseconds piece = 10ms;
-  const std::vector<Stream> streams = streams_of(drawn);
-  const std::vector<ImuSample> imu = imu_of(drawn);
+  const std::string source = simulated_camera_name(drawn.seed);
+  std::vector<Stream> streams{event_stream_declaration(drawn.camera.size, source)};
+  std::vector<ImuSample> imu;
+  if (drawn.plan.has_imu) {
+    streams.push_back(simulated_imu_stream(source));
+    imu = imu_of(drawn);
+  }
   RecordingWriter recording(file, streams);
   std::size_t felt = 0;
   const auto write_imu_before = [&](std::optional<CameraTime> t) {
@@ -162,9 +167,8 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, int runs) {
 
 }  // namespace
 
-SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& camera,
+SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
                           const std::function<void(double)>& tell_share) {
-  const CameraPixels pixels = pixels_of(drawn, camera);
   TouchCounter touch(drawn);
   SkinFilm film = film_of(drawn, pixels);
   record(run.events(), drawn, film, touch, tell_share);
@@ -215,7 +219,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
   const int runs = options.runs.value_or(options.physics.preset(options.preset).runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
   std::vector<PlannedRun> planned = plan_runs(options, runs);
-  const CameraPixels camera = simulated_camera_pixels(options.physics, options.seed);
+  const CameraPixels pixels = simulated_camera_pixels(options.physics, options.seed);
 
   std::vector<std::size_t> to_make;
   for (std::size_t i = 0; i < planned.size(); ++i) {
@@ -242,7 +246,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
       WholeFile whole(outcome.run.folder);
       fs::create_directory(whole.path());
       const DrawnRun drawn = draw_run(options.physics, outcome.run.object, outcome.run.run, options.preset, options.seed);
-      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, drawn, camera,
+      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, drawn, pixels,
                                              [&](double share) { tell_part(0.9 * share); });
       // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
       if (planned[to_make[i]].keeps_labels && fs::exists(outcome.run.labels()))

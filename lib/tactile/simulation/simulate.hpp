@@ -48,8 +48,8 @@ struct SimulatedRun {
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes one run's files in the folder, which is there and empty.
-/// @param camera  that serves all runs of the data set
-SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& camera,
+/// @param pixels  of the camera that serves all runs of the data set
+SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
                           const std::function<void(double)>& tell_share = {});
 
 }  // namespace tactile

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "tactile/core/json.hpp"
@@ -29,17 +30,13 @@ constexpr microseconds video_after_end = 100ms;
 int number_of(const std::string& run) { return static_cast<int>(whole_number_in(run).value_or(1)); }
 
 /// How many runs the camera has seen before, in the order in which a lab makes them: one of each object, then the next of each.
-std::size_t runs_before(const DrawnRun& drawn) {
-  return static_cast<std::size_t>(number_of(drawn.run) - 1) * objects_per_round + drawn.physics->place_of(drawn.object.name);
+std::size_t runs_before(const SimulationPhysics& physics, const std::string& object, const std::string& run) {
+  return static_cast<std::size_t>(number_of(run) - 1) * objects_per_round + physics.place_of(object);
 }
 
-std::vector<TruePixel> hot_pixels_of(const CameraPixels& pixels, SensorSize size) {
-  std::vector<TruePixel> hot;
-  for (const CameraPixels::HotPixel& pixel : pixels.hot) {
-    const auto index = static_cast<int>(pixel.index);
-    hot.push_back({index % size.width, index / size.width, pixel.hz});
-  }
-  return hot;
+TruePixel pixel_at(std::size_t index, SensorSize size, double hz) {
+  const auto width = static_cast<std::size_t>(size.width);
+  return {static_cast<int>(index % width), static_cast<int>(index / width), hz};
 }
 
 }  // namespace
@@ -89,31 +86,26 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   drawn.camera = physics.camera;
   drawn.camera.veil = drawn.plan.veil;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
-  drawn.motion = move_skin(drawn.plan, view_of_skin(drawn.camera.size), drawn.camera.readout, for_motion);
+  drawn.camera.run_index = runs_before(physics, drawn.object.name, drawn.run);
+  drawn.motion = move_skin(drawn.plan, view_of(drawn.camera), drawn.camera.readout, for_motion);
   return drawn;
-}
-
-CameraPixels pixels_of(const DrawnRun& drawn, const CameraPixels& camera) {
-  static_cast<void>(runs_before(drawn));
-  return camera;
 }
 
 SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels) {
   return {drawn.motion, pixels, drawn.camera, drawn.start(), drawn.seed_for_use("camera")};
 }
 
-std::vector<Stream> streams_of(const DrawnRun& drawn) {
-  const std::string source = simulated_camera_name(drawn.seed);
-  std::vector<Stream> streams{event_stream_declaration(drawn.camera.size, source)};
-  if (drawn.plan.has_imu) {
-    streams.push_back(
-        {.id = 1, .type = StreamType::imu, .type_identifier = "IMUS", .source = source, .name = "imu", .size = {}, .info = {}});
-  }
-  return streams;
+Stream simulated_imu_stream(std::string source) {
+  return {.id = 1,
+          .type = StreamType::imu,
+          .type_identifier = "IMUS",
+          .source = std::move(source),
+          .name = "imu",
+          .size = {},
+          .info = {}};
 }
 
 std::vector<ImuSample> imu_of(const DrawnRun& drawn) {
-  if (!drawn.plan.has_imu) return {};
   Random random(drawn.seed_for_use("imu"));
   return feel_run(drawn.plan, drawn.start(), drawn.physics->imu, random);
 }
@@ -170,7 +162,11 @@ Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSk
   }
   truth.robot_clock = drawn.clocks.robot;
   truth.video_clock = drawn.clocks.video;
-  truth.hot_pixels = hot_pixels_of(pixels, drawn.camera.size);
+  for (const HotPixel& pixel : hot_pixels_of_run(pixels, drawn.camera.run_index))
+    truth.hot_pixels.push_back(pixel_at(pixel.index, drawn.camera.size, pixel.hz));
+  for (std::size_t i = 0; i < pixels.thresholds.size(); ++i) {
+    if (std::isinf(pixels.thresholds[i])) truth.dead_pixels.push_back(pixel_at(i, drawn.camera.size, 0));
+  }
   truth.parameters = {{"plan", drawn.plan},
                       {"camera_start_us", drawn.clocks.camera_start_us},
                       {"physics_hash", hash_of(json_of(*drawn.physics))},

@@ -41,7 +41,7 @@ struct DrawnRun {
   std::uint64_t seed = 1;  ///< of the data set
   RunPlan plan;
   RunClocks clocks;
-  EventCameraOptions camera;  ///< in this run's light
+  EventCameraOptions camera;  ///< as it is in this run
   SkinMotion motion;
 
   CameraTime start() const { return camera_time(clocks.camera_start_us); }  ///< the camera's first read-out
@@ -53,15 +53,11 @@ struct DrawnRun {
 DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std::string run, std::string_view preset,
                   std::uint64_t seed);
 
-/// The camera as it is in this run: its hot pixels come and go between runs.
-CameraPixels pixels_of(const DrawnRun& drawn, const CameraPixels& camera);
-
-/// The camera's film of the run. `drawn` and `pixels`, which are those of the run, must outlive it.
+/// The camera's film of the run. `drawn` and `pixels` must outlive it.
 SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels);
 
-/// Events with id 0, and an inertial sensor's with id 1 where the run has one.
-std::vector<Stream> streams_of(const DrawnRun& drawn);
-std::vector<ImuSample> imu_of(const DrawnRun& drawn);  ///< none where the run has none
+Stream simulated_imu_stream(std::string source);       ///< id 1, "imu"
+std::vector<ImuSample> imu_of(const DrawnRun& drawn);  ///< whether or not the run's plan has it recorded
 
 // Where a recording ended before the run did, at `until`, the robot and the video end just after it, and motion that comes later
 // is no part of the truth; an interval that was going on ends there.
