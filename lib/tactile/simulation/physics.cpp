@@ -51,6 +51,11 @@ void read_into(SimulationPhysics& physics, const nlohmann::json& json, const std
   list_fields(members, physics);
   members.refuse_others();
   if (objects != nullptr) read_objects(*objects, physics.objects, where);
+  try {
+    check(physics.camera);
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what());
+  }
 }
 
 SimulationPhysics read_default_physics() {
