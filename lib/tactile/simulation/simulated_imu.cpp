@@ -33,7 +33,7 @@ std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const Imu
   const std::array<double, 3> acceleration_bias = three_normals(physics.acceleration_bias_g, random);
   const std::array<double, 3> rate_bias = three_normals(physics.rate_bias_dps, random);
   const double temperature_c = drawn(physics.temperature_c, random);
-  const std::int64_t step_us = physics.stamp_step_us, end_us = std::llround(1e6 * plan.end_s);
+  const std::int64_t step_us = physics.stamp_step.count(), end_us = std::llround(1e6 * plan.end_s);
 
   std::vector<ImuSample> samples;
   samples.reserve(static_cast<std::size_t>(plan.end_s / period_s) + 2);

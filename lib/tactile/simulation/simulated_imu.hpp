@@ -17,7 +17,7 @@ struct ImuPhysics {
   double rate_hz = 800;
   double rate_error = 0.01;             ///< the rate is off by up to this share: the sensor has a clock of its own
   Range delay_us{20, 260};              ///< from a sample to its stamp
-  int stamp_step_us = 200;              ///< a stamp is the time of the read-out going on: a whole number of these since the first
+  microseconds stamp_step{200};         ///< a stamp is the time of the read-out going on: a whole number of these since the first
   double acceleration_noise_g = 0.003;  ///< standard deviation of a sample
   double acceleration_bias_g = 0.02;    ///< standard deviation from run to run, each axis
   double rate_noise_dps = 0.1;
@@ -32,7 +32,7 @@ void list_fields(Fields& fields, ImuPhysics& imu) {
   fields("rate_hz", imu.rate_hz, 1.0, 3200.0);
   fields("rate_error", imu.rate_error, 0.0, 0.2);
   fields("delay_us", imu.delay_us, 0.0, 100'000.0);
-  fields("stamp_step_us", imu.stamp_step_us, 1, 100'000);
+  fields("stamp_step_us", imu.stamp_step, 1, 100'000);
   fields("acceleration_noise_g", imu.acceleration_noise_g, 0.0, 1.0);
   fields("acceleration_bias_g", imu.acceleration_bias_g, 0.0, 1.0);
   fields("rate_noise_dps", imu.rate_noise_dps, 0.0, 100.0);

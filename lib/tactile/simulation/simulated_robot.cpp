@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace tactile {
 namespace {
@@ -13,16 +15,27 @@ constexpr double rotation_speed_noise_factor = 3.0;  // the wrist's joints are c
 /// As a log prints it: more digits than the encoders know only make files larger.
 double rounded(double value) { return std::round(value * 1e7) / 1e7; }
 
-/// Where the arm's ringing has taken it [mm]: x'' = -w^2 x, but for the little that its decay adds.
-double ringing_at(const RunPlan& plan, double t_s) {
-  const double w = 2.0 * std::numbers::pi * plan.vibration.hz;
-  return -plan.vibration_acceleration_at(t_s) / (w * w);
-}
+/// What the arm's ringing adds to its motion.
+struct Ringing {
+  double travel_mm = 0;
+  double speed_mm_s = 0;
+};
 
-/// [mm/s]
-double ringing_speed_at(const RunPlan& plan, double t_s) {
-  const double step_s = 1e-3 / plan.vibration.hz;
-  return (ringing_at(plan, t_s) - ringing_at(plan, t_s - step_s)) / step_s;  // no motion is seen before it begins
+/// The motion whose acceleration is the plan's: after a change c of the arm's acceleration the arm lags by share c / (w^2 + d^2),
+/// and swings round that,
+///
+///   x = -share c / (w^2 + d^2) (1 - e^(-d t) (cos w t + d / w sin w t)),   x' = -share c / w e^(-d t) sin w t
+Ringing ringing_at(const VibrationPlan& vibration, const std::vector<std::pair<double, double>>& changes, double t_s) {
+  const double w = 2.0 * std::numbers::pi * vibration.hz, d = 1.0 / vibration.decay_s;
+  Ringing ringing;
+  for (const auto& [at_s, change] : changes) {
+    const double since = t_s - at_s;
+    if (since <= 0) break;
+    const double left = vibration.housing_share * change * std::exp(-d * since), sine = std::sin(w * since);
+    ringing.travel_mm -= (vibration.housing_share * change - left * (std::cos(w * since) + d / w * sine)) / (w * w + d * d);
+    ringing.speed_mm_s -= left / w * sine;
+  }
+  return ringing;
 }
 
 }  // namespace
@@ -31,6 +44,7 @@ LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotP
   const double speed_noise = 1e-3 * drawn(physics.speed_noise_mm_s, random);  // [m/s]
   std::array<double, 6> place{random.uniform(-0.6, -0.4), random.uniform(0.1, 0.3), random.uniform(0.2, 0.3), 0, 0, 0};
   for (std::size_t i = 3; i < 6; ++i) place[i] = random.uniform(-2.0, 2.0);
+  const std::vector<std::pair<double, double>> changes = plan.arm_acceleration_changes();
   const double end_s = plan.end_s + drawn(physics.after_camera_s, random);
 
   LoggedRobot robot;
@@ -43,9 +57,10 @@ LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotP
       ++robot.dropped_packages;
       continue;
     }
+    const Ringing ringing = ringing_at(plan.vibration, changes, t_s);
     state.tcp_pose = place;
-    state.tcp_pose[2] += 1e-3 * (plan.arm_travel_at(t_s) + ringing_at(plan, t_s));
-    state.tcp_speed[2] = 1e-3 * (plan.arm_speed_at(t_s) + ringing_speed_at(plan, t_s));
+    state.tcp_pose[2] += 1e-3 * (plan.arm_travel_at(t_s) + ringing.travel_mm);
+    state.tcp_speed[2] = 1e-3 * (plan.arm_speed_at(t_s) + ringing.speed_mm_s);
     for (std::size_t i = 0; i < 6; ++i) {
       const bool turns = i >= 3;
       const double pose_noise = physics.pose_noise_mm * (turns ? rotation_noise_rad_per_mm : 1e-3);

@@ -71,9 +71,9 @@ SimulatedVideo::SimulatedVideo(const ObjectModel& object, const RunPlan& plan, c
       clocks_(&clocks),
       half_width_px_((object.radius_mm > 0 ? std::min(object.radius_mm, 26.0) : object.half_width_mm) * px_per_mm),
       height_px_(2.5 * object.half_height_mm * px_per_mm),
+      grey_(20 + 250 * object.reflectivity),
       closed_mm_(plan.stage_travel_at(0) + (plan.presses.empty() ? open_mm : 0.0)) {
-  for (const PressPlan& press : plan.presses)
-    closed_mm_ = std::max(closed_mm_, plan.stage_travel_at(press.contact_s + press.press_s));
+  for (const PressPlan& press : plan.presses) closed_mm_ = std::max(closed_mm_, plan.stage_travel_at(press.still_s()));
 
   const double period_s = 1.0 / (physics.rate_hz * (1.0 + random.uniform(-physics.rate_error, physics.rate_error)));
   const double end_s = plan.end_s + drawn(physics.after_camera_s, random);
@@ -102,7 +102,7 @@ cv::Mat SimulatedVideo::draw(std::size_t index) {
     still_ = cv::Mat(height, width, CV_8UC1, cv::Scalar(std::round(seen(70))));
     fill_box(still_, {0, table_px, width, height}, seen(105));
     // The object stands still; the light press does not hold it.
-    fill_box(still_, {centre_px - half_width_px_, table_px - height_px_, centre_px + half_width_px_, table_px}, seen(170));
+    fill_box(still_, {centre_px - half_width_px_, table_px - height_px_, centre_px + half_width_px_, table_px}, seen(grey_));
     still_exposure_ = exposure;
   }
 

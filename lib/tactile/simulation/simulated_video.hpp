@@ -54,8 +54,8 @@ class SimulatedVideo {
  private:
   const RunPlan* plan_;
   const RunClocks* clocks_;
-  double half_width_px_, height_px_;  ///< of the object
-  double closed_mm_;                  ///< the stage's travel where the gap between sensor and object closes
+  double half_width_px_, height_px_, grey_;  ///< of the object
+  double closed_mm_;                         ///< the stage's travel where the gap between sensor and object closes
   std::vector<VideoTime> times_;
   std::vector<double> exposures_;
   std::vector<std::size_t> noise_begins_;  ///< a place in `noise_` per frame
