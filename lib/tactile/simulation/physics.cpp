@@ -83,13 +83,14 @@ const SimulationPreset& SimulationPhysics::preset(std::string_view name) const {
   refuse_name(name, "preset of the simulation", names);
 }
 
-double SimulationPhysics::longest_run_s(const SimulationPreset& preset) const {
-  return tactile::longest_run_s({.timings = preset.timings,
-                                 .variation = variation,
-                                 .after = after_effects,
-                                 .special = special_runs,
-                                 .imu_share = imu.share,
-                                 .may_be_special = preset.special_runs});
+RunPlanOptions SimulationPhysics::plan_options(const SimulationPreset& preset, int run_number) const {
+  return {.timings = preset.timings,
+          .variation = variation,
+          .after = after_effects,
+          .special = special_runs,
+          .imu_share = imu.share,
+          .run_number = run_number,
+          .may_be_special = preset.special_runs};
 }
 
 const SimulationPhysics& default_physics() {

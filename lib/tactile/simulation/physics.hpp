@@ -42,7 +42,8 @@ struct SimulationPhysics {
   std::size_t place_of(std::string_view object) const;  ///< in `objects`
   const SimulationPreset& preset(std::string_view name) const;
 
-  double longest_run_s(const SimulationPreset& preset) const;  ///< an upper bound
+  /// What the plan of a run is drawn from. @param run_number  from 1
+  RunPlanOptions plan_options(const SimulationPreset& preset, int run_number) const;
 };
 
 /// configs/simulation.json and configs/objects.json, as they were when this was built.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -242,7 +241,6 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
         for (const std::uint64_t part : done) sum += part;
         tell(progress, sum, parts * done.size(), outcome.run.name());
       };
-      const auto begun = std::chrono::steady_clock::now();
       WholeFile whole(outcome.run.folder);
       fs::create_directory(whole.path());
       const DrawnRun drawn = draw_run(options.physics, outcome.run.object, outcome.run.run, options.preset, options.seed);
@@ -258,7 +256,6 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
       outcome = made;
       outcome.run = run;
       outcome.kind = kind;
-      outcome.work_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
       tell_part(1.0);
     });
   }

@@ -36,7 +36,6 @@ struct SimulatedRun {
   std::uint64_t bytes = 0;         ///< of all its files
   std::uint64_t touch_events = 0;  ///< of a run made or replaced now: in presses and slips
   double touch_s = 0;              ///< which last so long
-  double work_s = 0;               ///< that one thread took to make it, by the wall clock
 };
 
 /// Makes run folders, each whole or not at all, and the same bytes for the same seed on any number of threads. A run that this

@@ -73,16 +73,9 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   drawn.seed = seed;
   const SimulationPreset& size = physics.preset(preset);
   Random for_plan(drawn.seed_for_use("plan")), for_motion(drawn.seed_for_use("motion"));
-  drawn.plan = draw_run_plan(drawn.object,
-                             {.timings = size.timings,
-                              .variation = physics.variation,
-                              .after = physics.after_effects,
-                              .special = physics.special_runs,
-                              .imu_share = physics.imu.share,
-                              .run_number = number_of(drawn.run),
-                              .may_be_special = size.special_runs},
-                             for_plan);
-  drawn.clocks = clocks_of_run(physics.clocks, seed, drawn.object.name, number_of(drawn.run), physics.longest_run_s(size));
+  const RunPlanOptions options = physics.plan_options(size, number_of(drawn.run));
+  drawn.plan = draw_run_plan(drawn.object, options, for_plan);
+  drawn.clocks = clocks_of_run(physics.clocks, seed, drawn.object.name, options.run_number, longest_run_s(options));
   drawn.camera = physics.camera;
   drawn.camera.veil = drawn.plan.veil;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
