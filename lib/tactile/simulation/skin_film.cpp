@@ -20,11 +20,12 @@ std::span<const Event> SkinFilm::next() {
   filmed_.last_readout = start_ + since;
   filmed_.events += seen.events.size();
   filmed_.caused += seen.caused;
-  if (seen.caused > 0) {
+  if (seen.caused_by != 0) {
     for (std::size_t i = 0; i < motion_->motions.size(); ++i) {
       const MarkerMotion& motion = motion_->motions[i];
       if (motion.start >= since) break;
-      if (since <= motion.end && !filmed_.first_events[i]) filmed_.first_events[i] = filmed_.last_readout;
+      const bool takes_part = (seen.caused_by & motion.markers) != 0 && since <= motion.end;
+      if (takes_part && !filmed_.first_events[i]) filmed_.first_events[i] = filmed_.last_readout;
     }
   }
   return seen.events;

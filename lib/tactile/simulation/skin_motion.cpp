@@ -255,6 +255,7 @@ class MotionList {
         others.push_back(motion);
       }
     }
+    std::erase_if(all, [](const MarkerMotion& motion) { return motion.end <= motion.start; });
     const std::vector<MarkerMotion> labelled = all;
     const auto keep = [&](MarkerMotion piece, microseconds end) {
       piece.end = end;
