@@ -59,9 +59,16 @@ float log_of(float value) {
   return value;
 }
 
-double smooth_step(double distance, double blur) {
-  const double s = std::min(1.0, std::max(0.0, 0.5 + 0.5 * distance / blur));
-  return s * s * (3.0 - 2.0 * s);
+/// An edge seen through the lens: values[i] = smoothstep of (i + 0.5 - edge) over `blur` on both sides of it, 0 to 1.
+void draw_edge(double edge, double blur, float* values, int count) {
+  const auto inside = [&](double i) { return i > 0 ? static_cast<int>(std::min<double>(i, count)) : 0; };
+  const int from = inside(std::floor(edge - blur)), to = inside(std::ceil(edge + blur));
+  std::fill(values, values + from, 0.0F);
+  for (int i = from; i < to; ++i) {
+    const double s = std::clamp(0.5 + 0.5 * (i + 0.5 - edge) / blur, 0.0, 1.0);
+    values[i] = static_cast<float>(s * s * (3.0 - 2.0 * s));
+  }
+  std::fill(values + to, values + count, 1.0F);
 }
 
 }  // namespace
@@ -217,28 +224,37 @@ EventCamera::EventCamera(const CameraPixels& pixels, const EventCameraOptions& o
   }
 }
 
-void EventCamera::place(const MarkerPose& pose, Marker& marker) const {
-  const double half_width = 0.5 * marker_width_mm * px_per_mm_ * pose.scale,
-               thickness = marker_thickness_mm * px_per_mm_ * pose.scale;
-  const double blur = options_.blur_px, margin = blur + 1.0;
+void EventCamera::place(const MarkerPose& pose, Marker& marker) {
+  const double half_width = 0.5 * marker_width_mm * px_per_mm_ * pose.scale;
+  const double thickness = marker_thickness_mm * px_per_mm_ * pose.scale, blur = options_.blur_px;
   const auto inside = [](double px, int size) { return px > 0 ? static_cast<int>(std::min<double>(px, size)) : 0; };
   Box& box = marker.box;
-  box = {inside(pose.x - half_width - margin, options_.size.width), inside(pose.y - thickness - margin, options_.size.height),
-         inside(pose.x + half_width + margin + 1, options_.size.width),
-         inside(pose.y + thickness + margin + 1, options_.size.height)};
+  const auto [width, height] = options_.size;
+  // From and to the first pixel whose middle an edge's blur does not reach.
+  box = {inside(pose.x - half_width - blur + 0.5, width), inside(pose.y - thickness - blur + 0.5, height),
+         inside(pose.x + half_width + blur + 0.5, width), inside(pose.y + thickness + blur + 0.5, height)};
   if (box.left >= box.right || box.top >= box.bottom) box = {};
-  marker.across.resize(static_cast<std::size_t>(box.right - box.left));
-  marker.contrast.resize(static_cast<std::size_t>(box.bottom - box.top));
-  const double from_left = box.left + 0.5 - (pose.x - half_width), from_right = box.left + 0.5 - (pose.x + half_width);
-  for (int i = 0; i < box.right - box.left; ++i)
-    marker.across[static_cast<std::size_t>(i)] =
-        static_cast<float>(smooth_step(from_left + i, blur) - smooth_step(from_right + i, blur));
-  const double black = options_.black - options_.skin, white = options_.white - options_.skin;
-  for (int i = 0; i < box.bottom - box.top; ++i) {
-    const double y = box.top + i + 0.5 - pose.y;
-    const double edge = smooth_step(y, blur);
-    const double black_share = smooth_step(y + thickness, blur) - edge, white_share = edge - smooth_step(y - thickness, blur);
-    marker.contrast[static_cast<std::size_t>(i)] = static_cast<float>(black_share * black + white_share * white);
+  const int columns = box.right - box.left, rows = box.bottom - box.top;
+  columns_.resize(static_cast<std::size_t>(std::max(columns, 2 * rows)));
+
+  marker.across.resize(static_cast<std::size_t>(columns));
+  draw_edge(pose.x - half_width - box.left, blur, marker.across.data(), columns);
+  draw_edge(pose.x + half_width - box.left, blur, columns_.data(), columns);
+  for (std::size_t i = 0; i < marker.across.size(); ++i) marker.across[i] -= columns_[i];
+  marker.full_left = inside(pose.x - half_width + blur + 0.5, width);
+  marker.full_right = inside(pose.x + half_width - blur + 0.5, width);
+  if (marker.full_left >= marker.full_right) marker.full_left = marker.full_right = box.right;
+
+  marker.contrast.resize(static_cast<std::size_t>(rows));
+  float *const middle = columns_.data(), *const lower = middle + rows;
+  draw_edge(pose.y - thickness - box.top, blur, marker.contrast.data(), rows);
+  draw_edge(pose.y - box.top, blur, middle, rows);
+  draw_edge(pose.y + thickness - box.top, blur, lower, rows);
+  const auto black = static_cast<float>(options_.black - options_.skin),
+             white = static_cast<float>(options_.white - options_.skin);
+  for (int i = 0; i < rows; ++i) {
+    float& contrast = marker.contrast[static_cast<std::size_t>(i)];
+    contrast = black * (contrast - middle[i]) + white * (middle[i] - lower[i]);
   }
 }
 
@@ -258,24 +274,30 @@ float EventCamera::level_at(std::uint32_t index) const {
   return log_of(intensity_of(reflectance_at(i % options_.size.width, i / options_.size.width)));
 }
 
+/// @param across  of each column from `left` on; none: all 1
 void EventCamera::add_stretch(int row, int left, int right, const float* across, float contrast) {
   if (left >= right) return;
   const auto skin = static_cast<float>(options_.skin);
-  stretches_.push_back(
-      {static_cast<std::size_t>(row) * static_cast<std::size_t>(options_.size.width) + static_cast<std::size_t>(left),
-       static_cast<std::uint32_t>(right - left), static_cast<std::uint32_t>(intensities_.size()), across == nullptr});
-  if (across == nullptr) {
-    intensities_.push_back(intensity_of(std::max(0.0F, skin + contrast)));
-    return;
+  const auto count = static_cast<std::size_t>(right - left), first = intensity_count_;
+  const bool even = across == nullptr;
+  intensity_count_ += even ? 1 : count;
+  if (intensities_.size() < intensity_count_) intensities_.resize(2 * intensity_count_);
+  const auto width = static_cast<std::size_t>(options_.size.width);
+  stretches_.push_back({static_cast<std::size_t>(row) * width + static_cast<std::size_t>(left), static_cast<std::uint32_t>(count),
+                        static_cast<std::uint32_t>(first), even});
+  float* intensities = intensities_.data() + first;
+  if (even) {
+    *intensities = intensity_of(std::max(0.0F, skin + contrast));
+  } else {
+    for (std::size_t i = 0; i < count; ++i) intensities[i] = intensity_of(std::max(0.0F, skin + across[i] * contrast));
   }
-  for (int x = left; x < right; ++x) intensities_.push_back(intensity_of(std::max(0.0F, skin + across[x - left] * contrast)));
 }
 
 void EventCamera::compare_stretches(std::uint8_t cause) {
-  take_logs(intensities_.data(), intensities_.size());
+  take_logs(intensities_.data(), intensity_count_);
   for (const Stretch& s : stretches_) compare(intensities_.data() + s.intensity, s.pixel, s.count, s.even, cause);
   stretches_.clear();
-  intensities_.clear();
+  intensity_count_ = 0;
 }
 
 /// Fires the pixels from `pixel` on whose ln I, one each or one for all, is too far from what they remember.
@@ -307,43 +329,19 @@ void EventCamera::compare(const float* levels, std::size_t pixel, std::size_t co
 }
 
 /// Looks at the pixels whose light differs between the two, either of which may be nowhere.
-void EventCamera::look_at_change(const Marker& before, const Marker& now, std::uint8_t cause) {
-  Box all = now.box;
-  if (all.left == all.right) {
-    all = before.box;
-  } else if (before.box.left < before.box.right) {
-    all.take_in(before.box);
-  }
-  // Both markers' columns over the same stretch, then those that differ.
-  const auto width = static_cast<std::size_t>(all.right - all.left);
-  const auto lay_out = [&](const Marker& marker, std::vector<float>& columns) {
-    columns.assign(width, 0.0F);
-    if (!marker.across.empty())
-      std::copy(marker.across.begin(), marker.across.end(), columns.begin() + (marker.box.left - all.left));
-  };
-  lay_out(before, was_);
-  lay_out(now, is_);
-  const auto ends = static_cast<int>(width);
-  int covered_left = ends, covered_right = 0, full_left = ends, full_right = ends;
-  changed_.clear();
-  for (int i = 0; i < ends; ++i) {
-    const float was = was_[static_cast<std::size_t>(i)], is = is_[static_cast<std::size_t>(i)];
-    if (was != 0.0F || is != 0.0F) {
-      covered_left = std::min(covered_left, i);
-      covered_right = i + 1;
-    }
-    if (is == 1.0F) {
-      full_left = std::min(full_left, i);
-      full_right = i + 1;
-    }
-    if (was == is) continue;
-    if (!changed_.empty() && changed_.back().second == i) {
-      changed_.back().second = i + 1;
-    } else {
-      changed_.emplace_back(i, i + 1);
-    }
-  }
-  if (full_left == ends) full_left = full_right = covered_right;
+/// @param sideways  whether any column may differ
+void EventCamera::look_at_change(const Marker& before, const Marker& now, bool sideways, std::uint8_t cause) {
+  const bool was = !before.across.empty(), is = !now.across.empty();
+  if (!was && !is) return;
+  Box all = is ? now.box : before.box;
+  if (was) all.take_in(before.box);
+  columns_.assign(static_cast<std::size_t>(all.right - all.left), 0.0F);
+  const auto across_from = [&](int column) { return columns_.data() + (column - all.left); };
+  std::copy(now.across.begin(), now.across.end(), columns_.begin() + (is ? now.box.left - all.left : 0));
+  const int full_left = is ? now.full_left : all.right, full_right = is ? now.full_right : all.right;
+  // The columns of both that are not full.
+  const int left_end = was && is ? std::max(before.full_left, now.full_left) : all.right;
+  const int right_end = was && is ? std::max(left_end, std::min(before.full_right, now.full_right)) : all.right;
   const auto contrast_at = [](const Marker& marker, int row) {
     return row >= marker.box.top && row < marker.box.bottom ? marker.contrast[static_cast<std::size_t>(row - marker.box.top)]
                                                             : 0.0F;
@@ -351,11 +349,12 @@ void EventCamera::look_at_change(const Marker& before, const Marker& now, std::u
   for (int row = all.top; row < all.bottom; ++row) {
     const float contrast = contrast_at(now, row);
     if (contrast != contrast_at(before, row)) {
-      add_stretch(row, all.left + covered_left, all.left + full_left, is_.data() + covered_left, contrast);
-      add_stretch(row, all.left + full_left, all.left + full_right, nullptr, contrast);
-      add_stretch(row, all.left + full_right, all.left + covered_right, is_.data() + full_right, contrast);
-    } else if (contrast != 0.0F) {
-      for (const auto& [left, right] : changed_) add_stretch(row, all.left + left, all.left + right, is_.data() + left, contrast);
+      add_stretch(row, all.left, full_left, across_from(all.left), contrast);
+      add_stretch(row, full_left, full_right, nullptr, contrast);
+      add_stretch(row, full_right, all.right, across_from(full_right), contrast);
+    } else if (contrast != 0.0F && sideways) {
+      add_stretch(row, all.left, left_end, across_from(all.left), contrast);
+      add_stretch(row, right_end, all.right, across_from(right_end), contrast);
     }
   }
   compare_stretches(cause);
@@ -480,10 +479,11 @@ EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
     base_ = static_cast<float>(options_.dark + light * options_.veil);
     skin_level_ = log_of(intensity_of(static_cast<float>(options_.skin)));
   }
-  std::uint32_t moved = 0;
+  std::uint32_t moved = 0, sideways = 0;
   for (std::size_t m = 0; m < poses.size(); ++m) {
     if (poses[m] == poses_[m]) continue;
     moved |= 1U << m;
+    if (poses[m].x != poses_[m].x || poses[m].scale != poses_[m].scale) sideways |= 1U << m;
     poses_[m] = poses[m];
     std::swap(before_[m], markers_[m]);
     place(poses[m], markers_[m]);
@@ -503,10 +503,10 @@ EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
       look_pixel_by_pixel(before.box, cause);
       look_pixel_by_pixel(now.box, cause);
     } else if (before.box.meets(now.box)) {
-      look_at_change(before, now, cause);
+      look_at_change(before, now, (sideways >> m & 1U) != 0, cause);
     } else {
-      look_at_change(before, {}, cause);
-      look_at_change({}, now, cause);
+      look_at_change(before, {}, true, cause);
+      look_at_change({}, now, true, cause);
     }
   }
   if (flickers) look_at_all();

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "tactile/core/random.hpp"
@@ -184,6 +183,7 @@ class EventCamera {
   /// A marker in the image: a pixel's reflectance is the skin's plus across[x - box.left] * contrast[y - box.top].
   struct Marker {
     Box box;
+    int full_left = 0, full_right = 0;  ///< from and to the columns where `across` is 1
     std::vector<float> across;
     std::vector<float> contrast;
   };
@@ -209,11 +209,11 @@ class EventCamera {
     double readouts_between = 0;
   };
 
-  void place(const MarkerPose& pose, Marker& marker) const;
+  void place(const MarkerPose& pose, Marker& marker);
   float reflectance_at(int x, int y) const;
   float intensity_of(float reflectance) const { return base_ + light_ * reflectance; }
   float level_at(std::uint32_t index) const;
-  void look_at_change(const Marker& before, const Marker& now, std::uint8_t cause);
+  void look_at_change(const Marker& before, const Marker& now, bool sideways, std::uint8_t cause);
   void look_pixel_by_pixel(const Box& box, std::uint8_t cause);
   void look_at_all();
   void add_stretch(int row, int left, int right, const float* across, float contrast);
@@ -244,8 +244,8 @@ class EventCamera {
   std::vector<Fired> fired_, sorted_;
   std::vector<std::uint32_t> places_;
   std::vector<Event> events_;
-  std::vector<float> was_, is_, intensities_;
-  std::vector<std::pair<int, int>> changed_;
+  std::vector<float> columns_, intensities_;
+  std::size_t intensity_count_ = 0;
   std::vector<Stretch> stretches_;
   std::vector<std::uint8_t> exceeds_;
 };
