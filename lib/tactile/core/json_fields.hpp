@@ -102,11 +102,13 @@ class FieldReader {
     members.refuse_others();
   }
 
+  /// A member that is read elsewhere; nothing if there is none.
+  const nlohmann::json* find(std::string_view name);
+
   /// To be called once all members are listed. @throws Error  if there is one that was not
   void refuse_others() const;
 
  private:
-  const nlohmann::json* find(std::string_view name);  ///< notes that there is a member of this name
   double number(std::string_view name, const nlohmann::json& json, double low, double high) const;
   std::int64_t whole_number(std::string_view name, const nlohmann::json& json, double low, double high) const;
   std::pair<double, double> range(std::string_view name, const nlohmann::json& json, double low, double high) const;

@@ -99,7 +99,7 @@ void list_fields(Fields& fields, RunVariation& v) {
   fields("release_s", v.release_s, 0.02, 10.0);
   fields("centre_mm", v.centre_mm, 0.0, 10.0);
   fields("edge_slope", v.edge_slope, 0.0, 100.0);
-  fields("pull", v.pull, -3.0, 3.0);
+  fields("pull", v.pull, -1.0, 2.0);
   fields("pull_full_mm", v.pull_full_mm, 0.1, 100.0);
   fields("skid", v.skid, 0.0, 1.0);
   fields("pull_scatter_x", v.pull_scatter_x, 0.0, 1.0);
