@@ -381,8 +381,7 @@ TEST(DrawRunPlan, KeepsAfterEffectsClearOfPressAndLift) {
         for (std::size_t m = 0; m < marker_count; ++m) {
           if ((slip.markers >> m & 1U) != 0) EXPECT_LT(plan.presses[0].markers[m].gap_mm, plan.presses[0].depth_mm);
         }
-        for (const RecontactPlan& rocks : plan.recontacts)
-          EXPECT_TRUE(slip.at_s < rocks.start_s || slip.at_s > rocks.end_s());
+        for (const RecontactPlan& rocks : plan.recontacts) EXPECT_TRUE(slip.at_s < rocks.start_s || slip.at_s > rocks.end_s());
       }
       for (const RecontactPlan& rocks : plan.recontacts) {
         EXPECT_GT(rocks.start_s, plan.lift->end_s() + 0.35);
