@@ -79,7 +79,8 @@ std::vector<std::vector<double>> features() {
   std::vector<std::vector<double>> all;
   for (const ObjectModel& object : default_physics().objects) {
     std::vector<double>& numbers = all.emplace_back();
-    for (const auto& [key, value] : json_of_fields(object).items()) {
+    const nlohmann::json json = json_of_fields(object);
+    for (const auto& [key, value] : json.items()) {
       if (value.is_number() && key != "weight_g" && key != "reflectivity") numbers.push_back(value.get<double>());
     }
   }
@@ -177,7 +178,7 @@ TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
   EXPECT_EQ(refusal(R"({"camera": {"treshold": 1}})"), "FILE: there is no 'camera.treshold'; the nearest is 'camera.threshold'");
   EXPECT_EQ(refusal(R"({"camra": {}})"), "FILE: there is no 'camra'; the nearest is 'camera'");
   EXPECT_EQ(refusal(R"({"object": []})"), "FILE: there is no 'object'; the nearest is 'objects'");
-  EXPECT_EQ(refusal(R"({"presets": {"huge": {}}})"), "FILE: there is no 'presets.huge'; the nearest is 'presets.quick'");
+  EXPECT_EQ(refusal(R"({"presets": {"quik": {}}})"), "FILE: there is no 'presets.quik'; the nearest is 'presets.quick'");
   EXPECT_EQ(refusal(R"({"variation": {"depth_mm": [2, 1]}})"),
             "FILE: variation.depth_mm is [2,1]; expected [low, high], ascending, from 0.05 to 2");
   EXPECT_EQ(refusal(R"({"objects": [{"name": "fan", "compliance": 1}]})"),
