@@ -206,10 +206,7 @@ EventCamera::EventCamera(const CameraPixels& pixels, const EventCameraOptions& o
   for (std::size_t m = 0; m < poses_.size(); ++m) place(poses_[m], markers_[m]);
   for (const Marker& marker : markers_) {
     for (int y = marker.box.top; y < marker.box.bottom; ++y) {
-      for (int x = marker.box.left; x < marker.box.right; ++x) {
-        const auto index = static_cast<std::uint32_t>(y * options.size.width + x);
-        remembered_[index] = level_at(index);
-      }
+      for (int x = marker.box.left; x < marker.box.right; ++x) remembered_[index_of(x, y)] = level_at(x, y);
     }
   }
   if (options.residual > 0) {
@@ -269,10 +266,7 @@ float EventCamera::reflectance_at(int x, int y) const {
   return std::max(0.0F, reflectance);
 }
 
-float EventCamera::level_at(std::uint32_t index) const {
-  const auto i = static_cast<int>(index);
-  return log_of(intensity_of(reflectance_at(i % options_.size.width, i / options_.size.width)));
-}
+float EventCamera::level_at(int x, int y) const { return log_of(intensity_of(reflectance_at(x, y))); }
 
 /// @param across  of each column from `left` on; none: all 1
 void EventCamera::add_stretch(int row, int left, int right, const float* across, float contrast) {
@@ -282,9 +276,7 @@ void EventCamera::add_stretch(int row, int left, int right, const float* across,
   const bool even = across == nullptr;
   intensity_count_ += even ? 1 : count;
   if (intensities_.size() < intensity_count_) intensities_.resize(2 * intensity_count_);
-  const auto width = static_cast<std::size_t>(options_.size.width);
-  stretches_.push_back({static_cast<std::size_t>(row) * width + static_cast<std::size_t>(left), static_cast<std::uint32_t>(count),
-                        static_cast<std::uint32_t>(first), even});
+  stretches_.push_back({row, left, right, first, even});
   float* intensities = intensities_.data() + first;
   if (even) {
     *intensities = intensity_of(std::max(0.0F, skin + contrast));
@@ -295,35 +287,39 @@ void EventCamera::add_stretch(int row, int left, int right, const float* across,
 
 void EventCamera::compare_stretches(std::uint8_t cause) {
   take_logs(intensities_.data(), intensity_count_);
-  for (const Stretch& s : stretches_) compare(intensities_.data() + s.intensity, s.pixel, s.count, s.even, cause);
+  for (const Stretch& s : stretches_) compare(intensities_.data() + s.intensity, s.row, s.left, s.right, s.even, cause);
   stretches_.clear();
   intensity_count_ = 0;
 }
 
-/// Fires the pixels from `pixel` on whose ln I, one each or one for all, is too far from what they remember.
-void EventCamera::compare(const float* levels, std::size_t pixel, std::size_t count, bool even, std::uint8_t cause) {
-  const float* remembered = remembered_.data() + pixel;
-  const float* thresholds = pixels_.thresholds.data() + pixel;
+/// Fires the pixels of a row whose ln I is too far from what they remember.
+/// @param levels  ln I of each of them, or of all if it is even
+void EventCamera::compare(const float* levels, int row, int left, int right, bool even, std::uint8_t cause) {
+  const std::size_t first = index_of(left, row), count = static_cast<std::size_t>(right - left);
+  const float* remembered = remembered_.data() + first;
+  const float* thresholds = pixels_.thresholds.data() + first;
   if (!even) {  // a few at a marker's end
     for (std::size_t i = 0; i < count; ++i) {
       const float change = levels[i] - remembered[i];
-      if (std::fabs(change) > thresholds[i]) fire(static_cast<std::uint32_t>(pixel + i), levels[i], change > 0, cause);
+      if (std::fabs(change) > thresholds[i]) fire(left + static_cast<int>(i), row, levels[i], change > 0, cause);
     }
     return;
   }
+  // A byte for each, of which eight are looked at in one go.
   const float level = *levels;
-  constexpr std::size_t block = 8;
-  exceeds_.resize(count + block);
+  constexpr std::size_t together = 8;
+  exceeds_.resize(count + together);
   std::uint8_t* exceeds = exceeds_.data();
   for (std::size_t i = 0; i < count; ++i)
     exceeds[i] = static_cast<std::uint8_t>(std::fabs(level - remembered[i]) > thresholds[i]);
-  std::fill_n(exceeds + count, block, std::uint8_t{0});
-  for (std::size_t first = 0; first < count; first += block) {
+  std::fill_n(exceeds + count, together, std::uint8_t{0});
+  for (std::size_t i = 0; i < count; i += together) {
     std::uint64_t any = 0;
-    std::memcpy(&any, exceeds + first, block);
-    if (any == 0) continue;
-    for (std::size_t i = first; i < first + block; ++i) {
-      if (exceeds[i] != 0) fire(static_cast<std::uint32_t>(pixel + i), level, level > remembered[i], cause);
+    std::memcpy(&any, exceeds + i, together);
+    for (; any != 0; any &= any - 1) {
+      const auto byte = static_cast<std::size_t>(std::countr_zero(any)) / 8;
+      const std::size_t fired = i + (std::endian::native == std::endian::little ? byte : together - 1 - byte);
+      fire(left + static_cast<int>(fired), row, level, level > remembered[fired], cause);
     }
   }
 }
@@ -363,9 +359,8 @@ void EventCamera::look_at_change(const Marker& before, const Marker& now, bool s
 void EventCamera::look_pixel_by_pixel(const Box& box, std::uint8_t cause) {
   for (int row = box.top; row < box.bottom; ++row) {
     for (int x = box.left; x < box.right; ++x) {
-      const auto index = static_cast<std::uint32_t>(row * options_.size.width + x);
-      const float level = level_at(index);
-      compare(&level, index, 1, false, cause);
+      const float level = level_at(x, row);
+      compare(&level, row, x, x + 1, false, cause);
     }
   }
 }
@@ -391,8 +386,7 @@ void EventCamera::look_at_all() {
   std::sort(boxes.begin(), boxes.end(), [](const Box* a, const Box* b) { return a->left < b->left; });
   for (int row = 0; row < options_.size.height; ++row) {
     const auto compare_skin = [&](int left, int right) {
-      const auto first = static_cast<std::size_t>(row * options_.size.width + left);
-      if (left < right) compare(&skin_level_, first, static_cast<std::size_t>(right - left), true, 0);
+      if (left < right) compare(&skin_level_, row, left, right, true, 0);
     };
     int seen = 0;
     for (const Box* box : boxes) {
@@ -404,18 +398,19 @@ void EventCamera::look_at_all() {
   }
 }
 
-void EventCamera::fire(std::uint32_t index, float level, bool on, std::uint8_t cause) {
+void EventCamera::fire(int x, int y, float level, bool on, std::uint8_t cause) {
+  const std::size_t index = index_of(x, y);
   if (readout_ - last_fired_[index] < blind_readouts_) return;
   last_fired_[index] = readout_;
   remembered_[index] = level;
-  const auto width = static_cast<std::uint32_t>(options_.size.width);
-  fired_.push_back({static_cast<std::uint16_t>(index % width), static_cast<std::uint16_t>(index / width),
-                    static_cast<std::uint8_t>(on), cause});
-  if (blind_readouts_ > 1) in_reset_.push_back(index);
+  fired_.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), static_cast<std::uint8_t>(on), cause});
+  if (blind_readouts_ > 1) in_reset_.push_back(static_cast<std::uint32_t>(index));
 }
 
 void EventCamera::fire_without_cause(std::uint32_t index, bool on) {
-  if (readout_ - last_fired_[index] >= blind_readouts_) fire(index, level_at(index), on, 0);
+  if (readout_ - last_fired_[index] < blind_readouts_) return;
+  const int x = static_cast<int>(index) % options_.size.width, y = static_cast<int>(index) / options_.size.width;
+  fire(x, y, level_at(x, y), on, 0);
 }
 
 void EventCamera::add_noise() {
@@ -446,7 +441,7 @@ void EventCamera::add_noise() {
 
 void EventCamera::hold_in_reset() {
   std::erase_if(in_reset_, [&](std::uint32_t index) {
-    remembered_[index] = level_at(index);
+    remembered_[index] = level_at(static_cast<int>(index) % options_.size.width, static_cast<int>(index) / options_.size.width);
     return readout_ + 1 - last_fired_[index] >= blind_readouts_;
   });
 }

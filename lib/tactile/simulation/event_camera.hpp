@@ -190,9 +190,8 @@ class EventCamera {
 
   /// A stretch of a row to be compared with what its pixels remember; its intensities stand in `intensities_`.
   struct Stretch {
-    std::size_t pixel = 0;  ///< index of the first
-    std::uint32_t count = 0;
-    std::uint32_t intensity = 0;
+    int row = 0, left = 0, right = 0;
+    std::size_t intensity = 0;
     bool even = false;  ///< all see the same intensity
   };
 
@@ -212,14 +211,17 @@ class EventCamera {
   void place(const MarkerPose& pose, Marker& marker);
   float reflectance_at(int x, int y) const;
   float intensity_of(float reflectance) const { return base_ + light_ * reflectance; }
-  float level_at(std::uint32_t index) const;
+  float level_at(int x, int y) const;
+  std::size_t index_of(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.size.width) + static_cast<std::size_t>(x);
+  }
   void look_at_change(const Marker& before, const Marker& now, bool sideways, std::uint8_t cause);
   void look_pixel_by_pixel(const Box& box, std::uint8_t cause);
   void look_at_all();
   void add_stretch(int row, int left, int right, const float* across, float contrast);
   void compare_stretches(std::uint8_t cause);
-  void compare(const float* levels, std::size_t pixel, std::size_t count, bool even, std::uint8_t cause);
-  void fire(std::uint32_t index, float level, bool on, std::uint8_t cause);
+  void compare(const float* levels, int row, int left, int right, bool even, std::uint8_t cause);
+  void fire(int x, int y, float level, bool on, std::uint8_t cause);
   void fire_without_cause(std::uint32_t index, bool on);
   void add_noise();
   void hold_in_reset();
