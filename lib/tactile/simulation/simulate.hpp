@@ -18,11 +18,11 @@ namespace tactile {
 struct SimulateOptions {
   std::filesystem::path data = "data";
   std::string preset = "quick";
-  std::optional<int> runs = {};      ///< per object, 1 to 99; the preset's where it is not given
+  std::optional<int> runs = {};           ///< per object, 1 to 99; the preset's where it is not given
   std::vector<std::string> objects = {};  ///< all that there are where it is empty
-  std::uint64_t seed = 1;            ///< of the whole data set: one camera serves all of its runs
-  bool force = false;                ///< replace runs that this made with other settings, and remove its extra ones
-  unsigned threads = 0;              ///< 0: as many as the machine has cores
+  std::uint64_t seed = 1;                 ///< of the whole data set: one camera serves all of its runs
+  bool force = false;                     ///< replace runs that this made with other settings, and remove its extra ones
+  unsigned threads = 0;                   ///< 0: as many as the machine has cores
   SimulationPhysics physics = default_physics();
 };
 
