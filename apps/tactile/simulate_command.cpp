@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <ctime>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,6 +21,7 @@ namespace {
 
 struct SimulateArguments {
   std::string data = "data";
+  std::string physics;
   std::string preset = "quick";
   int runs = 0;
   std::vector<std::string> objects{"all"};
@@ -38,18 +41,27 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
                           .objects = args.objects,
                           .seed = args.seed,
                           .force = args.force,
-                          .threads = common.threads};
+                          .threads = common.threads,
+                          .physics = args.physics.empty() ? default_physics() : read_physics(args.physics)};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
+  const auto begun = std::chrono::steady_clock::now();
+  const std::clock_t worked = std::clock();  // on all threads
   const std::vector<SimulatedRun> outcomes = simulate(options, progress_line(common));
+  const double core_s = static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC;
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
   std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
   nlohmann::json runs = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0, touch_events = 0;
+  double touch_s = 0, duration_s = 0;
   for (const SimulatedRun& outcome : outcomes) {
     ++counts[name_of(outcome.kind)];
     bytes += outcome.bytes;
+    touch_events += outcome.touch_events;
+    touch_s += outcome.touch_s;
+    duration_s += outcome.duration_s;
     const bool is_new = outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced;
     nlohmann::json run = {{"run", outcome.run.name()}, {"outcome", name_of(outcome.kind)}, {"bytes", outcome.bytes}};
     if (is_new) {
@@ -61,19 +73,32 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
                     is_new ? fmt::format("{:.2f}", outcome.duration_s) : "", is_new ? std::to_string(outcome.events) : "",
                     fmt::format("{:.1f}", 1e-6 * static_cast<double>(outcome.bytes))});
   }
-  const nlohmann::json result = {{"data", args.data},
-                                 {"preset", args.preset},
-                                 {"seed", args.seed},
-                                 {"made", counts["made"]},
-                                 {"kept", counts["kept"]},
-                                 {"replaced", counts["replaced"]},
-                                 {"removed", counts["removed"]},
-                                 {"bytes", bytes},
-                                 {"runs", runs}};
+  nlohmann::json result = {{"data", args.data},
+                           {"physics", options.physics.source},
+                           {"preset", args.preset},
+                           {"seed", args.seed},
+                           {"made", counts["made"]},
+                           {"kept", counts["kept"]},
+                           {"replaced", counts["replaced"]},
+                           {"removed", counts["removed"]},
+                           {"bytes", bytes},
+                           {"runs", runs}};
   std::string text = text_table({"run", "", "seconds", "events", "MB"}, rows);
   text +=
       fmt::format("\n{}: {} made, {} kept, {} replaced, {} removed; {:.1f} MB (simulated, seed {})\n", args.data, counts["made"],
                   counts["kept"], counts["replaced"], counts["removed"], 1e-6 * static_cast<double>(bytes), args.seed);
+  if (duration_s > 0 && core_s > 0) {
+    const double times_real_time = duration_s / core_s;
+    result["times_real_time"] = times_real_time;
+    text += fmt::format("{:.1f} s of runs in {:.1f} s: a core makes them {:.1f} times faster than real time", duration_s,
+                        elapsed_s, times_real_time);
+    if (touch_s > 0) {
+      const double touch_rate = static_cast<double>(touch_events) / touch_s;
+      result["touch_events_per_s"] = touch_rate;
+      text += fmt::format(", at a mean of {:.2f} million events/s in press and slip", 1e-6 * touch_rate);
+    }
+    text += "\n";
+  }
   print_result(common, result, text);
 }
 
@@ -84,11 +109,20 @@ void add_simulate_command(CLI::App& app) {
   CLI::App* command = add_command(app, "simulate", "Make run folders: events, robot log, video and their exact truth",
                                   [args](const CommonArguments& common) { simulate_runs(*args, common); });
   command->add_option("data", args->data, "Folder of runs")->capture_default_str();
-  command->add_option("--preset", args->preset, "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s")
-      ->check(one_of({"tiny", "quick"}))
+  command
+      ->add_option("--physics", args->physics,
+                   "JSON file of what runs are drawn from, in the place of what configs/simulation.json says")
+      ->check(is_existing_file())
+      ->type_name("FILE.json");
+  command
+      ->add_option(
+          "--preset", args->preset,
+          "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s; paper: 10 of about 4 s, some with two presses, "
+          "without slip or without press")
+      ->type_name("paper|quick|tiny")
       ->capture_default_str();
   command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(in_range(1, 99))->type_name("N");
-  command->add_option("--objects", args->objects, "Objects, parted by commas, or all ten")
+  command->add_option("--objects", args->objects, "Objects, parted by commas, or all")
       ->delimiter(',')
       ->type_name("NAME,...")
       ->capture_default_str();

@@ -4,106 +4,434 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
-#include "tactile/core/error.hpp"
+#include "drawn_runs.hpp"
+#include "tactile/core/json_fields.hpp"
 
 namespace tactile {
 namespace {
 
-/// Contact at 1 s, 1 mm deep in 0.2 s; lift at 2 s for 0.5 s, with ramps of 0.1 s to 100 mm/s.
+/// Contact at 1 s, 1 mm deep in 0.2 s, no creeping.
+PressPlan plain_press() {
+  PressPlan press;
+  press.stage_start_s = 0.7;
+  press.contact_s = 1.0;
+  press.press_s = 0.2;
+  press.depth_mm = 1.0;
+  press.press_power = 1.0;
+  press.stage_share = 0.5;
+  return press;
+}
+
+/// That press; lift at 2 s for 0.5 s, with ramps of 0.1 s to 100 mm/s.
 RunPlan plain_plan() {
   RunPlan plan;
-  plan.stage_start_s = 0.7;
-  plan.contact_s = 1.0;
-  plan.press_s = 0.2;
-  plan.depth_mm = 1.0;
-  plan.press_power = 1.0;
-  plan.stage_share = 0.5;
-  plan.lift_start_s = 2.0;
-  plan.lift_s = 0.5;
-  plan.lift_speed_mm_s = 100.0;
-  plan.lift_acceleration_mm_s2 = 1000.0;
+  plan.presses = {plain_press()};
+  plan.lift.emplace();
+  plan.lift->start_s = 2.0;
+  plan.lift->lift_s = 0.5;
+  plan.lift->speed_mm_s = 100.0;
+  plan.lift->acceleration_mm_s2 = 1000.0;
   plan.end_s = 3.0;
   return plan;
 }
 
+/// A lift, two taps before it, a press that creeps and is released.
+RunPlan rich_plan() {
+  RunPlan plan = plain_plan();
+  plan.presses[0].relaxation_share = 0.02;
+  plan.presses[0].relaxation_s = 0.1;
+  plan.presses[0].release_start_s = 2.8;
+  plan.presses[0].release_s = 0.15;
+  plan.taps = {{.start_s = 0.2, .travel_mm = 3.0, .tap_s = 0.2, .depth_mm = 0.5},
+               {.start_s = 0.5, .travel_mm = 2.0, .tap_s = 0.3, .depth_mm = 0.4}};
+  plan.vibration = {.hz = 20, .tip_mm = 0.01, .decay_s = 0.08, .housing_share = 0.25};
+  return plan;
+}
+
+double slope(const std::function<double(double)>& f, double t, double step = 1e-6) {
+  return (f(t + step) - f(t - step)) / (2 * step);
+}
+
 TEST(RunPlan, LiftsInATrapezoid) {
   const RunPlan plan = plain_plan();
-  EXPECT_EQ(plan.lift_speed_at(1.9), 0.0);
-  EXPECT_NEAR(plan.lift_speed_at(2.05), 50.0, 1e-9);
-  EXPECT_NEAR(plan.lift_speed_at(2.3), 100.0, 1e-9);
-  EXPECT_NEAR(plan.lift_speed_at(2.45), 50.0, 1e-9);
-  EXPECT_EQ(plan.lift_speed_at(2.6), 0.0);
-  EXPECT_EQ(plan.lift_travel_at(1.9), 0.0);
-  EXPECT_NEAR(plan.lift_travel_at(2.1), 5.0, 1e-9);
-  EXPECT_NEAR(plan.lift_travel_at(2.4), 35.0, 1e-9);
-  EXPECT_NEAR(plan.lift_travel_at(2.45), 38.75, 1e-9);
-  EXPECT_NEAR(plan.lift_travel_at(9.0), 40.0, 1e-9);
+  EXPECT_EQ(plan.arm_speed_at(1.9), 0.0);
+  EXPECT_NEAR(plan.arm_speed_at(2.05), 50.0, 1e-9);
+  EXPECT_NEAR(plan.arm_speed_at(2.3), 100.0, 1e-9);
+  EXPECT_NEAR(plan.arm_speed_at(2.45), 50.0, 1e-9);
+  EXPECT_EQ(plan.arm_speed_at(2.6), 0.0);
+  EXPECT_EQ(plan.arm_travel_at(1.9), 0.0);
+  EXPECT_NEAR(plan.arm_travel_at(2.1), 5.0, 1e-9);
+  EXPECT_NEAR(plan.arm_travel_at(2.4), 35.0, 1e-9);
+  EXPECT_NEAR(plan.arm_travel_at(2.45), 38.75, 1e-9);
+  EXPECT_NEAR(plan.arm_travel_at(9.0), 40.0, 1e-9);
+  EXPECT_EQ(plan.arm_acceleration_at(2.05), 1000.0);
+  EXPECT_EQ(plan.arm_acceleration_at(2.2), 0.0);
+  EXPECT_EQ(plan.arm_acceleration_at(2.45), -1000.0);
+}
+
+TEST(RunPlan, LiftsInATriangleWhereThereIsNoTimeForMore) {
+  RunPlan plan = plain_plan();
+  plan.lift->lift_s = 0.1;  // 0.05 s up, 0.05 s down
+  EXPECT_NEAR(plan.arm_speed_at(2.05), 50.0, 1e-9);
+  EXPECT_NEAR(plan.arm_travel_at(2.05), 1.25, 1e-9);
+  EXPECT_NEAR(plan.arm_travel_at(2.2), 2.5, 1e-9);
+}
+
+TEST(RunPlan, TellsWhenTheArmHasTravelledSoFar) {
+  const RunPlan plan = plain_plan();
+  EXPECT_EQ(plan.lift->time_of_travel(0), 2.0);
+  for (const double mm : {0.1, 3.0, 5.0, 20.0, 35.0, 39.0, 40.0})
+    EXPECT_NEAR(plan.arm_travel_at(plan.lift->time_of_travel(mm)), mm, 1e-9);
+  EXPECT_TRUE(std::isinf(plan.lift->time_of_travel(40.1)));
 }
 
 TEST(RunPlan, PressesFromFullSpeedToAStandstill) {
   const RunPlan plan = plain_plan();
-  EXPECT_NEAR(plan.closing_speed_mm_s(), 10.0, 1e-9);
-  EXPECT_EQ(plan.depth_at(1.0), 0.0);
-  EXPECT_NEAR(plan.depth_at(1.001), 0.01, 1e-4);
-  EXPECT_NEAR(plan.depth_at(1.1), 0.75, 1e-9);
-  EXPECT_EQ(plan.depth_at(1.5), 1.0);
+  const PressPlan& press = plan.presses[0];
+  EXPECT_NEAR(press.closing_speed_mm_s(), 10.0, 1e-9);
+  EXPECT_EQ(press.depth_at(1.0), 0.0);
+  EXPECT_NEAR(press.depth_at(1.001), 0.01, 1e-4);
+  EXPECT_NEAR(press.depth_at(1.1), 0.75, 1e-9);
+  EXPECT_EQ(press.depth_at(1.5), 1.0);
   // The object gives way by as much again, so the stage runs at 20 mm/s: 20 ms of ramp and 280 ms at speed are 0.2 + 5.6 mm.
   EXPECT_EQ(plan.stage_travel_at(0.6), 0.0);
   EXPECT_NEAR(plan.stage_travel_at(1.0), 5.8, 1e-9);
   EXPECT_NEAR(plan.stage_travel_at(2.0), 7.8, 1e-9);
+  EXPECT_FALSE(plan.stage_commanded_at(0.69));
+  EXPECT_TRUE(plan.stage_commanded_at(0.7));
+  EXPECT_TRUE(plan.stage_commanded_at(2.9));
+}
+
+TEST(RunPlan, CreepsWhileTheStageStandsStill) {
+  RunPlan plan = plain_plan();
+  PressPlan& press = plan.presses[0];
+  press.relaxation_share = 0.02;
+  press.relaxation_s = 0.1;
+  EXPECT_EQ(press.depth_at(1.2), 1.0);
+  EXPECT_NEAR(press.depth_at(1.3), 1.0 + 0.02 * (1 - std::exp(-1.0)), 1e-12);
+  // What is left falls below 0.0006 mm after 0.1 s * ln(0.02 / 0.0006).
+  EXPECT_NEAR(press.creeping_end_s(), 1.2 + 0.1 * std::log(0.02 / 0.0006), 1e-9);
+  EXPECT_EQ(press.depth_at(3.0), press.depth_at(press.creeping_end_s())) << "then it stands still";
+  EXPECT_EQ(plan.stage_travel_at(3.0), plan.stage_travel_at(1.2)) << "the skin gives way, not the stage";
+}
+
+TEST(RunPlan, OpensAgain) {
+  RunPlan plan = plain_plan();
+  PressPlan& press = plan.presses[0];
+  press.release_start_s = 1.5;
+  press.release_s = 0.12;  // a ramp of 20 ms, then 100 ms at speed: 0.01 + 0.1 s of it are 1 mm
+  EXPECT_EQ(press.depth_at(1.5), 1.0);
+  EXPECT_NEAR(press.depth_at(1.52), 1.0 - 0.01 / 0.11, 1e-9);
+  EXPECT_NEAR(press.depth_at(1.57), 1.0 - 0.06 / 0.11, 1e-9);
+  EXPECT_EQ(press.depth_at(1.63), 0.0);
+  EXPECT_EQ(plan.press_at(0.9), nullptr);
+  EXPECT_EQ(plan.press_at(1.55), &press);
+  EXPECT_EQ(plan.press_at(1.63), nullptr);
+  EXPECT_FALSE(plan.stage_commanded_at(1.5));
+  EXPECT_NEAR(plan.stage_travel_at(1.57), 5.8 + 2 * press.depth_at(1.57), 1e-9);
+  EXPECT_NEAR(plan.stage_travel_at(9.0), 0.0, 1e-9) << "back to where it came from";
+}
+
+TEST(RunPlan, ReachesTheObjectAgainFromWhereItOpenedTo) {
+  RunPlan plan = plain_plan();
+  plan.presses[0].release_start_s = 1.5;
+  plan.presses[0].release_s = 0.1;
+  PressPlan again = plain_press();
+  again.stage_start_s = 2.0;
+  again.contact_s = 2.12;  // 0.2 + 2 mm away
+  plan.presses.push_back(again);
+  EXPECT_NEAR(plan.stage_travel_at(1.99), 5.8 - 2.2, 1e-9);
+  EXPECT_NEAR(plan.stage_travel_at(2.12), 5.8, 1e-9);
+  EXPECT_EQ(plan.press_at(2.2), &plan.presses[1]);
+  for (double t_s = 0; t_s < 3; t_s += 1e-3)
+    ASSERT_LT(std::abs(plan.stage_travel_at(t_s + 1e-3) - plan.stage_travel_at(t_s)), 0.05) << "no leap at " << t_s;
+}
+
+TEST(RunPlan, IsPressedFromTheStartWhereContactCameBefore) {
+  RunPlan plan = plain_plan();
+  plan.presses[0].stage_start_s = -1.3;
+  plan.presses[0].contact_s = -1.0;
+  EXPECT_EQ(plan.press_at(0.0), plan.presses.data());
+  EXPECT_EQ(plan.presses[0].depth_at(0.0), 1.0);
+  EXPECT_TRUE(plan.stage_commanded_at(0.0));
+  EXPECT_EQ(plan.stage_travel_at(1.0), plan.stage_travel_at(0.0));
+}
+
+TEST(RunPlan, TapsDownAndBack) {
+  const TapPlan tap{.start_s = 1.0, .travel_mm = 4.0, .tap_s = 0.2, .depth_mm = 0.5};
+  EXPECT_EQ(tap.fall_at(1.0), 0.0);
+  EXPECT_NEAR(tap.fall_at(1.05), 2.0, 1e-12);
+  EXPECT_NEAR(tap.fall_at(1.1), 4.0, 1e-12);
+  EXPECT_NEAR(tap.fall_at(1.15), 2.0, 1e-12);
+  EXPECT_NEAR(tap.fall_at(1.2), 0.0, 1e-12);
+  EXPECT_NEAR(tap.depth_at(1.1), 0.5, 1e-12);
+  EXPECT_NEAR(tap.depth_at(tap.contact_s()), 0.0, 1e-12);
+  EXPECT_NEAR(tap.fall_at(tap.contact_s()), 3.5, 1e-12);
+  EXPECT_NEAR(tap.free_s() - 1.1, 1.1 - tap.contact_s(), 1e-12);
+  RunPlan plan;
+  plan.taps = {tap};
+  EXPECT_NEAR(plan.arm_travel_at(1.1), -4.0, 1e-12) << "the arm's way is upwards";
+}
+
+TEST(RunPlan, MovesAtTheSpeedsItTells) {
+  const RunPlan plan = rich_plan();
+  for (double t_s = 0.0033; t_s < 3.0; t_s += 0.0047) {  // beside the corners
+    SCOPED_TRACE(t_s);
+    EXPECT_NEAR(slope([&](double t) { return plan.arm_travel_at(t); }, t_s), plan.arm_speed_at(t_s), 1e-3);
+    EXPECT_NEAR(slope([&](double t) { return plan.arm_speed_at(t); }, t_s), plan.arm_acceleration_at(t_s), 1e-3);
+    EXPECT_NEAR(slope([&](double t) { return plan.presses[0].depth_at(t); }, t_s), plan.presses[0].speed_at(t_s), 1e-4);
+  }
+}
+
+TEST(RunPlan, RingsAtEachChangeOfTheArmsAcceleration) {
+  const RunPlan plan = rich_plan();
+  const std::vector<std::pair<double, double>> changes = plan.arm_acceleration_changes();
+  ASSERT_EQ(changes.size(), 12U) << "four of a lift, four of each tap";
+  double acceleration = 0;
+  for (const auto& [at_s, change] : changes) {
+    acceleration += change;
+    EXPECT_NEAR(acceleration, plan.arm_acceleration_at(at_s + 1e-6), 1e-6);
+  }
+
+  RunPlan lifted = plain_plan();
+  lifted.vibration = {.hz = 20, .tip_mm = 0.012, .decay_s = 0.02, .housing_share = 0.25};
+  EXPECT_EQ(lifted.vibration_at(2.0), 0.0);
+  // Half a period later a mass on a spring has gone as far beyond where it will rest as it still swings: 0.01 mm at 1000 mm/s^2.
+  EXPECT_NEAR(lifted.vibration_at(2.025), 0.01 * (1 + std::exp(-0.025 / 0.02)), 1e-9);
+  EXPECT_NEAR(lifted.vibration_at(2.0999), 0.01, 1e-9) << "it has come to rest";
+  EXPECT_NEAR(lifted.vibration_at(2.39), 0.0, 1e-9);
+  EXPECT_NEAR(lifted.vibration_at(2.95), 0.0, 1e-9);
+  EXPECT_EQ(lifted.vibration_acceleration_at(1.9), 0.0);
+  EXPECT_NEAR(lifted.vibration_acceleration_at(2.0), -250.0, 1e-6);
+}
+
+TEST(RunPlan, RingsTheHousingAsItRingsTheTips) {
+  RunPlan plan = plain_plan();
+  plan.vibration = {.hz = 20, .tip_mm = 1e4, .decay_s = 0.08, .housing_share = 0.25};  // so large that it never ends
+  const double omega = 2 * std::numbers::pi * 20, decay = 1 / 0.08;
+  const double tips_over_housing = -1e4 / 1200 * (omega * omega + decay * decay) / 0.25;
+  for (double t_s = 2.0031; t_s < 2.7; t_s += 0.0047) {
+    const double step = 1e-5;
+    const double tips =
+        (plan.vibration_at(t_s + step) - 2 * plan.vibration_at(t_s) + plan.vibration_at(t_s - step)) / (step * step);
+    EXPECT_NEAR(tips / tips_over_housing, plan.vibration_acceleration_at(t_s), 1.0) << t_s;
+  }
 }
 
 TEST(DrawRunPlan, KeepsEveryObjectWithinWhatAPressAndALiftAre) {
-  ASSERT_EQ(object_models().size(), 10U);
-  const RunTimings timings{
-      .quiet_s = {0.6, 0.8}, .travel_s = {0.2, 0.4}, .hold_s = {0.3, 0.4}, .lift_s = {0.35, 0.9}, .rest_s = {0.5, 0.6}};
-  for (const ObjectModel& object : object_models()) {
-    EXPECT_FALSE(object.why.empty()) << object.name;
-    int on_robot_output = 0;
+  ASSERT_GE(default_physics().objects.size(), 10U);
+  const RunPlanOptions options = short_runs();
+  const RunVariation& v = options.variation;
+  for (const ObjectModel& object : default_physics().objects) {
+    SCOPED_TRACE(object.name);
+    int on_robot_output = 0, with_imu = 0;
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
-      Random random(seed);
-      const RunPlan plan = draw_run_plan(object, timings, random);
-      EXPECT_GE(plan.stage_start_s, 0.6);
-      EXPECT_GE(plan.closing_speed_mm_s(), 4.0 - 1e-9) << object.name;
-      EXPECT_LE(plan.closing_speed_mm_s(), 20.0 + 1e-9) << object.name;
-      EXPECT_GE(plan.press_s, 0.12);
-      EXPECT_LE(plan.press_s, 0.4);
-      EXPECT_GE(plan.lift_start_s - plan.contact_s - plan.press_s, 0.3 - 1e-9);
-      EXPECT_GE(plan.lift_speed_mm_s, 30.0);
-      EXPECT_LE(plan.lift_speed_mm_s, 120.0);
-      EXPECT_GE(plan.end_s - plan.lift_start_s - plan.lift_s, 0.5 - 1e-9);
-      EXPECT_GT(plan.slack_mm, 0.0);
-      EXPECT_LE(plan.slack_mm, 0.2);
-      EXPECT_GE(plan.stick_slip_hz, 10.0);
-      EXPECT_LE(plan.stick_slip_hz, 60.0);
+      const RunPlan plan = drawn_plan(object, options, seed);
+      ASSERT_EQ(plan.presses.size(), 1U);
+      ASSERT_TRUE(plan.lift);
+      const PressPlan& press = plan.presses[0];
+      const LiftPlan& lift = *plan.lift;
+      EXPECT_TRUE(plan.taps.empty());
+      EXPECT_GE(press.stage_start_s, 0.6);
+      EXPECT_GE(press.closing_speed_mm_s(), v.closing_speed_mm_s.low - 1e-9);
+      EXPECT_LE(press.closing_speed_mm_s(), v.closing_speed_mm_s.high + 1e-9);
+      EXPECT_GE(press.depth_mm, v.depth_mm.low);
+      EXPECT_LE(press.depth_mm, v.depth_mm.high);
+      EXPECT_GE(press.press_s, 0.1) << "a light press is done in 0.1 to 0.5 s";
+      EXPECT_LE(press.press_s, 0.5);
+      EXPECT_GE(lift.start_s - press.still_s(), 0.3 - 1e-9);
+      EXPECT_GE(lift.speed_mm_s, v.lift_speed_mm_s.low);
+      EXPECT_LE(lift.speed_mm_s, v.lift_speed_mm_s.high);
+      EXPECT_GE(plan.end_s - lift.end_s(), 0.6 - 1e-9);
+      EXPECT_GE(lift.slack_mm, v.slack_mm.low);
+      EXPECT_LE(lift.slack_mm, v.slack_mm.high);
+      EXPECT_GE(lift.stick_slip_hz, v.stick_slip_hz.low);
+      EXPECT_LE(lift.stick_slip_hz, v.stick_slip_hz.high);
+      EXPECT_LE(lift.stick_slip_mm, v.most_spring_back * lift.shear_limit_mm);
       double nearest = 1e9;
-      for (const MarkerContact& marker : plan.markers) nearest = std::min(nearest, marker.gap_mm);
+      for (const MarkerContact& marker : press.markers) nearest = std::min(nearest, marker.gap_mm);
       EXPECT_EQ(nearest, 0.0);
+      EXPECT_LE(plan.end_s, longest_run_s(options));
       on_robot_output += static_cast<int>(plan.stage_on_robot_output);
+      with_imu += static_cast<int>(plan.has_imu);
     }
     EXPECT_NEAR(on_robot_output, 100, 30) << "about half of the runs";
+    EXPECT_NEAR(with_imu, 100, 30);
   }
 }
 
-TEST(DrawRunClocks, GivesEachDeviceAClockOfItsOwn) {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    Random random(seed);
-    const RunClocks clocks = draw_run_clocks(random);
-    for (const ClockRelation& relation : {clocks.robot, clocks.video}) {
-      EXPECT_LE(std::abs(relation.drift_ppm), 100.0);
-      const std::int64_t before_us = clocks.camera_start_us - us_of(relation.camera_from(relation.reference_us));
-      EXPECT_GE(before_us, 100'000);
-      EXPECT_LE(before_us, 1'500'000);
+TEST(DrawRunPlan, PullsTipsTowardsTheContactWhereNothingElseDoes) {
+  RunPlanOptions options = short_runs();
+  options.variation.pull = {1, 1};
+  options.variation.skid = options.variation.pull_scatter_x = options.variation.pull_scatter_y = 0;
+  options.variation.centre_mm = 0;
+  const RunPlan plan = drawn_plan(default_physics().objects.front(), options, 1);
+  EXPECT_NEAR(plan.presses[0].markers[4].pull_x, 0, 1e-12);
+  EXPECT_NEAR(plan.presses[0].markers[3].pull_x, 1, 1e-12) << "the left one goes right";
+  EXPECT_NEAR(plan.presses[0].markers[5].pull_x, -1, 1e-12);
+  EXPECT_NEAR(plan.presses[0].markers[1].pull_y, 1, 1e-12);
+}
+
+TEST(DrawRunPlan, MakesLightObjectsFollowTheTips) {
+  RunPlanOptions options = short_runs();
+  options.variation.stick_slip_mm_spread = options.variation.shear_limit_spread = 0;
+  ObjectModel object = default_physics().objects.front();
+  object.stick_slip_mm = 0.1;
+  object.shear_limit_mm = 0.6;
+  object.weight_g = options.variation.light_object_g;
+  EXPECT_NEAR(drawn_plan(object, options, 1).lift->stick_slip_mm, 0.05, 1e-12);
+  object.weight_g = 3 * options.variation.light_object_g;
+  EXPECT_NEAR(drawn_plan(object, options, 1).lift->stick_slip_mm, 0.075, 1e-12);
+}
+
+TEST(DrawRunPlan, AddsTheObjectsOwnStrayLight) {
+  RunPlanOptions options = short_runs();
+  options.variation.veil = {0.03, 0.03};
+  options.variation.object_veil = {0.04, 0.04};
+  ObjectModel object = default_physics().objects.front();
+  object.reflectivity = 0.5;
+  EXPECT_NEAR(drawn_plan(object, options, 1).veil, 0.05, 1e-12);
+}
+
+TEST(DrawRunPlan, SparesTheFirstRunsAndPresetsThatWantNoneOfItsSpecialOnes) {
+  RunPlanOptions options = only(&SpecialRuns::without_slip);
+  const ObjectModel& object = default_physics().objects.front();
+  EXPECT_FALSE(drawn_plan(object, options, 1).lift);
+  options.run_number = options.special.from_run - 1;
+  EXPECT_TRUE(drawn_plan(object, options, 1).lift);
+  options.run_number = options.special.from_run;
+  options.may_be_special = false;
+  EXPECT_TRUE(drawn_plan(object, options, 1).lift);
+}
+
+TEST(DrawRunPlan, DrawsSpecialRunsByTheirShares) {
+  RunPlanOptions options = short_runs();
+  options.special.taps = 0.25;
+  options.run_number = 9;
+  options.may_be_special = true;
+  int two = 0, no_slip = 0, no_press = 0, taps = 0;
+  const int runs = 2000;
+  for (int seed = 0; seed < runs; ++seed) {
+    const RunPlan plan = drawn_plan(default_physics().objects.front(), options, static_cast<std::uint64_t>(seed));
+    two += static_cast<int>(plan.presses.size() == 2);
+    no_slip += static_cast<int>(!plan.lift);
+    no_press += static_cast<int>(plan.presses[0].contact_s < 0);
+    taps += static_cast<int>(!plan.taps.empty());
+    EXPECT_LE(plan.end_s, longest_run_s(options));
+  }
+  EXPECT_NEAR(two, 0.12 * runs, 60);
+  EXPECT_NEAR(no_slip, 0.08 * runs, 50);
+  EXPECT_NEAR(no_press, 0.08 * runs, 50);
+  EXPECT_NEAR(taps, 0.25 * 0.92 * runs, 80) << "never with an object that is held already";
+}
+
+TEST(DrawRunPlan, OpensBetweenTwoPresses) {
+  const RunPlanOptions options = only(&SpecialRuns::two_presses);
+  for (const ObjectModel& object : default_physics().objects) {
+    const RunPlan plan = drawn_plan(object, options, 5);
+    ASSERT_EQ(plan.presses.size(), 2U);
+    const PressPlan &first = plan.presses[0], &second = plan.presses[1];
+    ASSERT_TRUE(first.release_start_s);
+    EXPECT_GT(*first.release_start_s, first.still_s());
+    EXPECT_GE(second.stage_start_s, *first.release_start_s + first.release_s + 0.3);
+    EXPECT_FALSE(second.release_start_s);
+    EXPECT_EQ(plan.press_at(plan.lift->start_s), &plan.presses[1]);
+    EXPECT_NEAR(plan.stage_travel_at(second.contact_s), plan.stage_travel_at(first.contact_s), 1e-9)
+        << "the object has not moved meanwhile";
+  }
+}
+
+TEST(DrawRunPlan, HasPressedLongBeforeWhereARunHasNoPress) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const RunPlan plan = drawn_plan(default_physics().objects.back(), only(&SpecialRuns::without_press), seed);
+    EXPECT_LT(plan.presses[0].creeping_end_s(), 0);
+    EXPECT_GT(plan.lift->start_s, 0.5);
+  }
+}
+
+TEST(DrawRunPlan, TapsAtBothEnds) {
+  const RunPlan plan = drawn_plan(default_physics().objects.front(), only(&SpecialRuns::taps), 3);
+  ASSERT_EQ(plan.taps.size(), 6U);
+  const PressPlan& press = plan.presses[0];
+  EXPECT_LT(plan.taps[2].end_s(), press.stage_start_s);
+  ASSERT_TRUE(press.release_start_s) << "an object that is held would be in the way";
+  EXPECT_GT(plan.taps[3].start_s, *press.release_start_s + press.release_s);
+  EXPECT_LT(plan.taps[5].end_s() + 0.3, plan.end_s);
+  for (std::size_t i = 0; i + 1 < plan.taps.size(); ++i) EXPECT_GT(plan.taps[i + 1].start_s, plan.taps[i].end_s());
+}
+
+TEST(DrawRunPlan, KeepsAfterEffectsClearOfPressAndLift) {
+  RunPlanOptions options = short_runs();
+  options.timings = {};
+  options.after.micro_slips_per_s = 4;
+  options.after.recontact_chance = 1;
+  std::size_t micro_slips = 0, recontacts = 0;
+  for (const ObjectModel& object : default_physics().objects) {
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+      const RunPlan plan = drawn_plan(object, options, seed);
+      const auto is_clear = [&](double from_s, double to_s) {
+        const bool held = from_s > plan.presses[0].still_s() + 0.1 && to_s < plan.lift->start_s - 0.1;
+        return held || (from_s > plan.lift->end_s() + 0.35 && to_s < plan.end_s);
+      };
+      for (const MicroSlipPlan& slip : plan.micro_slips) {
+        EXPECT_TRUE(is_clear(slip.at_s, slip.at_s));
+        EXPECT_NE(slip.markers, 0U);
+        for (std::size_t m = 0; m < marker_count; ++m) {
+          if ((slip.markers >> m & 1U) != 0) {
+            EXPECT_LT(plan.presses[0].markers[m].gap_mm, plan.presses[0].depth_mm);
+          }
+        }
+        for (const RecontactPlan& rocks : plan.recontacts) EXPECT_TRUE(slip.at_s < rocks.start_s || slip.at_s > rocks.end_s());
+      }
+      for (const RecontactPlan& rocks : plan.recontacts) {
+        EXPECT_GT(rocks.start_s, plan.lift->end_s() + 0.35);
+        EXPECT_LT(rocks.end_s(), plan.end_s);
+        EXPECT_LE(rocks.depth_mm, 0.5 * plan.presses[0].depth_mm);
+      }
+      micro_slips += plan.micro_slips.size();
+      recontacts += plan.recontacts.size();
     }
-    EXPECT_EQ(clocks.video.reference_us, 0);
-    EXPECT_NE(clocks.robot.drift_ppm, clocks.video.drift_ppm);
+  }
+  EXPECT_GT(micro_slips, 200U);
+  EXPECT_GT(recontacts, 300U);
+}
+
+TEST(DrawRunPlan, IsTheSameForTheSameSeed) {
+  for (const RunPlanOptions& options : {short_runs(), only(&SpecialRuns::two_presses), only(&SpecialRuns::taps)}) {
+    const ObjectModel& object = default_physics().objects.front();
+    const nlohmann::json one = drawn_plan(object, options, 7), again = drawn_plan(object, options, 7);
+    const nlohmann::json other = drawn_plan(object, options, 8);
+    EXPECT_EQ(one, again);
+    EXPECT_NE(one, other);
   }
 }
 
-TEST(ObjectModel, IsFoundByName) {
-  EXPECT_EQ(object_model("fan").name, "fan");
-  EXPECT_THROW(object_model("cup"), Error);
+TEST(RunPlan, TellsAllOfItselfAsJson) {
+  RunPlan plan = rich_plan();
+  plan.micro_slips = {{.at_s = 1.5, .markers = 0b100000001, .slip_mm = 0.05}};
+  const nlohmann::json json = plan;
+  EXPECT_EQ(json.at("presses").size(), 1U);
+  EXPECT_EQ(json.at("presses").at(0).at("markers").size(), 9U);
+  EXPECT_EQ(json.at("presses").at(0).at("release_start_s").get<double>(), 2.8);
+  EXPECT_EQ(json.at("taps").size(), 2U);
+  EXPECT_EQ(json.at("micro_slips").at(0).at("markers"), nlohmann::json({0, 8}));
+  EXPECT_EQ(json.at("lift").at("speed_mm_s").get<double>(), 100.0);
+  plan.lift.reset();
+  EXPECT_TRUE(nlohmann::json(plan).at("lift").is_null());
+}
+
+TEST(RunPlanSettings, AreReadBackAsTheyWereWritten) {
+  RunVariation variation;
+  variation.pull = {-0.5, 0.25};
+  RunVariation read;
+  read_fields(json_of_fields(variation), read, "test");
+  EXPECT_EQ(read.pull.low, -0.5);
+  EXPECT_EQ(json_of_fields(read), json_of_fields(variation));
+  for (const nlohmann::json& json : {json_of_fields(RunTimings{}), json_of_fields(AfterEffects{}), json_of_fields(SpecialRuns{})})
+    EXPECT_GT(json.size(), 5U);
 }
 
 }  // namespace

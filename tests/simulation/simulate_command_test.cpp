@@ -4,6 +4,7 @@
 
 #include "support/run_command.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/whole_file.hpp"
 
 namespace tactile {
 namespace {
@@ -28,6 +29,39 @@ TEST(SimulateCommand, MakesARunAndSaysSo) {
   const auto forced = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2 --force", folder.path());
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
   EXPECT_NE(forced.out.find("0 made, 0 kept, 1 replaced, 0 removed"), std::string::npos) << forced.out;
+}
+
+TEST(SimulateCommand, TakesOtherPhysicsAndSaysHowFastItWas) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "cup.json", R"({"why": "A cup.", "objects": [{"name": "cup", "radius_mm": 40}]})");
+  const auto made =
+      test::run_tactile("simulate runs --physics cup.json --preset tiny --objects cup --runs 1 --json", folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto json = nlohmann::json::parse(made.out);
+  EXPECT_EQ(json.at("physics").get<std::string>(), "cup.json");
+  EXPECT_EQ(json.at("runs").at(0).at("run").get<std::string>(), "cup/01");
+  EXPECT_GT(json.at("times_real_time").get<double>(), 0.0);
+  EXPECT_GT(json.at("touch_events_per_s").get<double>(), 1e4);
+  const auto kept =
+      test::run_tactile("simulate runs --physics cup.json --preset tiny --objects cup --runs 1 --json", folder.path());
+  EXPECT_FALSE(nlohmann::json::parse(kept.out).contains("times_real_time")) << "nothing was made";
+}
+
+TEST(SimulateCommand, NamesTheNearestOfWhatThereIsNot) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "wrong.json", R"({"camera": {"treshold": 0.3}})");
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"--preset papr", "'paper'"},
+      {"--objects sprayr", "'sprayer'"},
+      {"--objects fan,sprayr", "'sprayer'"},
+      {"--physics wrong.json", "wrong.json: there is no 'camera.treshold'"},
+      {"--physics none.json", "none.json"}};
+  for (const auto& [options, named] : cases) {
+    const auto result = test::run_tactile("simulate runs " + options, folder.path());
+    EXPECT_NE(result.exit_code, 0) << options;
+    EXPECT_NE(result.err.find(named), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "runs")) << options;
+  }
 }
 
 TEST(SimulateCommand, RefusesOptionsOutOfRange) {

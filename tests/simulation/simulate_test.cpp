@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <opencv2/videoio.hpp>
 
@@ -35,6 +37,21 @@ std::vector<Kind> kinds(const std::vector<SimulatedRun>& outcomes) {
   std::vector<Kind> kinds;
   for (const SimulatedRun& outcome : outcomes) kinds.push_back(outcome.kind);
   return kinds;
+}
+
+std::vector<TrueInterval> labelled_in(const Truth& truth) {
+  std::vector<TrueInterval> labelled;
+  std::copy_if(truth.intervals.begin(), truth.intervals.end(), std::back_inserter(labelled),
+               [](const TrueInterval& interval) { return interval.labelled; });
+  return labelled;
+}
+
+std::vector<Event> events_in(const fs::path& file) {
+  std::vector<Event> events;
+  RecordingReader recording(file);
+  for_all_events(recording, event_stream(recording).id,
+                 [&](std::span<const Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
+  return events;
 }
 
 SimulateOptions small(const fs::path& data) {
@@ -91,12 +108,20 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   EXPECT_NEAR(static_cast<double>(us_of(last) - us_of(first)), 1e6 * outcome.duration_s, 2000.0);
 
   const Truth truth = read_truth(runs[0].truth());
-  ASSERT_EQ(truth.intervals.size(), 2U);
-  EXPECT_EQ(truth.intervals[0].interval.touch, Touch::press);
-  EXPECT_EQ(truth.intervals[1].interval.touch, Touch::slip);
-  EXPECT_LT(truth.intervals[0].interval.end, truth.intervals[1].interval.start);
-  EXPECT_GT(truth.intervals[0].interval.start, first + 600ms);
-  EXPECT_LT(truth.intervals[1].interval.end, last);
+  const std::vector<TrueInterval> labelled = labelled_in(truth);
+  ASSERT_EQ(labelled.size(), 2U);
+  EXPECT_EQ(labelled[0].what, "press");
+  EXPECT_EQ(labelled[0].interval.touch, Touch::press);
+  EXPECT_EQ(labelled[1].what, "slip");
+  EXPECT_EQ(labelled[1].interval.touch, Touch::slip);
+  EXPECT_LT(labelled[0].interval.end, labelled[1].interval.start);
+  EXPECT_GT(labelled[0].interval.start, first + 600ms);
+  EXPECT_LT(labelled[1].interval.end, last);
+  EXPECT_GT(truth.intervals.size(), 2U) << "the skin creeps after a press, and nobody labels that";
+  EXPECT_EQ(truth.hot_pixels.size(), static_cast<std::size_t>(default_physics().camera.hot_pixels));
+  EXPECT_EQ(truth.dead_pixels.size(), static_cast<std::size_t>(default_physics().camera.dead_pixels));
+  EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
+  EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "default");
 
   const RobotLog robot = read_robot_log(runs[0].robot());
   const auto moving =
@@ -105,6 +130,132 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   const microseconds late = truth.robot_clock->camera_from(moving->t) - *truth.lift_start;
   EXPECT_GT(late, 0us);
   EXPECT_LT(late, 12ms) << "one period of 8 ms, and 3 ms until the speed stands out of its noise";
+}
+
+TEST(Simulate, TellsATruthThatItsEventsBear) {
+  const test::TemporaryFolder folder;
+  SimulateOptions options = small(folder.path());
+  options.objects = {"3d-printed-object", "plastic-container", "white-box"};
+  for (const SimulatedRun& made : simulate(options)) {
+    const Truth truth = read_truth(made.run.truth());
+    const std::vector<Event> events = events_in(made.run.events());
+    const auto rate = [&](CameraTime begin, CameraTime end) {
+      const auto is_within = [&](const Event& event) { return begin <= event.t && event.t < end; };
+      return static_cast<double>(std::count_if(events.begin(), events.end(), is_within)) /
+             (1e-6 * static_cast<double>((end - begin).count()));
+    };
+    std::uint64_t touch_events = 0;
+    for (const TrueInterval& interval : labelled_in(truth)) {
+      const auto [touch, start, end] = interval.interval;
+      EXPECT_GT(rate(start, end), 3.0 * rate(start - 100ms, start - 20ms)) << made.run.name() << ": " << interval.what;
+      touch_events += static_cast<std::uint64_t>(std::count_if(
+          events.begin(), events.end(), [&, from = start, to = end](const Event& e) { return from <= e.t && e.t < to; }));
+    }
+    EXPECT_EQ(made.touch_events, touch_events);
+    for (const TrueInterval& interval : truth.intervals) {
+      ASSERT_TRUE(interval.first_event || !interval.labelled);
+      if (!interval.first_event) continue;
+      EXPECT_GE(*interval.first_event, interval.interval.start) << interval.what;
+      EXPECT_TRUE(std::binary_search(events.begin(), events.end(), Event{.t = *interval.first_event},
+                                     [](const Event& a, const Event& b) { return a.t < b.t; }))
+          << interval.what;
+    }
+    std::map<std::pair<int, int>, int> counts;
+    for (const Event& event : events) ++counts[{event.x, event.y}];
+    for (const TruePixel& hot : truth.hot_pixels) {
+      const double expected = hot.hz * made.duration_s;
+      EXPECT_NEAR((counts[{hot.x, hot.y}]), expected, 0.1 * expected + 6 * std::sqrt(expected) + 30) << hot.x << ", " << hot.y;
+    }
+    for (const TruePixel& dead : truth.dead_pixels) EXPECT_EQ((counts[{dead.x, dead.y}]), 0);
+  }
+}
+
+TEST(Simulate, PutsTheInertialSensorsStreamBesideTheEventsOfHalfOfTheRuns) {
+  const SimulationPhysics& physics = default_physics();
+  int with_imu = 0;
+  std::array<std::string, 2> found;  // an object whose first run has none, and one whose has
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (const ObjectModel& object : physics.objects) {
+      Random random(seed_for(seed, {object.name}));
+      with_imu += draw_run_plan(object, physics.plan_options(physics.preset("tiny"), 1), random).has_imu ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(with_imu, 100, 30);
+  for (const ObjectModel& object : physics.objects)
+    found.at(draw_run(physics, object.name, "01", "tiny", 1).plan.has_imu ? 1 : 0) = object.name;
+
+  const test::TemporaryFolder folder;
+  SimulateOptions options = small(folder.path());
+  options.objects = {found[0], found[1]};
+  simulate(options);
+  EXPECT_EQ(RecordingReader(folder / found[0] / "01" / "events.aedat4").streams().size(), 1U);
+  RecordingReader recording(folder / found[1] / "01" / "events.aedat4");
+  ASSERT_EQ(recording.streams().size(), 2U);
+  EXPECT_EQ(recording.stream(1).type, StreamType::imu);
+  std::vector<ImuSample> samples;
+  CameraTime last_begin = CameraTime::min();
+  microseconds furthest_back{};
+  for (const PacketRecord& packet : recording.packets()) {
+    furthest_back = std::max(furthest_back, packet.first < last_begin ? last_begin - packet.first : 0us);
+    last_begin = std::max(last_begin, packet.first);
+    if (packet.stream_id != 1) continue;
+    const std::vector<ImuSample> part = recording.read_imu(packet);
+    samples.insert(samples.end(), part.begin(), part.end());
+  }
+  EXPECT_LT(furthest_back, 50ms) << "packets of both streams lie side by side";
+  const std::vector<Event> events = events_in(folder / found[1] / "01" / "events.aedat4");
+  ASSERT_FALSE(samples.empty());
+  const double seconds = 1e-6 * static_cast<double>((events.back().t - events.front().t).count());
+  EXPECT_NEAR(static_cast<double>(samples.size()), physics.imu.rate_hz * seconds, 0.05 * physics.imu.rate_hz * seconds);
+  EXPECT_NEAR(static_cast<double>((samples.front().t - events.front().t).count()), 0, 10'000);
+  EXPECT_NEAR(static_cast<double>((samples.back().t - events.back().t).count()), 0, 10'000);
+  for (std::size_t i = 1; i < samples.size(); ++i) ASSERT_LT(samples[i - 1].t, samples[i].t);
+}
+
+TEST(Simulate, NamesRunsOfOneSessionAlikeAndOnlyThese) {
+  const test::TemporaryFolder folder;
+  SimulateOptions options = small(folder.path());
+  options.runs = 2;
+  const auto session = [&](const std::string& object, const std::string& run) {
+    return draw_run(default_physics(), object, run, "tiny", 1).clocks.session;
+  };
+  std::map<bool, std::string> object_by_shared;
+  for (const ObjectModel& object : default_physics().objects)
+    object_by_shared[session(object.name, "01") == session(object.name, "02")] = object.name;
+  ASSERT_EQ(object_by_shared.size(), 2U) << "some objects have a session for all of their runs, some one for each";
+  options.objects = {object_by_shared[false], object_by_shared[true]};
+  simulate(options);
+  for (const auto& [shared, object] : object_by_shared) {
+    const RunFolder one = run_folder_at(folder / object / "01"), two = run_folder_at(folder / object / "02");
+    EXPECT_EQ(read_run_info(one).session, session(object, "01"));
+    EXPECT_EQ(read_run_info(one).session == read_run_info(two).session, shared);
+    const Truth first = read_truth(one.truth()), second = read_truth(two.truth());
+    EXPECT_EQ(first.robot_clock->drift_ppm == second.robot_clock->drift_ppm, shared);
+    if (!shared) continue;
+    const std::int64_t stamp = second.robot_clock->reference_us;
+    EXPECT_NEAR(static_cast<double>((first.robot_clock->camera_from(stamp) - second.robot_clock->camera_from(stamp)).count()), 0,
+                2);
+    EXPECT_GT(events_in(two.events()).front().t, events_in(one.events()).back().t);
+  }
+}
+
+TEST(Simulate, TakesOtherPhysicsForOtherSettings) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "soft.json", R"({"objects": [{"name": "cup", "compliance": 0.5}, {"name": "fan", "depth_mm": 1.3}]})");
+  SimulateOptions options = small(folder / "data");
+  options.objects = {"fan", "usb-hub"};
+  simulate(options);
+  options.physics = read_physics(folder / "soft.json");
+  options.objects = {"usb-hub"};
+  EXPECT_EQ(kinds(simulate(options)), std::vector{Kind::kept}) << "nothing that concerns it has changed";
+  options.objects = {"fan"};
+  EXPECT_THROW(simulate(options), Error) << "made with another fan";
+  options.objects = {"cup"};
+  EXPECT_EQ(kinds(simulate(options)), std::vector{Kind::made});
+  const RunInfo info = read_run_info(run_folder_at(folder / "data" / "cup" / "01"));
+  EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "soft.json");
+  EXPECT_EQ(info.extra.at("simulation").at("physics").at("hash"), hash_of(json_of(options.physics)));
+  EXPECT_EQ(info.extra.at("simulation").at("model_version"), 2);
 }
 
 TEST(Simulate, WritesAFilmWhoseFramesHaveTheirTrueTimes) {

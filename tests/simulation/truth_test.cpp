@@ -18,7 +18,10 @@ TEST(Truth, ComesBackAsItWasWritten) {
   truth.intervals.push_back({{Touch::slip, camera_time(1'700'000'001'300'000), camera_time(1'700'000'001'900'000)},
                              camera_time(1'700'000'001'320'000),
                              {},
-                             false});
+                             false,
+                             "micro-slip"});
+  truth.hot_pixels = {{.x = 3, .y = 479, .hz = 1234.5}, {.x = 639, .y = 0, .hz = 100}};
+  truth.dead_pixels = {{.x = 7, .y = 8, .hz = 0}};
   truth.lift_start = camera_time(1'700'000'001'290'000);
   truth.robot_clock = {.offset_us = 1'699'999'900'000'000, .drift_ppm = -37.25, .reference_us = 100'000'000};
   truth.video_clock = {.offset_us = 1'700'000'000'000'017, .drift_ppm = 12.5, .reference_us = 0};
@@ -35,6 +38,7 @@ TEST(Truth, ComesBackAsItWasWritten) {
     EXPECT_EQ(back.intervals[i].gross, truth.intervals[i].gross);
     EXPECT_EQ(back.intervals[i].first_event, truth.intervals[i].first_event);
     EXPECT_EQ(back.intervals[i].labelled, truth.intervals[i].labelled);
+    EXPECT_EQ(back.intervals[i].what, truth.intervals[i].what);
   }
   EXPECT_EQ(back.lift_start, truth.lift_start);
   EXPECT_EQ(back.robot_clock->offset_us, truth.robot_clock->offset_us);
@@ -42,6 +46,8 @@ TEST(Truth, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.robot_clock->reference_us, truth.robot_clock->reference_us);
   EXPECT_EQ(back.video_clock->offset_us, truth.video_clock->offset_us);
   EXPECT_EQ(back.parameters, truth.parameters);
+  EXPECT_EQ(back.hot_pixels, truth.hot_pixels);
+  EXPECT_EQ(back.dead_pixels, truth.dead_pixels);
 }
 
 TEST(Truth, KnowsNoClockOfWhatWasNotSimulated) {
@@ -63,6 +69,12 @@ TEST(Truth, RefusesWhatIsNone) {
     return read_truth(folder / "truth.json");
   };
   EXPECT_NO_THROW(read(R"({"intervals": [], )" + clocks + "}"));
+  EXPECT_TRUE(read(R"({"intervals": [{"class": "press", "start_us": 5, "end_us": 6, "labelled": true}], )" + clocks + "}")
+                  .intervals.at(0)
+                  .what.empty())
+      << "of an earlier version";
+  EXPECT_THROW(read(R"({"intervals": [], "hot_pixels": 3, )" + clocks + "}"), Error);
+  EXPECT_THROW(read(R"({"intervals": [], "hot_pixels": [{"x": 3}], )" + clocks + "}"), Error);
   EXPECT_THROW(read("{" + clocks + "}"), Error) << "no intervals";
   EXPECT_THROW(read(R"({"intervals": [], "clocks": {}})"), Error) << "no robot clock";
   EXPECT_THROW(read(R"({"intervals": [{"class": "press", "start_us": 5, "end_us": 5, "labelled": true}], )" + clocks + "}"),

@@ -6,6 +6,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <utility>
 #include <vector>
 
 #include "support/temporary_folder.hpp"
@@ -33,17 +34,17 @@ cv::Mat frame_with_square(int index, int type) {
   return frame;
 }
 
-void write_film(const std::filesystem::path& file, int type) {
-  VideoWriter writer(file, {.width = 96, .height = 64});
+void write_film(const std::filesystem::path& file, int type, bool fast = false) {
+  VideoWriter writer(file, {.width = 96, .height = 64, .fast = fast});
   int index = 0;
   for (const VideoTime t : uneven_times()) writer.write(frame_with_square(index++, type), t);
   writer.close();
 }
 
 TEST(VideoWriter, KeepsEveryFrameAndItsTime) {
-  for (const int type : {CV_8UC1, CV_8UC3}) {
+  for (const auto& [type, fast] : {std::pair{CV_8UC1, false}, {CV_8UC3, false}, {CV_8UC1, true}, {CV_8UC3, true}}) {
     const test::TemporaryFolder folder;
-    write_film(folder / "video.mp4", type);
+    write_film(folder / "video.mp4", type, fast);
     cv::VideoCapture film((folder / "video.mp4").string(), cv::CAP_FFMPEG);
     ASSERT_TRUE(film.isOpened());
     const std::vector<VideoTime> times = uneven_times();
@@ -101,6 +102,27 @@ TEST(VideoWriter, GivesTheSameBytesForTheSameFrames) {
   write_film(folder / "a.mp4", CV_8UC1);
   write_film(folder / "b.mp4", CV_8UC1);
   EXPECT_EQ(read_text(folder / "a.mp4"), read_text(folder / "b.mp4"));
+  write_film(folder / "c.mp4", CV_8UC1, true);
+  write_film(folder / "d.mp4", CV_8UC1, true);
+  EXPECT_EQ(read_text(folder / "c.mp4"), read_text(folder / "d.mp4"));
+}
+
+TEST(VideoWriter, KeepsEveryGreyLevel) {
+  const test::TemporaryFolder folder;
+  for (const bool fast : {false, true}) {
+    cv::Mat ramp(64, 256, CV_8UC1);
+    for (int x = 0; x < ramp.cols; ++x) ramp.col(x).setTo(x);
+    const std::filesystem::path file = folder / (fast ? "fast.mp4" : "slow.mp4");
+    VideoWriter writer(file, {.width = 256, .height = 64, .quality = 1, .fast = fast});
+    writer.write(ramp, VideoTime{0us});
+    writer.close();
+    cv::VideoCapture film(file.string(), cv::CAP_FFMPEG);
+    cv::Mat frame;
+    ASSERT_TRUE(film.read(frame));
+    for (int x = 0; x < ramp.cols; ++x) {
+      for (int channel = 0; channel < 3; ++channel) ASSERT_NEAR(frame.at<cv::Vec3b>(32, x)[channel], x, 3) << x;
+    }
+  }
 }
 
 TEST(VideoWriter, LeavesWholeFragmentsWhenItIsCutOff) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/capture/pace.hpp"
@@ -14,12 +15,12 @@
 namespace tactile {
 namespace {
 
-constexpr std::string_view usual_object = "water-bottle";
+constexpr std::string_view usual_object = "water-bottle", preset = "quick";
 constexpr microseconds packet_span = 1ms;
 constexpr microseconds between_recordings = 5s;  ///< on the camera's clock, from the end of one to the start of the next
 
 bool is_model(const std::string& name) {
-  const auto models = object_models();
+  const auto& models = default_physics().objects;
   return std::any_of(models.begin(), models.end(), [&](const ObjectModel& model) { return model.name == name; });
 }
 
@@ -40,11 +41,13 @@ std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
 
 /// One run before the camera.
 struct Scene {
-  Scene(DrawnRun run, const CameraPixels& pixels) : drawn(std::move(run)), film(film_of(drawn, pixels)) {}
+  Scene(DrawnRun run, const CameraPixels& pixels) : drawn(std::move(run)), film(film_of(drawn, pixels)), imu(imu_of(drawn)) {}
 
   DrawnRun drawn;
   SkinFilm film;
   CameraTime last_event{};
+  std::vector<ImuSample> imu;
+  std::size_t felt = 0;  ///< so many of its samples have been given
 };
 
 class SimulatorSource final : public CameraSource {
@@ -55,23 +58,25 @@ class SimulatorSource final : public CameraSource {
         seed_(seed),
         pace_(speed),
         live_(speed > 0),
-        pixels_(simulated_camera_pixels(seed)),
-        stream_(event_stream_declaration(simulated_camera_options().size, simulated_camera_name(seed))) {
-    if (object_) object_model(*object_);
-    set_info(stream_, readout_mode_attribute, "constant");
-    set_info(stream_, simulated_attribute, "true");
+        physics_(default_physics()),
+        pixels_(simulated_camera_pixels(physics_, seed)),
+        streams_{event_stream_declaration(physics_.camera.size, simulated_camera_name(seed)),
+                 simulated_imu_stream(simulated_camera_name(seed))} {
+    if (object_) physics_.object(*object_);
+    set_info(streams_[0], readout_mode_attribute, "constant");
+    for (Stream& stream : streams_) set_info(stream, simulated_attribute, "true");
   }
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return {&stream_, 1}; }
+  std::span<const Stream> streams() const override { return streams_; }
   bool simulated() const override { return true; }
   bool live() const override { return live_; }
   bool begins_again() const override { return true; }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
-    json["readout_us"] = simulated_camera_options().readout.count();
+    json["readout_us"] = physics_.camera.readout.count();
     json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
-                         {"preset", preset_.name},
+                         {"preset", preset},
                          {"seed", seed_},
                          {"model_version", simulation_model_version}};
     return json;
@@ -85,7 +90,7 @@ class SimulatorSource final : public CameraSource {
   }
 
   Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
-    while (next_.events.empty()) {
+    while (next_.events.empty() && next_.imu.empty()) {
       if (scene_ && !scene_->film.ended()) {
         film_next();
       } else if (recorded_) {
@@ -97,8 +102,13 @@ class SimulatorSource final : public CameraSource {
     if (!pace_.has_begun()) pace_.begin(scene_->drawn.start());
     if (!pace_.wait_for(scene_->film.filmed().last_readout, patience)) return Received::nothing;
     packet.clear();
-    packet.stream_id = stream_.id;
-    packet.events.swap(next_.events);
+    if (next_.imu.empty()) {
+      packet.stream_id = streams_[0].id;
+      packet.events.swap(next_.events);
+    } else {
+      packet.stream_id = streams_[1].id;
+      packet.imu.swap(next_.imu);
+    }
     return Received::packet;
   }
 
@@ -112,7 +122,7 @@ class SimulatorSource final : public CameraSource {
     if (!is_whole) until = last.value_or(scene_->drawn.start());
     if (wants_robot) write_robot(run.robot(), scene_->drawn, until);
     if (wants_video) write_video(run.video(), run.video_times(), scene_->drawn, until);
-    Truth truth = truth_of(scene_->drawn, scene_->film.filmed(), until);
+    Truth truth = truth_of(scene_->drawn, pixels_, scene_->film.filmed(), until);
     // Of a real robot or film beside us nothing is known.
     if (!wants_robot) truth.lift_start.reset();
     if (!wants_robot) truth.robot_clock.reset();
@@ -122,7 +132,7 @@ class SimulatorSource final : public CameraSource {
 
  private:
   void begin(const std::string& object, const std::string& run, microseconds gap) {
-    DrawnRun drawn = draw_run(object_model(object), run, preset_, seed_);
+    DrawnRun drawn = draw_run(physics_, object, run, std::string(preset), seed_);
     if (clocks_) {
       drawn.clocks = continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
     } else {
@@ -132,7 +142,7 @@ class SimulatorSource final : public CameraSource {
     scene_ = std::make_unique<Scene>(std::move(drawn), pixels_);
   }
 
-  /// The read-outs of the next millisecond, and as many more as it takes to see an event.
+  /// The read-outs of the next millisecond, and as many more as it takes to see an event, with what was felt meanwhile.
   void film_next() {
     const auto readouts = packet_span / scene_->drawn.camera.readout;
     for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
@@ -140,6 +150,9 @@ class SimulatorSource final : public CameraSource {
       next_.events.insert(next_.events.end(), events.begin(), events.end());
     }
     if (!next_.events.empty()) scene_->last_event = next_.events.back().t;
+    std::size_t& felt = scene_->felt;
+    for (; felt < scene_->imu.size() && scene_->imu[felt].t <= scene_->film.filmed().last_readout; ++felt)
+      next_.imu.push_back(scene_->imu[felt]);
   }
 
   std::string name_;
@@ -147,9 +160,9 @@ class SimulatorSource final : public CameraSource {
   std::uint64_t seed_;
   Pace pace_;
   bool live_;
+  const SimulationPhysics& physics_;
   CameraPixels pixels_;
-  Stream stream_;
-  SimulationPreset preset_ = simulation_preset("quick");
+  std::array<Stream, 2> streams_;    ///< events, and the inertial sensor's
   std::optional<RunClocks> clocks_;  ///< of the first run
   std::unique_ptr<Scene> scene_;
   std::optional<std::filesystem::path> recorded_;  ///< the run being recorded

@@ -9,7 +9,7 @@
 namespace tactile {
 
 /// The simulator as a live camera: the read-outs of runs as `simulate --preset quick` makes them, in packets of 1 ms, on a camera
-/// clock that goes on from run to run.
+/// clock that goes on from run to run. Its inertial sensor is on in every run.
 ///
 /// After `begin_run` it gives one run, drawn from the seed, the object and the run's name, and then ends until the next
 /// `begin_run`; `end_run` writes what the robot, the webcam and the truth have to say of the part that was recorded. The first

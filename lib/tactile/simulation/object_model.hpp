@@ -1,13 +1,12 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <span>
 #include <string>
-#include <string_view>
 
 namespace tactile {
 
-/// What sets one object apart from another under the sensor. Typical values: each run varies round them.
+/// What sets one object apart from another under the sensor. Typical values: each run varies round them. The paper's ten stand in
+/// configs/objects.json. Their numbers are chosen, not measured: they keep within what slip sensing reports (stick-slip of
+/// 10-60 Hz, ringing of 60-300 Hz, shear of 0.2-1.5 mm) and spread the objects over it.
 struct ObjectModel {
   std::string name;
   std::string why;              ///< one sentence: what about the object makes its numbers so
@@ -26,16 +25,31 @@ struct ObjectModel {
   double ring_hz = 150;        ///< of the tip after it
   double ring_decay_ms = 7;
   double texture_mm = 0.005;  ///< standard deviation of the tip's tremble while the surface runs past
+  double reflectivity = 0.6;  ///< share of the light that it throws back: its grey in the film
+  double weight_g = 100;
 };
 
-void to_json(nlohmann::json& json, const ObjectModel& object);
-
-/// The paper's ten, in its order (Faris et al., arXiv:2403.10120, figure 6). Their numbers are chosen, not measured: they keep
-/// within what slip sensing reports (stick-slip of 10-60 Hz, ringing of 60-300 Hz, shear of 0.2-1.5 mm) and spread the objects
-/// over it.
-std::span<const ObjectModel> object_models();
-
-/// @throws Error that lists them if no object has this name
-const ObjectModel& object_model(std::string_view name);
+template <class Fields>
+void list_fields(Fields& fields, ObjectModel& o) {
+  fields("name", o.name);
+  fields("why", o.why);
+  fields("radius_mm", o.radius_mm, 0, 1000);
+  fields("half_width_mm", o.half_width_mm, 1, 200);
+  fields("half_height_mm", o.half_height_mm, 1, 200);
+  fields("irregularity_mm", o.irregularity_mm, 0, 5);
+  fields("tilt", o.tilt, 0, 0.5);
+  fields("compliance", o.compliance, 0, 0.95);
+  fields("depth_mm", o.depth_mm, 0.05, 5);
+  fields("press_ms", o.press_ms, 10, 5000);
+  fields("slack_mm", o.slack_mm, 0, 5);
+  fields("shear_limit_mm", o.shear_limit_mm, 0.01, 5);
+  fields("stick_slip_hz", o.stick_slip_hz, 1, 200);
+  fields("stick_slip_mm", o.stick_slip_mm, 0, 2);
+  fields("ring_hz", o.ring_hz, 10, 1000);
+  fields("ring_decay_ms", o.ring_decay_ms, 0.1, 1000);
+  fields("texture_mm", o.texture_mm, 0, 0.5);
+  fields("reflectivity", o.reflectivity, 0, 1);
+  fields("weight_g", o.weight_g, 0, 10'000);
+}
 
 }  // namespace tactile

@@ -1,22 +1,17 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <string>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "tactile/core/clock_relation.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/simulation/drawn_value.hpp"
 #include "tactile/simulation/object_model.hpp"
 #include "tactile/simulation/skin.hpp"
 
 namespace tactile {
-
-/// A range that a run's value is drawn from, every value alike.
-struct Range {
-  double low = 0;
-  double high = 0;
-};
 
 /// How long the parts of a run last.
 struct RunTimings {
@@ -25,73 +20,346 @@ struct RunTimings {
   Range hold_s{0.35, 0.7};    ///< still, between press and lift
   Range lift_s{0.5, 0.9};     ///< of the arm
   Range rest_s{1.1, 1.6};     ///< still, after the lift
+  Range between_s{0.4, 0.7};  ///< open, between two presses
 };
 
-void to_json(nlohmann::json& json, const RunTimings& timings);
+template <class Fields>
+void list_fields(Fields& fields, RunTimings& t) {
+  fields("quiet_s", t.quiet_s, 0.1, 60.0);
+  fields("travel_s", t.travel_s, 0.03, 10.0);
+  fields("hold_s", t.hold_s, 0.05, 60.0);
+  fields("lift_s", t.lift_s, 0.05, 10.0);
+  fields("rest_s", t.rest_s, 0.2, 60.0);
+  fields("between_s", t.between_s, 0.05, 60.0);
+}
+
+/// How runs differ from each other. A spread is the standard deviation of the logarithm of a factor on the object's own value.
+/// None of it is published: press and lift keep within what the sensor and its stage can do (0-2 mm inward, 4-20 mm/s), slip
+/// within what slip sensing reports (shear of 0.2-1.5 mm, stick-slip of 10-60 Hz, ringing of 60-300 Hz); the rest is assumed.
+struct RunVariation {
+  // Press.
+  double depth_spread = 0.25;
+  Range depth_mm{0.4, 1.9};  ///< cut to
+  Range press_power{0.6, 1.4};
+  double press_time_spread = 0.15;
+  Range press_s{0.12, 0.4};         ///< cut to
+  Range closing_speed_mm_s{4, 20};  ///< cut to
+  Range release_s{0.1, 0.25};       ///< from the stage's opening until the last marker is free
+  double centre_mm = 2.5;           ///< where the object meets the skin: standard deviation each way
+  double edge_slope = 2.0;          ///< the surface falls away beyond the object's edge [mm per mm]
+  // A tip pushed inward goes aside, as a ridge does that is pushed end on: towards the contact's centre, a part that the whole
+  // object takes along since the stage does not push straight, and a part of its own [all in mm per mm].
+  Range pull{0.8, 1.5};          ///< towards the contact's centre; below 0: away from it
+  double pull_full_mm = 9.0;     ///< so far from the centre it is full; less within
+  double skid = 0.25;            ///< of all tips: standard deviation each way
+  double pull_scatter_x = 0.12;  ///< of each tip along its ridge: standard deviation
+  double pull_scatter_y = 0.25;  ///< and over its thin side, to which it bends more easily
+  // Lift.
+  Range lift_speed_mm_s{30, 120};
+  Range lift_acceleration_mm_s2{1100, 1300};
+  double lift_angle_rad = 0.1;  ///< standard deviation
+  double slack_spread = 0.3;
+  Range slack_mm{0.005, 0.2};  ///< cut to
+  double shear_limit_spread = 0.15;
+  Range shear_limit_mm{0.2, 1.5};     ///< cut to
+  double light_share = 0.5;           ///< of the shear limit, that a tip which is hardly pressed has
+  double marker_shear_spread = 0.12;  ///< between markers
+  double stick_slip_hz_spread = 0.15;
+  Range stick_slip_hz{10, 60};  ///< cut to
+  double stick_slip_mm_spread = 0.35;
+  double most_spring_back = 0.8;    ///< of the shear limit, in one stick-slip
+  double light_object_g = 15;       ///< an object of this weight follows the tips by half as they spring back, a heavier one less
+  double stick_slip_jitter = 0.15;  ///< of a period: standard deviation, as a share
+  double spring_back_jitter = 0.25;  ///< of each spring-back: standard deviation of its logarithm
+  double limit_jitter = 0.05;        ///< of each tip's limit from jerk to jerk: standard deviation, as a share
+  Range unison{0.4, 0.9};
+  Range lag_share{0.0, 0.6};
+  double ring_hz_spread = 0.1;
+  Range ring_hz{60, 300};  ///< cut to
+  double ring_decay_spread = 0.15;
+  double texture_spread = 0.2;
+  Range texture_memory_s{0.003, 0.003};  ///< so long a tremble keeps its sign
+  double sink = 0.06;                    ///< standard deviation
+  // All.
+  Range skin_coupling{0.06, 0.06};  ///< share of the mean by which markers that are touched less follow it: the skin is one piece
+  Range veil{0.01, 0.05};
+  Range object_veil{0.0, 0.04};  ///< stray light from an object of reflectivity 1, on top
+  double noise_spread = 0.25;
+  double stage_output_share = 0.5;  ///< of the runs, in which the robot's output commands the stage
+};
+
+template <class Fields>
+void list_fields(Fields& fields, RunVariation& v) {
+  fields("depth_spread", v.depth_spread, 0.0, 2.0);
+  fields("depth_mm", v.depth_mm, 0.05, 2.0);
+  fields("press_power", v.press_power, 0.1, 10.0);
+  fields("press_time_spread", v.press_time_spread, 0.0, 2.0);
+  fields("press_s", v.press_s, 0.02, 10.0);
+  fields("closing_speed_mm_s", v.closing_speed_mm_s, 0.1, 200.0);
+  fields("release_s", v.release_s, 0.02, 10.0);
+  fields("centre_mm", v.centre_mm, 0.0, 10.0);
+  fields("edge_slope", v.edge_slope, 0.0, 100.0);
+  fields("pull", v.pull, -1.0, 2.0);
+  fields("pull_full_mm", v.pull_full_mm, 0.1, 100.0);
+  fields("skid", v.skid, 0.0, 1.0);
+  fields("pull_scatter_x", v.pull_scatter_x, 0.0, 1.0);
+  fields("pull_scatter_y", v.pull_scatter_y, 0.0, 1.0);
+  fields("lift_speed_mm_s", v.lift_speed_mm_s, 1.0, 1000.0);
+  fields("lift_acceleration_mm_s2", v.lift_acceleration_mm_s2, 10.0, 10'000.0);
+  fields("lift_angle_rad", v.lift_angle_rad, 0.0, 1.0);
+  fields("slack_spread", v.slack_spread, 0.0, 2.0);
+  fields("slack_mm", v.slack_mm, 0.001, 2.0);
+  fields("shear_limit_spread", v.shear_limit_spread, 0.0, 2.0);
+  fields("shear_limit_mm", v.shear_limit_mm, 0.01, 2.0);
+  fields("light_share", v.light_share, 0.0, 1.0);
+  fields("marker_shear_spread", v.marker_shear_spread, 0.0, 1.0);
+  fields("stick_slip_hz_spread", v.stick_slip_hz_spread, 0.0, 2.0);
+  fields("stick_slip_hz", v.stick_slip_hz, 1.0, 500.0);
+  fields("stick_slip_mm_spread", v.stick_slip_mm_spread, 0.0, 2.0);
+  fields("most_spring_back", v.most_spring_back, 0.0, 1.0);
+  fields("light_object_g", v.light_object_g, 0.0, 10'000.0);
+  fields("stick_slip_jitter", v.stick_slip_jitter, 0.0, 0.45);
+  fields("spring_back_jitter", v.spring_back_jitter, 0.0, 2.0);
+  fields("limit_jitter", v.limit_jitter, 0.0, 0.4);
+  fields("unison", v.unison, 0.0, 1.0);
+  fields("lag_share", v.lag_share, 0.0, 1.0);
+  fields("ring_hz_spread", v.ring_hz_spread, 0.0, 2.0);
+  fields("ring_hz", v.ring_hz, 1.0, 1000.0);
+  fields("ring_decay_spread", v.ring_decay_spread, 0.0, 2.0);
+  fields("texture_spread", v.texture_spread, 0.0, 2.0);
+  fields("texture_memory_s", v.texture_memory_s, 1e-4, 1.0);
+  fields("sink", v.sink, 0.0, 0.3);
+  fields("skin_coupling", v.skin_coupling, 0.0, 1.0);
+  fields("veil", v.veil, 0.0, 10.0);
+  fields("object_veil", v.object_veil, 0.0, 10.0);
+  fields("noise_spread", v.noise_spread, 0.0, 2.0);
+  fields("stage_output_share", v.stage_output_share, 0.0, 1.0);
+}
+
+/// Motion that nobody labels, but that moves the markers. Assumptions all, small against press and slip.
+struct AfterEffects {
+  Range relaxation_share{0.005, 0.03};  ///< of the depth, by which tips creep while the stage stands still
+  Range relaxation_s{0.1, 0.4};         ///< time constant
+  double micro_slips_per_s = 0.5;       ///< while the object touches and nothing else but its creeping moves
+  Range micro_slip_mm{0.02, 0.08};
+  double micro_slip_share = 0.35;  ///< of the touched markers that take part, one at least
+  double recontact_chance = 0.3;   ///< in the rest after a lift
+  Range recontact_mm{0.05, 0.25};
+  Range recontact_s{0.06, 0.15};
+  double settle_s = 0.12;           ///< micro-slips and re-contacts keep so far from whatever moves next
+  double after_lift_s = 0.4;        ///< and so far from the lift's end, by when a slip has surely ended
+  Range vibration_hz{12, 28};       ///< of the arm, where it starts and stops
+  Range vibration_mm{0.002, 0.01};  ///< of the markers
+  Range vibration_decay_s{0.04, 0.12};
+  Range vibration_housing{0.1, 0.5};  ///< of the camera's housing: share of the arm's acceleration that it rings with at first
+};
+
+template <class Fields>
+void list_fields(Fields& fields, AfterEffects& a) {
+  fields("relaxation_share", a.relaxation_share, 0.0, 0.2);
+  fields("relaxation_s", a.relaxation_s, 0.001, 10.0);
+  fields("micro_slips_per_s", a.micro_slips_per_s, 0.0, 20.0);
+  fields("micro_slip_mm", a.micro_slip_mm, 0.0, 0.5);
+  fields("micro_slip_share", a.micro_slip_share, 0.0, 1.0);
+  fields("recontact_chance", a.recontact_chance, 0.0, 1.0);
+  fields("recontact_mm", a.recontact_mm, 0.0, 2.0);
+  fields("recontact_s", a.recontact_s, 0.005, 10.0);
+  fields("settle_s", a.settle_s, 0.05, 10.0);
+  fields("after_lift_s", a.after_lift_s, 0.3, 10.0);
+  fields("vibration_hz", a.vibration_hz, 1.0, 500.0);
+  fields("vibration_mm", a.vibration_mm, 0.0, 0.2);
+  fields("vibration_decay_s", a.vibration_decay_s, 0.001, 1.0);
+  fields("vibration_housing", a.vibration_housing, 0.0, 1.0);
+}
+
+/// Shares of the runs that are no plain press and slip.
+struct SpecialRuns {
+  int from_run = 4;  ///< runs before it are plain: one of them may be the one that is learned from
+  double two_presses = 0.12;
+  double without_slip = 0.08;
+  double without_press = 0.08;
+  double taps = 0.0;  ///< with taps at the start and at the end
+  int tap_count = 3;  ///< each time
+  Range tap_travel_mm{2.0, 4.0};
+  Range tap_s{0.2, 0.3};        ///< there and back
+  Range tap_pause_s{0.2, 0.5};  ///< from one to the next
+  Range tap_depth_mm{0.2, 0.6};
+};
+
+template <class Fields>
+void list_fields(Fields& fields, SpecialRuns& s) {
+  fields("from_run", s.from_run, 1, 99);
+  fields("two_presses", s.two_presses, 0.0, 1.0);
+  fields("without_slip", s.without_slip, 0.0, 1.0);
+  fields("without_press", s.without_press, 0.0, 1.0);
+  fields("taps", s.taps, 0.0, 1.0);
+  fields("tap_count", s.tap_count, 1, 20);
+  fields("tap_travel_mm", s.tap_travel_mm, 0.1, 50.0);
+  fields("tap_s", s.tap_s, 0.05, 5.0);
+  fields("tap_pause_s", s.tap_pause_s, 0.05, 10.0);
+  fields("tap_depth_mm", s.tap_depth_mm, 0.0, 2.0);
+}
 
 /// A marker under the object.
 struct MarkerContact {
   double gap_mm = 0;  ///< between object and tip when the first marker is touched
   double pull_x = 0;  ///< how far the tip goes aside as it is pushed in [mm per mm]
   double pull_y = 0;
-  double shear_share = 1;  ///< of the run's shear limit and stick-slip, from how well it is pressed
+  double shear_share = 1;  ///< of the lift's shear limit and stick-slip, from how well it is pressed
   double lag_share = 0;    ///< by which it sticks later than the object jerks, as a share of the stick-slip period
 };
 
-/// Everything that one run draws before anything moves. Times are in seconds of camera time since the camera's first read-out.
-struct RunPlan {
-  double stage_start_s = 0;  ///< the stage's command; it is at speed 20 ms later
-  double contact_s = 0;      ///< the first marker is touched
+// Times of a plan are in seconds of camera time since the camera's first read-out.
+
+/// Motion that has no more than this ahead of it has ended: a hundredth of a pixel, of which a camera sees nothing.
+inline constexpr double least_motion_mm = 0.0006;
+/// A tip that is pressed less than this is not dragged along.
+inline constexpr double least_pressed_mm = 0.02;
+
+/// The stage closes on the object and stands still; it may open again.
+struct PressPlan {
+  double stage_start_s = 0;  ///< its command; it is at speed 20 ms later
+  double contact_s = 0;      ///< the first marker is touched; before 0: it is pressed when the recording begins
   double press_s = 0;        ///< from contact until the stage stands still
   double depth_mm = 0;       ///< by which the first marker is then pushed in
   double press_power = 1;    ///< closing speed falls as (1 - t / press_s)^power
   double stage_share = 1;    ///< markers' travel over the stage's: the object gives way by the rest
-  double lift_start_s = 0;
-  double lift_s = 0;  ///< the arm moves, its ramps included
-  double lift_speed_mm_s = 0;
-  double lift_acceleration_mm_s2 = 1200;
-  double lift_angle_rad = 0;  ///< of the shear against the image's y axis
-  double end_s = 0;           ///< the camera's last read-out
+  double relaxation_share = 0;
+  double relaxation_s = 0.2;
+  std::optional<double> release_start_s;  ///< the stage opens again
+  double release_s = 0.2;                 ///< until the last marker is free
+  std::array<MarkerContact, marker_count> markers{};
 
+  double closing_speed_mm_s() const { return depth_mm * (press_power + 1.0) / press_s; }  ///< at contact
+  double still_s() const { return contact_s + press_s; }  ///< the stage stands still; the tips creep on
+  /// Whoever creeps less than `least_motion_mm` any more stands still.
+  double creeping_end_s() const;
+  /// By which the object is pushed in [mm], creeping and release included; 0 before contact.
+  double depth_at(double t_s) const;
+  double speed_at(double t_s) const;  ///< of that [mm/s], below 0 while it is released
+};
+
+/// The arm goes up, and the object does not come along.
+struct LiftPlan {
+  double start_s = 0;
+  double lift_s = 0;  ///< the arm moves, its ramps included
+  double speed_mm_s = 0;
+  double acceleration_mm_s2 = 1200;
+  double angle_rad = 0;  ///< of the shear against the image's y axis
   double slack_mm = 0;
   double shear_limit_mm = 0;
   double stick_slip_hz = 0;
   double stick_slip_mm = 0;
-  double unison = 1;  ///< share of the tips that take part in a jerk
+  double unison = 1;                 ///< share of the tips that take part in a jerk
+  double stick_slip_jitter = 0.15;   ///< of a period: standard deviation, as a share
+  double spring_back_jitter = 0.25;  ///< standard deviation of its logarithm
+  double limit_jitter = 0.05;        ///< standard deviation, as a share
   double ring_hz = 0;
   double ring_decay_s = 0;
   double texture_mm = 0;
+  double texture_memory_s = 0.003;
   double sink = 0;  ///< change of the markers' depth over the lift, as a share of it
 
-  std::array<MarkerContact, marker_count> markers{};
+  double end_s() const { return start_s + lift_s; }
+  double travel_at(double t_s) const;  ///< [mm]
+  double speed_at(double t_s) const;   ///< [mm/s]
+  double acceleration_at(double t_s) const;
+  double time_of_travel(double mm) const;  ///< 0 to all of it; infinite beyond [s]
+};
+
+/// The arm sets the sensor's tips against something hard for an instant, which all clocks see.
+struct TapPlan {
+  double start_s = 0;    ///< the arm begins to go down
+  double travel_mm = 0;  ///< there and back
+  double tap_s = 0;      ///< there and back
+  double depth_mm = 0;   ///< by which all tips are pushed in at the lowest point, at most half of the travel
+
+  double end_s() const { return start_s + tap_s; }
+  double fall_at(double t_s) const;   ///< of the arm, 0 to travel_mm: it speeds up, brakes, comes back likewise [mm]
+  double speed_at(double t_s) const;  ///< downwards [mm/s]
+  double acceleration_at(double t_s) const;
+  double depth_at(double t_s) const;  ///< by which the tips are pushed in [mm]
+  double contact_s() const;           ///< they touch
+  double free_s() const { return 2.0 * start_s + tap_s - contact_s(); }
+};
+
+/// Some tips spring back a little, and ring.
+struct MicroSlipPlan {
+  double at_s = 0;
+  unsigned markers = 0;  ///< bit i: marker i
+  double slip_mm = 0;
+  double ring_hz = 150;
+  double ring_decay_s = 0.007;
+};
+
+/// The object rocks: the tips come free by this much, and are pressed again.
+struct RecontactPlan {
+  double start_s = 0;
+  double recontact_s = 0;
+  double depth_mm = 0;
+
+  double end_s() const { return start_s + recontact_s; }
+  double freed_at(double t_s) const;  ///< [mm]
+};
+
+/// The arm rings where it starts and stops, and the tips with it.
+struct VibrationPlan {
+  double hz = 20;
+  double tip_mm = 0;  ///< of the tips against the camera, along the lift, at an acceleration of 1200 mm/s^2
+  double decay_s = 0.08;
+  double housing_share = 0.3;  ///< of the arm's acceleration, that the camera's housing rings with at first
+
+  /// Rings on after a change of the arm's acceleration by `change_mm_s2` until less than `least_motion_mm` is left.
+  double lasts_s(double change_mm_s2) const;
+};
+
+/// Everything that one run draws before anything moves.
+struct RunPlan {
+  std::vector<PressPlan> presses;  ///< in order; each is open again before the next touches
+  std::optional<LiftPlan> lift;
+  std::vector<TapPlan> taps;
+  std::vector<MicroSlipPlan> micro_slips;
+  std::vector<RecontactPlan> recontacts;
+  VibrationPlan vibration;
+  double end_s = 0;                    ///< the camera's last read-out
+  double skin_coupling = 0.06;         ///< markers that are touched less than the mean follow it by this share
   double veil = 0;                     ///< stray light, as a reflectance
   double noise_factor = 1;             ///< of the camera's noise in this run
-  bool stage_on_robot_output = false;  ///< the stage was commanded through bit 0 of the robot's outputs
+  bool stage_on_robot_output = false;  ///< the stage is commanded through bit 0 of the robot's outputs
+  bool has_imu = false;
 
-  double closing_speed_mm_s() const { return depth_mm * (press_power + 1.0) / press_s; }  ///< at contact
-  double depth_at(double t_s) const;         ///< by which the object is pushed in [mm]; 0 before contact
-  double lift_travel_at(double t_s) const;   ///< of the arm [mm]
-  double lift_speed_at(double t_s) const;    ///< [mm/s]
-  double stage_travel_at(double t_s) const;  ///< of the stage since its command [mm]
+  const PressPlan* press_at(double t_s) const;  ///< the latest that touches or has touched by then and is not released
+  // The arm, up from where it stood; taps included, its ringing not.
+  double arm_travel_at(double t_s) const;        ///< [mm]
+  double arm_speed_at(double t_s) const;         ///< [mm/s]
+  double arm_acceleration_at(double t_s) const;  ///< [mm/s^2]
+  /// When, and by how much [mm/s^2], the arm's acceleration changes; by time.
+  std::vector<std::pair<double, double>> arm_acceleration_changes() const;
+  /// Of the tips along the lift [mm]: each is a mass on a spring, which lags behind while the arm speeds up, overshooting and
+  /// ringing at each change of the arm's acceleration.
+  double vibration_at(double t_s) const;
+  double vibration_acceleration_at(double t_s) const;  ///< of the camera's housing, which rings with it [mm/s^2]
+  double stage_travel_at(double t_s) const;            ///< of the stage towards the object since the run began [mm]
+  bool stage_commanded_at(double t_s) const;           ///< shut, rather than open
 };
 
 void to_json(nlohmann::json& json, const RunPlan& plan);
 
-/// Draws a run with `object`. Each number comes from a stated distribution round the object's, so that neither a region of the
-/// image nor the mere count of events gives a class away.
-RunPlan draw_run_plan(const ObjectModel& object, const RunTimings& timings, Random& random);
-
-/// A run's clocks, each started at another time and running at another rate.
-struct RunClocks {
-  std::int64_t camera_start_us = 0;  ///< the camera's first read-out
-  ClockRelation robot, video;        ///< to the camera's
-  std::int64_t host_from_camera_us = 0;
+struct RunPlanOptions {
+  RunTimings timings;
+  RunVariation variation;
+  AfterEffects after;
+  SpecialRuns special;
+  double imu_share = 0.5;  ///< of the runs that have an IMU stream
+  int run_number = 1;      ///< from 1
+  bool may_be_special = false;
 };
 
-RunClocks draw_run_clocks(Random& random);
+/// No run that is drawn from these is longer.
+double longest_run_s(const RunPlanOptions& options);
 
-/// The clocks of a later run of one session: camera, robot and video go on as they ran in the session's `first` run, the camera's
-/// first read-out is at `start`, and robot and video begin as much earlier as they do in `drawn`. A video always counts from 0.
-RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, CameraTime start);
+/// Draws a run with `object`. Each number comes from a stated distribution round the object's, so that neither a region of the
+/// image nor the mere count of events gives a class away.
+RunPlan draw_run_plan(const ObjectModel& object, const RunPlanOptions& options, Random& random);
 
 }  // namespace tactile

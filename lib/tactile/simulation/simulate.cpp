@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <tuple>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -59,19 +57,81 @@ void remove_run(const RunFolder& run) {
 }
 
 struct PlannedRun {
-  const ObjectModel* object = nullptr;
   SimulatedRun outcome;
   bool keeps_labels = false;  ///< made with the same settings before: its labels still hold
 };
 
+/// Counts the events within presses and slips.
+class TouchCounter {
+ public:
+  explicit TouchCounter(const DrawnRun& drawn) {
+    for (const MarkerMotion& motion : drawn.motion.motions) {
+      if (motion.labelled) intervals_.emplace_back(drawn.start() + motion.start, drawn.start() + motion.end);
+    }
+  }
+
+  /// @param events  ascending in time
+  void count(std::span<const Event> events) {
+    const auto is_earlier = [](const Event& event, CameraTime t) { return event.t < t; };
+    for (const auto& [start, end] : intervals_) {
+      const auto first = std::lower_bound(events.begin(), events.end(), start, is_earlier);
+      events_ += static_cast<std::uint64_t>(std::lower_bound(first, events.end(), end, is_earlier) - first);
+    }
+  }
+  std::uint64_t events() const { return events_; }
+  double seconds() const {
+    microseconds sum{};
+    for (const auto& [start, end] : intervals_) sum += end - start;
+    return 1e-6 * static_cast<double>(sum.count());
+  }
+
+ private:
+  std::vector<std::pair<CameraTime, CameraTime>> intervals_;
+  std::uint64_t events_ = 0;
+};
+
+/// Films the run into a recording, with the inertial sensor's samples between the events as they come in time.
+void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCounter& touch,
+            const std::function<void(double)>& tell_share) {
+  constexpr microseconds piece = 10ms;
+  const std::string source = simulated_camera_name(drawn.seed);
+  std::vector<Stream> streams{event_stream_declaration(drawn.camera.size, source)};
+  std::vector<ImuSample> imu;
+  if (drawn.plan.has_imu) {
+    streams.push_back(simulated_imu_stream(source));
+    imu = imu_of(drawn);
+  }
+  RecordingWriter recording(file, streams);
+  std::size_t felt = 0;
+  const auto write_imu_before = [&](std::optional<CameraTime> t) {
+    const std::size_t begin = felt;
+    while (felt < imu.size() && (!t || imu[felt].t < *t)) ++felt;
+    if (felt > begin) recording.write_imu(streams[1].id, std::span(imu).subspan(begin, felt - begin));
+  };
+  const auto write_events = [&](std::span<const Event> events) {
+    touch.count(events);
+    while (!events.empty()) {
+      const CameraTime end = events.front().t + piece;
+      const auto later = std::find_if(events.begin(), events.end(), [&](const Event& event) { return event.t >= end; });
+      const auto count = static_cast<std::size_t>(later - events.begin());
+      write_imu_before(events.front().t);
+      recording.write_events(streams[0].id, events.first(count));
+      events = events.subspan(count);
+    }
+  };
+  film_whole(film, write_events, tell_share);
+  write_imu_before(std::nullopt);
+  recording.close();
+}
+
 /// What is to be done for each run asked for; refuses before anything is touched.
-std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const SimulationPreset& preset, int runs) {
+std::vector<PlannedRun> plan_runs(const SimulateOptions& options, int runs) {
   std::vector<const ObjectModel*> objects;
   if (options.objects.empty()) {
-    for (const ObjectModel& object : object_models()) objects.push_back(&object);
+    for (const ObjectModel& object : options.physics.objects) objects.push_back(&object);
   }
-  std::set<std::string> asked(options.objects.begin(), options.objects.end());
-  for (const std::string& name : asked) objects.push_back(&object_model(name));
+  const std::set<std::string> asked(options.objects.begin(), options.objects.end());
+  for (const std::string& name : asked) objects.push_back(&options.physics.object(name));
   std::sort(objects.begin(), objects.end(), [](const ObjectModel* a, const ObjectModel* b) { return a->name < b->name; });
 
   std::vector<PlannedRun> planned;
@@ -80,8 +140,7 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
       const std::string id = fmt::format("{:02}", i);
       const RunFolder run{options.data / object->name / id, object->name, id};
       if (i > runs) {
-        if (options.force && settings_hash_in(run))
-          planned.push_back({object, {.run = run, .kind = SimulatedRun::Kind::removed}, false});
+        if (options.force && settings_hash_in(run)) planned.push_back({{.run = run, .kind = SimulatedRun::Kind::removed}, false});
         continue;
       }
       SimulatedRun outcome{.run = run};
@@ -92,14 +151,14 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
           throw Error(run.folder.string() +
                       ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
         }
-        const bool same = *hash == hash_of(simulation_settings(*object, id, preset, options.seed));
+        const bool same = *hash == hash_of(simulation_settings(options.physics, object->name, id, options.preset, options.seed));
         if (!same && !options.force) {
           throw Error(run.folder.string() + ": was simulated with other settings; expected the same, or --force to replace it");
         }
         keeps_labels = same;
         outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
       }
-      planned.push_back({object, outcome, keeps_labels});
+      planned.push_back({outcome, keeps_labels});
     }
   }
   return planned;
@@ -107,55 +166,59 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const Simulati
 
 }  // namespace
 
-SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
-                          const CameraPixels& pixels, const std::function<void(double)>& tell_share) {
-  const DrawnRun drawn = draw_run(object, run.run, preset, seed);
-  const std::string source = simulated_camera_name(seed);
-  RecordingWriter recording(run.events(), {event_stream_declaration(drawn.camera.size, source)});
+SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
+                          const std::function<void(double)>& tell_share) {
+  TouchCounter touch(drawn);
   SkinFilm film = film_of(drawn, pixels);
-  film_whole(
-      film, [&](std::span<const Event> events) { recording.write_events(0, events); }, tell_share);
-  recording.close();
+  record(run.events(), drawn, film, touch, tell_share);
   const FilmedSkin& filmed = film.filmed();
 
   const std::uint64_t dropped_packages = write_robot(run.robot(), drawn);
   write_video(run.video(), run.video_times(), drawn);
-  write_truth(run.truth(), truth_of(drawn, filmed));
+  write_truth(run.truth(), truth_of(drawn, pixels, filmed));
 
   const RunClocks& clocks = drawn.clocks;
+  const SimulationPhysics& physics = *drawn.physics;
   write_run_info(
       run,
       {.object = run.object,
        .run = run.run,
-       .session = fmt::format("simulated-{}-{}-{}", seed, run.object, run.run),
+       .session = clocks.session,
        .simulated = true,
        .complete = true,
        .width = drawn.camera.size.width,
        .height = drawn.camera.size.height,
-       .extra = {{"camera", {{"source", source}, {"readout_mode", "constant"}, {"readout_us", drawn.camera.readout.count()}}},
-                 {"simulation",
-                  {{"settings_hash", hash_of(simulation_settings(object, run.run, preset, seed))},
-                   {"preset", preset.name},
-                   {"seed", seed},
-                   {"model_version", simulation_model_version}}},
-                 {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-                 {"host_time_us",
-                  {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
-                   {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
-                 {"dropped", {{"events", 0}, {"robot_packages", dropped_packages}, {"frames", 0}}},
-                 {"files", files_json(std::array{run.events(), run.robot(), run.video(), run.video_times(), run.truth()})}}});
+       .extra = {
+           {"camera",
+            {{"source", simulated_camera_name(drawn.seed)},
+             {"readout_mode", "constant"},
+             {"readout_us", drawn.camera.readout.count()}}},
+           {"simulation",
+            {{"settings_hash", hash_of(simulation_settings(physics, drawn.object.name, drawn.run, drawn.preset, drawn.seed))},
+             {"physics", {{"source", physics.source}, {"hash", hash_of(json_of(physics))}}},
+             {"preset", drawn.preset},
+             {"seed", drawn.seed},
+             {"model_version", simulation_model_version}}},
+           {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+           {"host_time_us",
+            {{"begin", clocks.camera_start_us + clocks.host_from_camera_us},
+             {"end", us_of(filmed.last_readout) + clocks.host_from_camera_us}}},
+           {"dropped", {{"events", 0}, {"robot_packages", dropped_packages}, {"frames", 0}}},
+           {"files", files_json(std::array{run.events(), run.robot(), run.video(), run.video_times(), run.truth()})}}});
   return {.run = run,
           .kind = SimulatedRun::Kind::made,
           .events = filmed.events,
           .duration_s = drawn.plan.end_s,
-          .bytes = bytes_in(run.folder)};
+          .bytes = bytes_in(run.folder),
+          .touch_events = touch.events(),
+          .touch_s = touch.seconds()};
 }
 
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
-  const SimulationPreset& preset = simulation_preset(options.preset);
-  const int runs = options.runs.value_or(preset.runs);
+  const int runs = options.runs.value_or(options.physics.preset(options.preset).runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
-  std::vector<PlannedRun> planned = plan_runs(options, preset, runs);
+  std::vector<PlannedRun> planned = plan_runs(options, runs);
+  const CameraPixels pixels = simulated_camera_pixels(options.physics, options.seed);
 
   std::vector<std::size_t> to_make;
   for (std::size_t i = 0; i < planned.size(); ++i) {
@@ -167,7 +230,6 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
 
   if (!to_make.empty()) {
     constexpr std::uint64_t parts = 1000;
-    const CameraPixels pixels = simulated_camera_pixels(options.seed);
     std::vector<std::uint64_t> done(to_make.size(), 0);
     std::mutex guard;
     parallel_for(to_make.size(), options.threads, [&](std::size_t i) {
@@ -181,14 +243,19 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
       };
       WholeFile whole(outcome.run.folder);
       fs::create_directory(whole.path());
-      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, *planned[to_make[i]].object,
-                                             preset, options.seed, pixels, [&](double share) { tell_part(0.9 * share); });
+      const DrawnRun drawn = draw_run(options.physics, outcome.run.object, outcome.run.run, options.preset, options.seed);
+      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, drawn, pixels,
+                                             [&](double share) { tell_part(0.9 * share); });
       // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
       if (planned[to_make[i]].keeps_labels && fs::exists(outcome.run.labels()))
         fs::copy_file(outcome.run.labels(), whole.path() / "labels.json");
       if (outcome.kind == SimulatedRun::Kind::replaced) remove_run(outcome.run);
       whole.commit();
-      std::tie(outcome.events, outcome.duration_s, outcome.bytes) = std::tie(made.events, made.duration_s, made.bytes);
+      const SimulatedRun::Kind kind = outcome.kind;
+      const RunFolder run = outcome.run;
+      outcome = made;
+      outcome.run = run;
+      outcome.kind = kind;
       tell_part(1.0);
     });
   }

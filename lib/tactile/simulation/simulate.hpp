@@ -10,6 +10,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/simulation/event_camera.hpp"
+#include "tactile/simulation/physics.hpp"
 #include "tactile/simulation/simulated_run.hpp"
 
 namespace tactile {
@@ -17,11 +18,12 @@ namespace tactile {
 struct SimulateOptions {
   std::filesystem::path data = "data";
   std::string preset = "quick";
-  std::optional<int> runs;           ///< per object, 1 to 99; the preset's where it is not given
-  std::vector<std::string> objects;  ///< all ten where it is empty
-  std::uint64_t seed = 1;            ///< of the whole data set: one camera serves all of its runs
-  bool force = false;                ///< replace runs that this made with other settings, and remove its extra ones
-  unsigned threads = 0;              ///< 0: as many as the machine has cores
+  std::optional<int> runs = {};           ///< per object, 1 to 99; the preset's where it is not given
+  std::vector<std::string> objects = {};  ///< all that there are where it is empty
+  std::uint64_t seed = 1;                 ///< of the whole data set: one camera serves all of its runs
+  bool force = false;                     ///< replace runs that this made with other settings, and remove its extra ones
+  unsigned threads = 0;                   ///< 0: as many as the machine has cores
+  SimulationPhysics physics = default_physics();
 };
 
 /// What became of one run.
@@ -31,7 +33,9 @@ struct SimulatedRun {
   Kind kind = Kind::made;
   std::uint64_t events = 0;  ///< of a run made or replaced now
   double duration_s = 0;
-  std::uint64_t bytes = 0;  ///< of all its files
+  std::uint64_t bytes = 0;         ///< of all its files
+  std::uint64_t touch_events = 0;  ///< of a run made or replaced now: in presses and slips
+  double touch_s = 0;              ///< which last so long
 };
 
 /// Makes run folders, each whole or not at all, and the same bytes for the same seed on any number of threads. A run that this
@@ -43,7 +47,8 @@ struct SimulatedRun {
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes one run's files in the folder, which is there and empty.
-SimulatedRun simulate_run(const RunFolder& run, const ObjectModel& object, const SimulationPreset& preset, std::uint64_t seed,
-                          const CameraPixels& pixels, const std::function<void(double)>& tell_share = {});
+/// @param pixels  of the camera that serves all runs of the data set
+SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
+                          const std::function<void(double)>& tell_share = {});
 
 }  // namespace tactile

@@ -3,94 +3,84 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <vector>
 
-#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/json_fields.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/simulation/simulated_imu.hpp"
+#include "tactile/simulation/simulated_robot.hpp"
+#include "tactile/simulation/simulated_video.hpp"
 #include "tactile/video/video_times.hpp"
 #include "tactile/video/video_writer.hpp"
 
 namespace tactile {
 namespace {
 
+constexpr std::size_t objects_per_round = 10;
+
 // Robot and video go on for a moment after the camera has stopped, as they began before it.
 constexpr microseconds robot_after_end = 200ms;
 constexpr microseconds video_after_end = 100ms;
 
-}  // namespace
+int number_of(const std::string& run) { return static_cast<int>(whole_number_in(run).value_or(1)); }
 
-const SimulationPreset& simulation_preset(std::string_view name) {
-  static const std::array presets{
-      SimulationPreset{"tiny",
-                       2,
-                       {.quiet_s = {0.60, 0.75},
-                        .travel_s = {0.15, 0.35},
-                        .hold_s = {0.30, 0.42},
-                        .lift_s = {0.35, 0.55},
-                        .rest_s = {0.60, 0.80}}},
-      SimulationPreset{"quick", 3, {}},
-  };
-  for (const SimulationPreset& preset : presets) {
-    if (preset.name == name) return preset;
-  }
-  throw Error("'" + std::string(name) + "' is no preset of the simulation; expected tiny or quick");
+/// How many runs the camera has seen before, in the order in which a lab makes them: one of each object, then the next of each.
+std::size_t runs_before(const SimulationPhysics& physics, const std::string& object, const std::string& run) {
+  return static_cast<std::size_t>(number_of(run) - 1) * objects_per_round + physics.place_of(object);
 }
 
-EventCameraOptions simulated_camera_options() { return {}; }
+TruePixel pixel_at(std::size_t index, SensorSize size, double hz) {
+  const auto width = static_cast<std::size_t>(size.width);
+  return {static_cast<int>(index % width), static_cast<int>(index / width), hz};
+}
 
-CameraPixels simulated_camera_pixels(std::uint64_t seed) {
-  return draw_camera_pixels(simulated_camera_options(), seed_for(seed, {"camera"}));
+}  // namespace
+
+CameraPixels simulated_camera_pixels(const SimulationPhysics& physics, std::uint64_t seed) {
+  return draw_camera_pixels(physics.camera, seed_for(seed, {"camera"}));
 }
 
 std::string simulated_camera_name(std::uint64_t seed) { return fmt::format("DVXplorer_SIM{:05}", seed % 100'000); }
 
-nlohmann::json simulation_settings(const ObjectModel& object, std::string_view run, const SimulationPreset& preset,
-                                   std::uint64_t seed) {
-  const EventCameraOptions c = simulated_camera_options();
-  const nlohmann::json camera = {{"width", c.size.width},
-                                 {"height", c.size.height},
-                                 {"readout_us", c.readout.count()},
-                                 {"threshold", c.threshold},
-                                 {"threshold_sigma", c.threshold_sigma},
-                                 {"threshold_floor", c.threshold_floor},
-                                 {"residual", c.residual},
-                                 {"noise_hz", c.noise_hz},
-                                 {"noise_spread_decades", c.noise_spread_decades},
-                                 {"noise_on_share", c.noise_on_share},
-                                 {"hot_pixels", c.hot_pixels},
-                                 {"hot_min_hz", c.hot_min_hz},
-                                 {"hot_max_hz", c.hot_max_hz},
-                                 {"hot_kept_share", c.hot_kept_share},
-                                 {"skin", c.skin},
-                                 {"black", c.black},
-                                 {"white", c.white},
-                                 {"blur_px", c.blur_px}};
-  return {{"model_version", simulation_model_version},
-          {"object", object},
-          {"run", run},
-          {"preset", preset.name},
-          {"timings", preset.timings},
-          {"seed", seed},
-          {"camera", camera}};
+nlohmann::json simulation_settings(const SimulationPhysics& physics, std::string_view object, std::string_view run,
+                                   std::string_view preset, std::uint64_t seed) {
+  nlohmann::json json = json_of_fields(physics);
+  json.erase("presets");
+  const SimulationPreset& size = physics.preset(preset);
+  json["preset"] = {{"name", preset}, {"timings", json_of_fields(size.timings)}, {"special_runs", size.special_runs}};
+  json["object"] = json_of_fields(physics.object(object));
+  json["place"] = physics.place_of(object);
+  json["run"] = run;
+  json["seed"] = seed;
+  json["model_version"] = simulation_model_version;
+  return json;
 }
 
 std::uint64_t DrawnRun::seed_for_use(std::string_view use) const { return seed_for(seed, {"run", object.name, run, use}); }
 
-DrawnRun draw_run(const ObjectModel& object, std::string run, const SimulationPreset& preset, std::uint64_t seed) {
+DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std::string run, std::string_view preset,
+                  std::uint64_t seed) {
   DrawnRun drawn;
-  drawn.object = object;
+  drawn.physics = &physics;
+  drawn.object = physics.object(object);
   drawn.run = std::move(run);
   drawn.preset = preset;
   drawn.seed = seed;
-  Random for_plan(drawn.seed_for_use("plan")), for_clocks(drawn.seed_for_use("clocks")), for_motion(drawn.seed_for_use("motion"));
-  drawn.plan = draw_run_plan(object, preset.timings, for_plan);
-  drawn.clocks = draw_run_clocks(for_clocks);
-  drawn.camera = simulated_camera_options();
+  const SimulationPreset& size = physics.preset(preset);
+  Random for_plan(drawn.seed_for_use("plan")), for_motion(drawn.seed_for_use("motion"));
+  const RunPlanOptions options = physics.plan_options(size, number_of(drawn.run));
+  drawn.plan = draw_run_plan(drawn.object, options, for_plan);
+  drawn.clocks = clocks_of_run(physics.clocks, seed, drawn.object.name, options.run_number, longest_run_s(options));
+  drawn.camera = physics.camera;
   drawn.camera.veil = drawn.plan.veil;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
-  drawn.motion = move_skin(drawn.plan, drawn.camera.readout, for_motion);
+  drawn.camera.run_index = runs_before(physics, drawn.object.name, drawn.run);
+  drawn.motion = move_skin(drawn.plan, view_of(drawn.camera), drawn.camera.readout, for_motion);
   return drawn;
 }
 
@@ -98,9 +88,24 @@ SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels) {
   return {drawn.motion, pixels, drawn.camera, drawn.start(), drawn.seed_for_use("camera")};
 }
 
+Stream simulated_imu_stream(std::string source) {
+  return {.id = 1,
+          .type = StreamType::imu,
+          .type_identifier = "IMUS",
+          .source = std::move(source),
+          .name = "imu",
+          .size = {},
+          .info = {}};
+}
+
+std::vector<ImuSample> imu_of(const DrawnRun& drawn) {
+  Random random(drawn.seed_for_use("imu"));
+  return feel_run(drawn.plan, drawn.start(), drawn.physics->imu, random);
+}
+
 std::uint64_t write_robot(const std::filesystem::path& file, const DrawnRun& drawn, std::optional<CameraTime> until) {
   Random random(drawn.seed_for_use("robot"));
-  LoggedRobot robot = log_robot(drawn.plan, drawn.clocks, random);
+  LoggedRobot robot = log_robot(drawn.plan, drawn.clocks, drawn.physics->robot, random);
   if (until) {
     std::erase_if(robot.log.states,
                   [&](const RobotState& state) { return drawn.clocks.robot.camera_from(state.t) > *until + robot_after_end; });
@@ -111,32 +116,33 @@ std::uint64_t write_robot(const std::filesystem::path& file, const DrawnRun& dra
 
 void write_video(const std::filesystem::path& film, const std::filesystem::path& times, const DrawnRun& drawn,
                  std::optional<CameraTime> until) {
-  Random random(drawn.seed_for_use("video"));
-  std::vector<VideoTime> frames = draw_frame_times(drawn.plan, drawn.clocks, random);
+  SimulatedVideo video(drawn.object, drawn.plan, drawn.clocks, drawn.physics->video, Random(drawn.seed_for_use("video")));
+  std::vector<VideoTime> frames = video.times();
   if (until) {
     std::erase_if(frames, [&](VideoTime t) { return drawn.clocks.video.camera_from(t) > *until + video_after_end; });
   }
-  VideoWriter writer(film, {});
-  for (const VideoTime t : frames) {
-    const double t_s = 1e-6 * static_cast<double>(us_of(drawn.clocks.video.camera_from(t)) - drawn.clocks.camera_start_us);
-    writer.write(draw_frame(drawn.object, drawn.plan, t_s, random), t);
-  }
+  VideoWriter writer(film, {.fast = true});
+  for (std::size_t i = 0; i < frames.size(); ++i) writer.write(video.draw(i), frames[i]);
   writer.close();
   sync_to_disk(film);
   write_video_times(times, frames);
 }
 
-Truth truth_of(const DrawnRun& drawn, const FilmedSkin& filmed, std::optional<CameraTime> until) {
+Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSkin& filmed, std::optional<CameraTime> until) {
   const CameraTime start = drawn.start();
   const SkinMotion& motion = drawn.motion;
   Truth truth;
-  truth.intervals.push_back({.interval = {Touch::press, start + motion.press_start, start + motion.press_end},
-                             .gross = {},
-                             .first_event = filmed.first_of_press});
-  truth.intervals.push_back({.interval = {Touch::slip, start + motion.slip_start, start + motion.slip_end},
-                             .gross = start + motion.gross,
-                             .first_event = filmed.first_of_slip});
-  truth.lift_start = start + motion.lift_start;
+  for (std::size_t i = 0; i < motion.motions.size(); ++i) {
+    const MarkerMotion& moved = motion.motions[i];
+    TrueInterval interval{.interval = {moved.touch, start + moved.start, start + moved.end},
+                          .gross = {},
+                          .first_event = i < filmed.first_events.size() ? filmed.first_events[i] : std::nullopt,
+                          .labelled = moved.labelled,
+                          .what = moved.what};
+    if (moved.gross) interval.gross = start + *moved.gross;
+    truth.intervals.push_back(interval);
+  }
+  if (motion.lift_start) truth.lift_start = start + *motion.lift_start;
   if (until) {
     const auto is_later = [&](const std::optional<CameraTime>& t) { return t && *t > *until; };
     std::erase_if(truth.intervals, [&](const TrueInterval& interval) { return interval.interval.start >= *until; });
@@ -149,10 +155,15 @@ Truth truth_of(const DrawnRun& drawn, const FilmedSkin& filmed, std::optional<Ca
   }
   truth.robot_clock = drawn.clocks.robot;
   truth.video_clock = drawn.clocks.video;
-  truth.parameters = {{"object", drawn.object},
-                      {"plan", drawn.plan},
+  for (const HotPixel& pixel : hot_pixels_of_run(pixels, drawn.camera.run_index))
+    truth.hot_pixels.push_back(pixel_at(pixel.index, drawn.camera.size, pixel.hz));
+  for (std::size_t i = 0; i < pixels.thresholds.size(); ++i) {
+    if (std::isinf(pixels.thresholds[i])) truth.dead_pixels.push_back(pixel_at(i, drawn.camera.size, 0));
+  }
+  truth.parameters = {{"plan", drawn.plan},
                       {"camera_start_us", drawn.clocks.camera_start_us},
-                      {"settings", simulation_settings(drawn.object, drawn.run, drawn.preset, drawn.seed)}};
+                      {"physics_hash", hash_of(json_of(*drawn.physics))},
+                      {"settings", simulation_settings(*drawn.physics, drawn.object.name, drawn.run, drawn.preset, drawn.seed)}};
   return truth;
 }
 

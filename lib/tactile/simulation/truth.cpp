@@ -32,7 +32,29 @@ TrueInterval interval_from(const nlohmann::json& json, const std::string& where)
   truth.gross = optional_time(json, "gross_us", where);
   truth.first_event = optional_time(json, "first_event_us", where);
   truth.labelled = member<bool>(json, "labelled", where);
+  if (json.contains("what")) truth.what = member<std::string>(json, "what", where);
   return truth;
+}
+
+std::vector<TruePixel> pixels_in(const nlohmann::json& json, std::string_view key, const std::string& where) {
+  std::vector<TruePixel> pixels;
+  if (!json.contains(key)) return pixels;
+  const auto list = member<nlohmann::json>(json, key, where);
+  if (!list.is_array()) throw Error(where + ": '" + std::string(key) + "' is no list; expected a list of pixels");
+  for (const nlohmann::json& pixel : list) {
+    pixels.push_back({member<int>(pixel, "x", where), member<int>(pixel, "y", where),
+                      pixel.contains("hz") ? member<double>(pixel, "hz", where) : 0.0});
+  }
+  return pixels;
+}
+
+nlohmann::json json_of(const std::vector<TruePixel>& pixels) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const TruePixel& pixel : pixels) {
+    json.push_back({{"x", pixel.x}, {"y", pixel.y}});
+    if (pixel.hz > 0) json.back()["hz"] = pixel.hz;
+  }
+  return json;
 }
 
 }  // namespace
@@ -50,6 +72,8 @@ Truth read_truth(const std::filesystem::path& file) {
   const auto clocks = member<nlohmann::json>(json, "clocks", where);
   truth.robot_clock = clock_in(clocks, "robot", where);
   truth.video_clock = clock_in(clocks, "video", where);
+  truth.hot_pixels = pixels_in(json, "hot_pixels", where);
+  truth.dead_pixels = pixels_in(json, "dead_pixels", where);
   truth.parameters = json.value("parameters", nlohmann::json::object());
   return truth;
 }
@@ -63,10 +87,13 @@ void write_truth(const std::filesystem::path& file, const Truth& truth) {
                          {"gross_us", optional_us(interval.gross)},
                          {"first_event_us", optional_us(interval.first_event)},
                          {"labelled", interval.labelled}});
+    if (!interval.what.empty()) intervals.back()["what"] = interval.what;
   }
   write_json(file, {{"intervals", intervals},
                     {"lift_start_us", optional_us(truth.lift_start)},
                     {"clocks", {{"robot", json_of(truth.robot_clock)}, {"video", json_of(truth.video_clock)}}},
+                    {"hot_pixels", json_of(truth.hot_pixels)},
+                    {"dead_pixels", json_of(truth.dead_pixels)},
                     {"parameters", truth.parameters}});
 }
 

@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -40,9 +42,8 @@ struct VideoWriter::State {
   AVCodecContext* codec = nullptr;
   AVFrame* picture = nullptr;
   AVPacket* packet = nullptr;
-  AVPacket* waiting = nullptr;  ///< an encoded frame: it lasts until the next one, whose time must be known before it is written
-  SwsContext* scaler = nullptr;
-  int scaler_type = -1;              ///< OpenCV's type that `scaler` converts from
+  AVPacket* waiting = nullptr;   ///< an encoded frame: it lasts until the next one, whose time must be known before it is written
+  SwsContext* scaler = nullptr;  ///< from BGR
   std::vector<std::uint8_t> pixels;  ///< of the frame being converted, row on row
   std::int64_t last_us = -1;
   std::int64_t fragment_us = 0;  ///< time of the present fragment's first frame
@@ -87,9 +88,14 @@ struct VideoWriter::State {
     codec->thread_count = 1;
     codec->log_level_offset = AV_LOG_DEBUG - AV_LOG_INFO;  // the encoder's account of itself is for debugging
     codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
-    av_opt_set(codec->priv_data, "preset", "veryfast", 0);
+    av_opt_set(codec->priv_data, "preset", options.fast ? "ultrafast" : "veryfast", 0);
     av_opt_set(codec->priv_data, "tune", "zerolatency", 0);
-    av_opt_set_int(codec->priv_data, "crf", options.quality, 0);
+    if (options.fast) {
+      av_opt_set_int(codec->priv_data, "qp", options.quality, 0);  // then no frame is looked at twice
+      av_opt_set(codec->priv_data, "coder", "cabac", 0);           // the preset's own takes long to begin, and more bytes
+    } else {
+      av_opt_set_int(codec->priv_data, "crf", options.quality, 0);
+    }
     if (options.fragment_span.count() > 0) av_opt_set(codec->priv_data, "forced-idr", "1", 0);  // a fragment begins anew
     check(avcodec_open2(codec, encoder, nullptr), "opening the encoder");
 
@@ -116,16 +122,34 @@ struct VideoWriter::State {
   }
 
   void convert(const cv::Mat& frame) {
-    if (scaler == nullptr || scaler_type != frame.type()) {
-      sws_freeContext(scaler);
-      const AVPixelFormat from = frame.type() == CV_8UC1 ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_BGR24;
-      scaler = sws_getContext(options.width, options.height, from, options.width, options.height, codec->pix_fmt,
-                              SWS_BILINEAR | SWS_BITEXACT | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
-      if (scaler == nullptr)
-        throw Error(file + ": frames cannot be converted for the encoder; expected libswscale to know grey and BGR");
-      scaler_type = frame.type();
-    }
     check(av_frame_make_writable(picture), "making room for a frame");
+    if (frame.type() == CV_8UC1) {
+      convert_grey(frame);
+    } else {
+      convert_bgr(frame);
+    }
+  }
+
+  /// Full range to 16..235, and no colour.
+  void convert_grey(const cv::Mat& frame) {
+    const auto width = static_cast<std::size_t>(options.width);
+    for (int y = 0; y < options.height; ++y) {
+      const auto* from = frame.ptr<std::uint8_t>(y);
+      std::uint8_t* to = picture->data[0] + static_cast<std::ptrdiff_t>(y) * picture->linesize[0];
+      for (std::size_t x = 0; x < width; ++x) to[x] = static_cast<std::uint8_t>(16 + (219 * from[x] + 127) / 255);
+    }
+    for (const int plane : {1, 2}) {
+      for (int y = 0; y < options.height / 2; ++y)
+        std::memset(picture->data[plane] + static_cast<std::ptrdiff_t>(y) * picture->linesize[plane], 128, width / 2);
+    }
+  }
+
+  void convert_bgr(const cv::Mat& frame) {
+    if (scaler == nullptr) {
+      scaler = sws_getContext(options.width, options.height, AV_PIX_FMT_BGR24, options.width, options.height, codec->pix_fmt,
+                              SWS_BILINEAR | SWS_BITEXACT | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
+      if (scaler == nullptr) throw Error(file + ": frames cannot be converted for the encoder; expected libswscale to know BGR");
+    }
     const std::size_t stride = static_cast<std::size_t>(frame.cols) * frame.elemSize();
     pixels.resize(stride * static_cast<std::size_t>(frame.rows) + readable_beyond);
     frame.copyTo(cv::Mat(frame.size(), frame.type(), pixels.data(), stride));

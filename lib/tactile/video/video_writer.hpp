@@ -13,6 +13,7 @@ struct VideoWriterOptions {
   int height = 240;               ///< [px], even, > 0
   int quality = 28;               ///< constant rate factor of H.264: 0 loses nothing, 51 the most
   int frames_per_fragment = 30;   ///< a fragment begins with a key frame, and is in the file once the next has begun; > 0
+  bool fast = false;              ///< in a third of the time, `quality` then being every frame's quantiser
   microseconds fragment_span{0};  ///< the frame that comes this long after a fragment's first begins the next; 0: none does, >= 0
 };
 

@@ -1,0 +1,102 @@
+#include "tactile/core/json_fields.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+/// A value for a message: a number or a short text as it stands, anything else by its kind.
+std::string shown(const nlohmann::json& json) {
+  constexpr std::size_t longest = 40;
+  if (json.is_object()) return "an object";
+  if (json.is_array() && json.size() > 4) return "a list";
+  const std::string text = json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
+bool lies_in(double value, double low, double high) { return std::isfinite(value) && low <= value && value <= high; }
+
+std::string from_to(double low, double high) { return fmt::format("{} to {}", low, high); }
+
+}  // namespace
+
+FieldReader::FieldReader(const nlohmann::json& json, std::string where, std::string prefix)
+    : json_(json), where_(std::move(where)), prefix_(std::move(prefix)) {
+  if (json.is_object()) return;
+  const std::string name = prefix_.empty() ? "the whole" : prefix_.substr(0, prefix_.size() - 1);
+  throw Error(fmt::format("{}: {} is {}; expected an object of settings", where_, name, shown(json)));
+}
+
+void FieldReader::operator()(std::string_view name, double& value, double low, double high) {
+  if (const nlohmann::json* json = find(name)) value = number(name, *json, low, high);
+}
+
+void FieldReader::operator()(std::string_view name, microseconds& value, double low, double high) {
+  if (const nlohmann::json* json = find(name)) value = microseconds{whole_number(name, *json, low, high)};
+}
+
+void FieldReader::operator()(std::string_view name, bool& value) {
+  const nlohmann::json* json = find(name);
+  if (json == nullptr) return;
+  if (!json->is_boolean()) refuse(name, *json, "true or false");
+  value = json->get<bool>();
+}
+
+void FieldReader::operator()(std::string_view name, std::string& value) {
+  const nlohmann::json* json = find(name);
+  if (json == nullptr) return;
+  if (!json->is_string()) refuse(name, *json, "a text");
+  value = json->get<std::string>();
+}
+
+void FieldReader::refuse_others() const {
+  for (const auto& [key, value] : json_.items()) {
+    if (std::find(names_.begin(), names_.end(), key) != names_.end()) continue;
+    const std::string nearest = nearest_name(key, names_);
+    throw Error(nearest.empty()
+                    ? fmt::format("{}: there is no '{}{}'; expected nothing there", where_, prefix_, key)
+                    : fmt::format("{}: there is no '{}{}'; the nearest is '{}{}'", where_, prefix_, key, prefix_, nearest));
+  }
+}
+
+const nlohmann::json* FieldReader::find(std::string_view name) {
+  names_.emplace_back(name);
+  const auto found = json_.find(names_.back());
+  return found == json_.end() ? nullptr : &*found;
+}
+
+double FieldReader::number(std::string_view name, const nlohmann::json& json, double low, double high) const {
+  if (!json.is_number() || !lies_in(json.get<double>(), low, high)) refuse(name, json, from_to(low, high));
+  return json.get<double>();
+}
+
+std::int64_t FieldReader::whole_number(std::string_view name, const nlohmann::json& json, double low, double high) const {
+  const std::string expected = "a whole number from " + from_to(low, high);
+  if (!json.is_number_integer() || !lies_in(json.get<double>(), low, high)) refuse(name, json, expected);
+  // A bound of 2^63 itself would pass as a double.
+  if (json.is_number_unsigned() && !std::in_range<std::int64_t>(json.get<std::uint64_t>())) refuse(name, json, expected);
+  return json.get<std::int64_t>();
+}
+
+std::pair<double, double> FieldReader::range(std::string_view name, const nlohmann::json& json, double low, double high) const {
+  const bool sound = json.is_array() && json.size() == 2 && json[0].is_number() && json[1].is_number() &&
+                     lies_in(json[0].get<double>(), low, high) && lies_in(json[1].get<double>(), low, high) &&
+                     json[0].get<double>() <= json[1].get<double>();
+  if (!sound) refuse(name, json, "[low, high], ascending, from " + from_to(low, high));
+  return {json[0].get<double>(), json[1].get<double>()};
+}
+
+std::pair<int, int> FieldReader::size(std::string_view name, const nlohmann::json& json, double low, double high) const {
+  const bool sound = json.is_array() && json.size() == 2 && json[0].is_number_integer() && json[1].is_number_integer() &&
+                     lies_in(json[0].get<double>(), low, high) && lies_in(json[1].get<double>(), low, high);
+  if (!sound) refuse(name, json, "[width, height], whole numbers from " + from_to(low, high));
+  return {json[0].get<int>(), json[1].get<int>()};
+}
+
+void FieldReader::refuse(std::string_view name, const nlohmann::json& json, const std::string& expected) const {
+  throw Error(fmt::format("{}: {}{} is {}; expected {}", where_, prefix_, name, shown(json), expected));
+}
+
+}  // namespace tactile

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/time.hpp"
+
+namespace tactile {
+
+// A struct of settings names its members once, by a function beside it:
+//
+//   template <class Fields>
+//   void list_fields(Fields& fields, RobotPhysics& robot) {
+//     fields("rate_hz", robot.rate_hz, 1, 1000);             // a number and the range it must lie in
+//     fields("speed_noise_mm_s", robot.speed_noise_mm_s, 0, 100);  // a Range: [low, high], both in it, low <= high
+//     fields("readout_us", camera.readout, 1, 1'000'000);    // a duration, as a whole number of microseconds
+//     fields("size", camera.size, 16, 4096);                 // a SensorSize: [width, height], both in it
+//     fields("name", robot.name);                            // text, bool, a struct that lists its fields too, or a map of such
+//   }
+//
+// and `read_fields` and `json_of_fields` do the rest.
+
+/// Puts the members of `json` into `settings`; those that it lacks keep their values. A map takes no names but those it has.
+/// @throws Error  naming `where` and the member ("camera.threshold"): no such member (and the nearest name), of another type, or
+///                out of its range
+template <class Settings>
+void read_fields(const nlohmann::json& json, Settings& settings, const std::string& where);
+
+/// All members. `read_fields` of it gives the same settings.
+template <class Settings>
+nlohmann::json json_of_fields(const Settings& settings);
+
+/// Two numbers that bound a range.
+template <class T>
+concept LowAndHigh = std::is_same_v<decltype(T::low), double> && std::is_same_v<decltype(T::high), double>;
+
+/// Two whole numbers that say how large something is.
+template <class T>
+concept WidthAndHeight = std::is_same_v<decltype(T::width), int> && std::is_same_v<decltype(T::height), int>;
+
+template <class T>
+concept WholeNumber = std::is_integral_v<T> && !std::is_same_v<T, bool>;
+
+/// What `read_fields` hands to `list_fields`.
+class FieldReader {
+ public:
+  /// @param where   the file, or what stands for it
+  /// @param prefix  of this struct's members, such as "camera."; empty at the top
+  /// @throws Error  if `json` is no object
+  FieldReader(const nlohmann::json& json, std::string where, std::string prefix);
+
+  void operator()(std::string_view name, double& value, double low, double high);
+  void operator()(std::string_view name, microseconds& value, double low, double high);
+  void operator()(std::string_view name, bool& value);
+  void operator()(std::string_view name, std::string& value);
+
+  template <WholeNumber T>
+  void operator()(std::string_view name, T& value, double low, double high) {
+    if (const nlohmann::json* json = find(name)) {
+      constexpr auto lowest = static_cast<double>(std::numeric_limits<T>::min());
+      constexpr auto highest = static_cast<double>(std::numeric_limits<T>::max());
+      value = static_cast<T>(whole_number(name, *json, std::max(low, lowest), std::min(high, highest)));
+    }
+  }
+
+  template <LowAndHigh T>
+  void operator()(std::string_view name, T& value, double low, double high) {
+    if (const nlohmann::json* json = find(name)) std::tie(value.low, value.high) = range(name, *json, low, high);
+  }
+
+  template <WidthAndHeight T>
+  void operator()(std::string_view name, T& value, double low, double high) {
+    if (const nlohmann::json* json = find(name)) std::tie(value.width, value.height) = size(name, *json, low, high);
+  }
+
+  template <class T>
+  void operator()(std::string_view name, std::map<std::string, T>& values) {
+    const nlohmann::json* json = find(name);
+    if (json == nullptr) return;
+    FieldReader members(*json, where_, prefix_ + std::string(name) + ".");
+    for (auto& [key, value] : values) members(key, value);
+    members.refuse_others();
+  }
+
+  template <class T>
+  void operator()(std::string_view name, T& value) {
+    const nlohmann::json* json = find(name);
+    if (json == nullptr) return;
+    FieldReader members(*json, where_, prefix_ + std::string(name) + ".");
+    list_fields(members, value);
+    members.refuse_others();
+  }
+
+  /// A member that is read elsewhere; nothing if there is none.
+  const nlohmann::json* find(std::string_view name);
+
+  /// To be called once all members are listed. @throws Error  if there is one that was not
+  void refuse_others() const;
+
+ private:
+  double number(std::string_view name, const nlohmann::json& json, double low, double high) const;
+  std::int64_t whole_number(std::string_view name, const nlohmann::json& json, double low, double high) const;
+  std::pair<double, double> range(std::string_view name, const nlohmann::json& json, double low, double high) const;
+  std::pair<int, int> size(std::string_view name, const nlohmann::json& json, double low, double high) const;
+  [[noreturn]] void refuse(std::string_view name, const nlohmann::json& json, const std::string& expected) const;
+
+  const nlohmann::json& json_;
+  std::string where_, prefix_;
+  std::vector<std::string> names_;
+};
+
+/// What `json_of_fields` hands to `list_fields`.
+class FieldWriter {
+ public:
+  const nlohmann::json& json() const { return json_; }
+
+  void operator()(const std::string& name, double& value, double, double) { json_[name] = value; }
+  void operator()(const std::string& name, microseconds& value, double, double) { json_[name] = value.count(); }
+  void operator()(const std::string& name, bool& value) { json_[name] = value; }
+  void operator()(const std::string& name, std::string& value) { json_[name] = value; }
+
+  template <WholeNumber T>
+  void operator()(const std::string& name, T& value, double, double) {
+    json_[name] = value;
+  }
+
+  template <LowAndHigh T>
+  void operator()(const std::string& name, T& value, double, double) {
+    json_[name] = nlohmann::json::array({value.low, value.high});
+  }
+
+  template <WidthAndHeight T>
+  void operator()(const std::string& name, T& value, double, double) {
+    json_[name] = nlohmann::json::array({value.width, value.height});
+  }
+
+  template <class T>
+  void operator()(const std::string& name, std::map<std::string, T>& values) {
+    FieldWriter members;
+    for (auto& [key, value] : values) members(key, value);
+    json_[name] = members.json_;
+  }
+
+  template <class T>
+  void operator()(const std::string& name, T& value) {
+    FieldWriter members;
+    list_fields(members, value);
+    json_[name] = members.json_;
+  }
+
+ private:
+  nlohmann::json json_ = nlohmann::json::object();
+};
+
+template <class Settings>
+void read_fields(const nlohmann::json& json, Settings& settings, const std::string& where) {
+  FieldReader members(json, where, {});
+  list_fields(members, settings);
+  members.refuse_others();
+}
+
+template <class Settings>
+nlohmann::json json_of_fields(const Settings& settings) {
+  Settings copy = settings;  // one list of fields serves reading and writing
+  FieldWriter members;
+  list_fields(members, copy);
+  return members.json();
+}
+
+}  // namespace tactile

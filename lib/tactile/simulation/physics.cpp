@@ -1,0 +1,120 @@
+#include "tactile/simulation/physics.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json_fields.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/simulation/default_configs.hpp"
+
+namespace tactile {
+namespace {
+
+[[noreturn]] void refuse_name(std::string_view name, std::string_view what, const std::vector<std::string>& names) {
+  std::string listed;
+  for (const std::string& known : names) listed += (listed.empty() ? "" : ", ") + known;
+  throw Error(fmt::format("'{}' is no {}; the nearest is '{}', of {}", name, what, nearest_name(name, names), listed));
+}
+
+std::vector<std::string> names_of(const std::vector<ObjectModel>& objects) {
+  std::vector<std::string> names;
+  for (const ObjectModel& object : objects) names.push_back(object.name);
+  return names;
+}
+
+/// Puts the list's objects in the place of those of the same name, member by member, or behind the others.
+void read_objects(const nlohmann::json& json, std::vector<ObjectModel>& objects, const std::string& where) {
+  if (!json.is_array()) throw Error(where + ": objects is no list; expected a list of objects");
+  std::vector<std::string> seen;
+  for (const nlohmann::json& entry : json) {
+    const auto name = member<std::string>(entry, "name", where + ": an object in objects");
+    if (!is_object_name(name))
+      throw Error(fmt::format("{}: objects has a '{}'; expected a name of lower-case letters, digits and hyphens", where, name));
+    if (std::find(seen.begin(), seen.end(), name) != seen.end())
+      throw Error(fmt::format("{}: objects has '{}' twice; expected each once", where, name));
+    seen.push_back(name);
+    auto object = std::find_if(objects.begin(), objects.end(), [&](const ObjectModel& known) { return known.name == name; });
+    if (object == objects.end()) object = objects.insert(objects.end(), ObjectModel{});
+    FieldReader members(entry, where, fmt::format("objects.{}.", name));
+    list_fields(members, *object);
+    members.refuse_others();
+  }
+}
+
+void read_into(SimulationPhysics& physics, const nlohmann::json& json, const std::string& where) {
+  FieldReader members(json, where, {});
+  std::string why;
+  members("why", why);
+  const nlohmann::json* objects = members.find("objects");
+  list_fields(members, physics);
+  members.refuse_others();
+  if (objects != nullptr) read_objects(*objects, physics.objects, where);
+  try {
+    check(physics.camera);
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what());
+  }
+}
+
+SimulationPhysics read_default_physics() {
+  SimulationPhysics physics;
+  read_into(physics, nlohmann::json::parse(default_simulation_config()), "configs/simulation.json");
+  read_objects(nlohmann::json::parse(default_objects_config()), physics.objects, "configs/objects.json");
+  return physics;
+}
+
+}  // namespace
+
+const ObjectModel& SimulationPhysics::object(std::string_view name) const { return objects[place_of(name)]; }
+
+std::size_t SimulationPhysics::place_of(std::string_view name) const {
+  const auto found = std::find_if(objects.begin(), objects.end(), [&](const ObjectModel& known) { return known.name == name; });
+  if (found == objects.end()) refuse_name(name, "object that can be simulated", names_of(objects));
+  return static_cast<std::size_t>(found - objects.begin());
+}
+
+const SimulationPreset& SimulationPhysics::preset(std::string_view name) const {
+  const auto found = presets.find(std::string(name));
+  if (found != presets.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, preset] : presets) names.push_back(known);
+  refuse_name(name, "preset of the simulation", names);
+}
+
+RunPlanOptions SimulationPhysics::plan_options(const SimulationPreset& preset, int run_number) const {
+  return {.timings = preset.timings,
+          .variation = variation,
+          .after = after_effects,
+          .special = special_runs,
+          .imu_share = imu.share,
+          .run_number = run_number,
+          .may_be_special = preset.special_runs};
+}
+
+const SimulationPhysics& default_physics() {
+  static const SimulationPhysics physics = read_default_physics();
+  return physics;
+}
+
+SimulationPhysics read_physics(const std::filesystem::path& file) {
+  SimulationPhysics physics = physics_from(read_json(file), file.string());
+  physics.source = file.filename().string();
+  return physics;
+}
+
+SimulationPhysics physics_from(const nlohmann::json& json, const std::string& where) {
+  SimulationPhysics physics = default_physics();
+  read_into(physics, json, where);
+  return physics;
+}
+
+nlohmann::json json_of(const SimulationPhysics& physics) {
+  nlohmann::json json = json_of_fields(physics);
+  json["objects"] = nlohmann::json::array();
+  for (const ObjectModel& object : physics.objects) json["objects"].push_back(json_of_fields(object));
+  return json;
+}
+
+}  // namespace tactile

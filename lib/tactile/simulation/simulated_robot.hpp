@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "tactile/core/random.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "tactile/simulation/drawn_value.hpp"
+#include "tactile/simulation/run_clocks.hpp"
+#include "tactile/simulation/run_plan.hpp"
+
+namespace tactile {
+
+/// What the arm's log is like.
+struct RobotPhysics {
+  int rate_hz = 125;
+  Range speed_noise_mm_s{0.2, 0.5};   ///< standard deviation, which joint encoders leave in a speed
+  double pose_noise_mm = 0.01;        ///< standard deviation; the rotation has 0.001 rad per mm of it
+  double lost_package_share = 0.004;  ///< the controller skips one when it is short of time; the first is never lost
+  Range after_camera_s{0.1, 0.6};     ///< the log ends so much later than the camera
+};
+
+template <class Fields>
+void list_fields(Fields& fields, RobotPhysics& robot) {
+  fields("rate_hz", robot.rate_hz, 1, 1000);
+  fields("speed_noise_mm_s", robot.speed_noise_mm_s, 0.0, 100.0);
+  fields("pose_noise_mm", robot.pose_noise_mm, 0.0, 10.0);
+  fields("lost_package_share", robot.lost_package_share, 0.0, 0.9);
+  fields("after_camera_s", robot.after_camera_s, 0.0, 60.0);
+}
+
+struct LoggedRobot {
+  RobotLog log;
+  std::uint64_t dropped_packages = 0;
+};
+
+/// The arm's log on its controller's clock, beyond both ends of the camera's recording: still but for the lift and the taps,
+/// which go along the base's z axis, and the ringing of the arm. Bit 0 of the outputs follows the stage's command where the robot
+/// gives it.
+LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotPhysics& physics, Random& random);
+
+}  // namespace tactile

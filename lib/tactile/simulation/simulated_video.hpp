@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "tactile/core/random.hpp"
+#include "tactile/core/time.hpp"
+#include "tactile/simulation/drawn_value.hpp"
+#include "tactile/simulation/object_model.hpp"
+#include "tactile/simulation/run_clocks.hpp"
+#include "tactile/simulation/run_plan.hpp"
+
+namespace tactile {
+
+/// What the webcam is like.
+struct VideoPhysics {
+  double rate_hz = 30;
+  double rate_error = 0.005;  ///< the rate is off by up to this share
+  double jitter_ms = 0.8;     ///< of each frame's time, standard deviation
+  double lost_frame_share = 0.01;
+  double exposure_steps_per_s = 0.15;
+  Range exposure_step{0.90, 1.10};  ///< by which all grey levels change at once; they stay between 0.7 and 1.4 of the first
+  double noise_grey = 2.3;          ///< standard deviation of a pixel
+  Range after_camera_s{0.05, 0.3};  ///< the film ends so much later than the camera
+};
+
+template <class Fields>
+void list_fields(Fields& fields, VideoPhysics& video) {
+  fields("rate_hz", video.rate_hz, 1.0, 240.0);
+  fields("rate_error", video.rate_error, 0.0, 0.2);
+  fields("jitter_ms", video.jitter_ms, 0.0, 100.0);
+  fields("lost_frame_share", video.lost_frame_share, 0.0, 0.9);
+  fields("exposure_steps_per_s", video.exposure_steps_per_s, 0.0, 100.0);
+  fields("exposure_step", video.exposure_step, 0.1, 10.0);
+  fields("noise_grey", video.noise_grey, 0.0, 30.0);
+  fields("after_camera_s", video.after_camera_s, 0.0, 60.0);
+}
+
+/// A film of a run: when its frames are taken, on its own clock from 0, uneven, with a frame left out now and then; and what they
+/// show.
+class SimulatedVideo {
+ public:
+  /// @param plan, clocks  must outlive it
+  SimulatedVideo(const ObjectModel& object, const RunPlan& plan, const RunClocks& clocks, const VideoPhysics& physics,
+                 Random random);
+
+  const std::vector<VideoTime>& times() const { return times_; }
+  const std::vector<double>& exposures() const { return exposures_; }  ///< a factor per frame on all grey levels
+  /// 240 x 320 8-bit grey: the object on a table between sensor and finger, which the arm holds from above.
+  cv::Mat draw(std::size_t index);
+
+ private:
+  const RunPlan* plan_;
+  const RunClocks* clocks_;
+  double half_width_px_, height_px_, grey_;  ///< of the object
+  double closed_mm_;                         ///< the stage's travel where the gap between sensor and object closes
+  std::vector<VideoTime> times_;
+  std::vector<double> exposures_;
+  std::vector<std::size_t> noise_begins_;  ///< a place in `noise_` per frame
+  std::vector<std::int8_t> noise_;         ///< more than a frame's pixels
+  cv::Mat still_;                          ///< what does not move, at `still_exposure_`
+  double still_exposure_ = 0;
+};
+
+}  // namespace tactile

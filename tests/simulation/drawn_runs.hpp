@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tactile/core/random.hpp"
+#include "tactile/simulation/physics.hpp"
+#include "tactile/simulation/run_plan.hpp"
+
+namespace tactile {
+
+/// Short runs, all plain.
+inline RunPlanOptions short_runs() {
+  RunPlanOptions options;
+  options.timings = {.quiet_s = {0.6, 0.75},
+                     .travel_s = {0.15, 0.35},
+                     .hold_s = {0.3, 0.42},
+                     .lift_s = {0.35, 0.55},
+                     .rest_s = {0.6, 0.8},
+                     .between_s = {0.3, 0.4}};
+  return options;
+}
+
+/// Runs that are all of one special kind, such as `only(&SpecialRuns::two_presses)`.
+inline RunPlanOptions only(double SpecialRuns::*kind) {
+  RunPlanOptions options = short_runs();
+  options.special.two_presses = options.special.without_slip = options.special.without_press = options.special.taps = 0;
+  options.special.*kind = 1;
+  options.run_number = options.special.from_run;
+  options.may_be_special = true;
+  return options;
+}
+
+inline RunPlan drawn_plan(const ObjectModel& object, const RunPlanOptions& options, std::uint64_t seed) {
+  Random random(seed);
+  return draw_run_plan(object, options, random);
+}
+
+}  // namespace tactile
