@@ -138,18 +138,18 @@ void list_fields(Fields& fields, RunVariation& v) {
 
 /// Motion that nobody labels, but that moves the markers. Assumptions all, small against press and slip.
 struct AfterEffects {
-  Range relaxation_share{0.005, 0.03};  ///< of the depth, by which tips creep while the stage stands still
-  Range relaxation_s{0.1, 0.4};         ///< time constant
-  double micro_slips_per_s = 0.5;       ///< while the object touches and nothing else but its creeping moves
+  Range relaxation_share{0.002, 0.015};  ///< of the depth, by which tips creep while the stage stands still
+  Range relaxation_s{0.3, 1.0};          ///< time constant
+  double micro_slips_per_s = 0.5;        ///< while the object touches and nothing else but its creeping moves
   Range micro_slip_mm{0.02, 0.08};
   double micro_slip_share = 0.35;  ///< of the touched markers that take part, one at least
   double recontact_chance = 0.3;   ///< in the rest after a lift
   Range recontact_mm{0.05, 0.25};
   Range recontact_s{0.06, 0.15};
-  double settle_s = 0.12;           ///< micro-slips and re-contacts keep so far from whatever moves next
-  double after_lift_s = 0.4;        ///< and so far from the lift's end, by when a slip has surely ended
-  Range vibration_hz{12, 28};       ///< of the arm, where it starts and stops
-  Range vibration_mm{0.002, 0.01};  ///< of the markers
+  double settle_s = 0.12;             ///< micro-slips and re-contacts keep so far from whatever moves next
+  double after_lift_s = 0.4;          ///< and so far from the lift's end, by when a slip has surely ended
+  Range vibration_hz{12, 28};         ///< of the arm, where it starts and stops
+  Range vibration_mm{0.0003, 0.005};  ///< a / (2 pi f)^2 of tips that ring at f = 80 to 300 Hz, at a = 1200 mm/s^2
   Range vibration_decay_s{0.04, 0.12};
   Range vibration_housing{0.1, 0.5};  ///< of the camera's housing: share of the arm's acceleration that it rings with at first
 };
