@@ -101,19 +101,27 @@ def event_table(tactile, folder):
             events, size = events_of(tactile, file.parent, scratch)
             for key, value in statistics_of(events, size, truth).items():
                 found.setdefault(key, []).extend(np.atleast_1d(value) if not isinstance(value, list) else value)
-    print("| what | median | 5 % to 95 % |\n| --- | ---: | ---: |")
-    print(f"| quiet rate, per run [kev/s] | {spread(found['quiet_rate'], 1e-3)} |")
-    print(f"| quiet rate without hot pixels [kev/s] | {spread(found['quiet_rate_without_hot'], 1e-3, 1)} |")
+    action = np.concatenate([found["press_rate"], found["slip_rate"]])
+    rows = [
+        ("quiet rate, per run [kev/s]", spread(found["quiet_rate"], 1e-3), "10 to 100"),
+        ("quiet rate without hot pixels [kev/s]", spread(found["quiet_rate_without_hot"], 1e-3, 1), "6 to 90"),
+        ("mean rate of a press or slip over the quiet one", spread(action / np.median(found["quiet_rate"]), 1, 1), "3 to 100"),
+    ]
     if found["hot_hz"]:
-        print(f"| a hot pixel's rate [ev/s] | {spread(found['hot_hz'])} |")
+        rows.append(("a hot pixel's rate [ev/s]", spread(found["hot_hz"]), "100 to 5000"))
     for name in ("press", "slip"):
-        print(f"| {name}: lasts [ms] | {spread(found[name + '_ms'])} |")
-        print(f"| {name}: mean rate [kev/s] | {spread(found[name + '_rate'], 1e-3)} |")
         counts = np.concatenate(found[name + "_per_pixel_tick"])
-        print(f"| {name}: events per pixel and 2 ms tick, of those with any (mean {counts.mean():.2f}) | {spread(counts)} |")
         between = np.concatenate(found[name + "_between_us"])
-        print(f"| {name}: from one event of a pixel to its next [ms] | {spread(between, 1e-3, 1)} |")
-        print(f"| {name}: share of brighter events [%] | {spread(found[name + '_on'], 100)} |")
+        rows += [
+            (f"{name}: lasts [ms]", spread(found[name + "_ms"]), "100 to 500" if name == "press" else ""),
+            (f"{name}: mean rate [kev/s]", spread(found[name + "_rate"], 1e-3), "50 to 3000"),
+            (f"{name}: events per pixel and 2 ms tick, of those with any (mean {counts.mean():.2f}, most {counts.max()})", spread(counts), "at most 10"),
+            (f"{name}: from one event of a pixel to its next [ms]", spread(between, 1e-3, 1), "from 0.2"),
+            (f"{name}: share of brighter events [%]", spread(found[name + "_on"], 100), ""),
+        ]
+    print("| what | median | 5 % to 95 % | reference |\n| --- | ---: | ---: | ---: |")
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
 
 
 def main():

@@ -119,7 +119,7 @@ void add_simulate_command(CLI::App& app) {
           "--preset", args->preset,
           "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s; paper: 10 of about 4 s, some with two presses, "
           "without slip or without press")
-      ->type_name("paper|quick|tiny")
+      ->check(one_of({"paper", "quick", "tiny"}))
       ->capture_default_str();
   command->add_option("--runs", args->runs, "Runs per object, instead of the preset's")->check(in_range(1, 99))->type_name("N");
   command->add_option("--objects", args->objects, "Objects, parted by commas, or all")

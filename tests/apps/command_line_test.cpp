@@ -70,7 +70,7 @@ TEST(CommandLine, SaysInOneSentenceWhatIsWrongAndWhatIsRight) {
       {"doctor --threads 1.5", 105, "--threads: 1.5 is no whole number; expected 1 to 1024"},
       {"windows --guard-ms nan", 105, "--guard-ms: 'nan' is no number; expected 0 to 1000000"},
       {"serve sim --port 70000", 105, "--port: 70000 is out of range; expected 0 to 65535"},
-      {"simulate --preset big", 105, "--preset: 'big' is unknown; expected tiny or quick"},
+      {"simulate --preset big", 105, "--preset: 'big' is unknown; expected paper, quick or tiny"},
       {"doctor --config no.json", 105, "--config: there is no no.json; expected a file that can be read"},
       {"convert a.csv", 106, "OUT: is missing; expected 'tactile convert [OPTIONS] IN OUT'"},
       {"record --duration", 114, "--duration: has no value; expected --duration S, 0.001 to 1000000000"},

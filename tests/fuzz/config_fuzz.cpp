@@ -7,6 +7,7 @@
 
 #include "bytes_as_file.hpp"
 #include "command.hpp"
+#include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 
 /// Whatever --config holds, a command with an option of each kind runs with values in range, or an error says why not.
@@ -26,14 +27,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool in_range = window_ms > 0 && guard_us >= -5 && guard_us <= 5 && common.threads >= 1 && common.threads <= 1024;
     if (!in_range) std::abort();
   });
-  command->add_option("--window-ms", window_ms)->check(CLI::PositiveNumber);
-  command->add_option("--guard-us", guard_us)->check(CLI::Range(std::int64_t{-5}, std::int64_t{5}));
+  command->add_option("--window-ms", window_ms)->check(in_range(1e-3, 1e6));
+  command->add_option("--guard-us", guard_us)->check(in_range(-5, 5));
   command->add_option("--seed", seed)->check(is_seed());
   command->add_flag("--mix", mix);
-  command->add_option("--denoise", denoise)->check(CLI::IsMember({"mean", "literal", "none"}));
-  command->add_option("--th", th)->delimiter(',')->check(CLI::Range(1, 1000));
+  command->add_option("--denoise", denoise)->check(one_of({"mean", "literal", "none"}));
+  command->add_option("--th", th)->delimiter(',')->check(in_range(1, 1000));
   command->add_option("--held-out", held_out)->delimiter(',');
-  command->add_option("--speed", speed)->check(CLI::NonNegativeNumber);
+  command->add_option("--speed", speed)->check(in_range(0.0, 1e6));
   const std::string path = file.path();
   const std::array<const char*, 4> arguments{"tactile", "windows", "--config", path.c_str()};
   try {
