@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "support/temporary_folder.hpp"
@@ -266,11 +267,15 @@ TEST(Simulate, WritesAFilmWhoseFramesHaveTheirTrueTimes) {
   ASSERT_GT(times.size(), 60U);
   cv::VideoCapture film(run.video().string(), cv::CAP_FFMPEG);
   ASSERT_TRUE(film.isOpened());
-  cv::Mat frame;
+  cv::Mat frame, before;
   for (std::size_t i = 0; i < times.size(); ++i) {
     ASSERT_TRUE(film.read(frame));
     EXPECT_NEAR(1000.0 * film.get(cv::CAP_PROP_POS_MSEC), static_cast<double>(us_of(times[i])), 0.5);
     EXPECT_EQ(frame.size(), cv::Size(320, 240));
+    if (i > 0) {
+      EXPECT_GT(cv::norm(frame, before, cv::NORM_L1) / (3.0 * 320 * 240), 0.05) << i << ": its noise outlives the compression";
+    }
+    frame.copyTo(before);
   }
   EXPECT_FALSE(film.read(frame)) << "as many frames as rows";
 }

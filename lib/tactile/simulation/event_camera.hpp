@@ -156,8 +156,10 @@ class EventCamera {
 
   struct ReadOut {
     std::span<const Event> events;  ///< valid until the next read-out
-    std::size_t caused = 0;         ///< how many of them a moving marker caused; the others are noise, or the light's flicker
-    std::uint32_t caused_by = 0;    ///< bit i: marker i caused at least one of them
+    /// How many of them a moving marker caused; the others are noise, or the light's flicker. Where light flickers, all that
+    /// fires on a moving marker counts as caused by it.
+    std::size_t caused = 0;
+    std::uint32_t caused_by = 0;  ///< bit i: marker i caused at least one of them
   };
 
   /// @param pixels  must outlive the camera

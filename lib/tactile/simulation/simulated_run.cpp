@@ -121,7 +121,7 @@ void write_video(const std::filesystem::path& film, const std::filesystem::path&
   if (until) {
     std::erase_if(frames, [&](VideoTime t) { return drawn.clocks.video.camera_from(t) > *until + video_after_end; });
   }
-  VideoWriter writer(film, {.fast = true});
+  VideoWriter writer(film, {.quality = drawn.physics->video.quantiser, .fast = true});
   for (std::size_t i = 0; i < frames.size(); ++i) writer.write(video.draw(i), frames[i]);
   writer.close();
   sync_to_disk(film);
