@@ -304,6 +304,9 @@ TEST(Simulate, KeepsItsRunsRefusesItsOthersAndReplacesThemWhenForced) {
 
   fs::remove(first / "video.mp4");
   EXPECT_EQ(kinds(simulate(options)), std::vector{Kind::replaced}) << "a run of its own that lacks a file is made again";
+  fs::resize_file(first / "robot.csv", fs::file_size(first / "robot.csv") / 2);
+  EXPECT_EQ(kinds(simulate(options)), std::vector{Kind::replaced}) << "and one whose file was cut";
+  EXPECT_EQ(kinds(simulate(options)), std::vector{Kind::kept});
 }
 
 TEST(Simulate, NeverTouchesARunThatIsNotItsOwn) {

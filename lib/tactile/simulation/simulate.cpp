@@ -41,9 +41,10 @@ std::uint64_t bytes_in(const fs::path& folder) {
   return bytes;
 }
 
+/// Whether every file is there and as long as it was made.
 bool is_whole(const RunFolder& run) {
-  const std::array files{run.events(), run.robot(), run.video(), run.video_times(), run.truth()};
-  return std::all_of(files.begin(), files.end(), [](const fs::path& file) { return fs::is_regular_file(file); });
+  const RunFiles files = check_files(run, read_run_info(run), FileComparison::size);
+  return files.told && files.missing.empty() && files.changed.empty() && files.not_listed.empty();
 }
 
 /// Takes the folder's name away before its files, so that no half of a run is ever found under it.

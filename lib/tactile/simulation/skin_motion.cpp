@@ -72,7 +72,7 @@ class ShearedTip {
   /// The tip moves until then, once the arm stands still.
   double ringing_end_s() const { return slides_ ? released_s_ + ringing_s(from_mm_ - to_mm_, lift_.ring_decay_s) : -infinite; }
 
-  /// Only a surface that runs past makes a tip tremble.
+  /// A surface that has run past makes a tip tremble, as long as the arm moves: its sticking in between lasts milliseconds.
   double shear_mm(double speed_share) const { return shear_mm_ + (slid_ ? lift_.texture_mm * tremble_ * speed_share : 0.0); }
 
  private:
