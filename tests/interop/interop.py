@@ -36,6 +36,10 @@ class Differs(Exception):
     pass
 
 
+class NoWholeRound(Differs):
+    pass
+
+
 class CannotRun(Exception):
     pass
 
@@ -248,6 +252,13 @@ def batches(count, events_each, gap_us):
     return events, [events[i:i + events_each] for i in range(0, len(events), events_each)]
 
 
+def wait_until(condition):
+    """Until it holds, or patience is at its end: what follows then shows what is missing."""
+    end = time.monotonic() + PATIENCE
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+
+
 class Child:
     """A copy of this process that does some work and ends."""
 
@@ -283,8 +294,8 @@ class Child:
             os.waitpid(self.pid, 0)
 
 
-def serve_by_dv(kind, places, packets, samples, ready):
-    """Two of dv-processing's servers, for events and IMU of one camera; plays once both have a client."""
+def serve_by_dv(kind, places, packets, samples, ready, received):
+    """Two of dv-processing's servers, for events and IMU of one camera; plays once both have a client, and stays until all is `received`."""
     import dv_processing as dv
     event_stream = dv.io.Stream.EventStream(0, "events", "DVXplorer_DXA00007", (640, 480))
     imu_stream = dv.io.Stream.IMUStream(0, "imu", "DVXplorer_DXA00007")
@@ -302,9 +313,7 @@ def serve_by_dv(kind, places, packets, samples, ready):
     for packet, pair in zip(packets, samples):
         writers[0].writeEvents(store_of(packet))
         writers[1].writeImu(dv.IMUPacket.ImuVector([imu_of(t) for t in pair]))
-    while any(writer.getQueuedPacketCount() > 0 for writer in writers):
-        time.sleep(0.02)
-    time.sleep(0.5)  # what has left the queue is still on its way to the socket
+    wait_until(received.exists)  # what has left the writers' queues may still be on its way to the socket
     os._exit(0)  # destroying the writers can wait for ever
 
 
@@ -319,13 +328,19 @@ def network_writers(folder, kind):
         addresses = [f"tcp://127.0.0.1:{place}" for place in places]
 
     out = folder / "runs"
-    ready = folder / "ready"
-    with Child(lambda: serve_by_dv(kind, places, packets, samples, ready)) as server:
-        end = time.monotonic() + PATIENCE
-        while not ready.exists() and time.monotonic() < end:
-            time.sleep(0.02)
+    ready, received = folder / "ready", folder / "received"
+
+    def recorded():
+        found = subprocess.run([TACTILE, "info", "--json", out / "fan" / "01" / "events.aedat4"], capture_output=True, text=True, check=False)
+        streams = json.loads(found.stdout)["recordings"][0]["streams"] if found.stdout else []
+        return sum(stream["elements"] for stream in streams) == len(events) + sum(len(pair) for pair in samples)
+
+    with Child(lambda: serve_by_dv(kind, places, packets, samples, ready, received)) as server:
+        wait_until(ready.exists)
         with Process(TACTILE, "record", "--from", addresses[0], "--from", addresses[1], "--out", out, "--object", "fan",
                      "--run", "01") as record:
+            wait_until(recorded)
+            received.touch()
             server.ended()
             record.ended()
     expected = c.Contents()
@@ -364,29 +379,41 @@ def read_network(reader, found, counted):
 
 @row("serve feeds dv-processing's NetworkReader, two at once, in every compression", "dv_processing")
 def their_readers(folder):
-    import dv_processing as dv
     recording = simulated_run(folder) / "events.aedat4"
     expected = as_csv(recording, folder)
     for compression in COMPRESSIONS:
-        with Process(TACTILE, "serve", recording, "--port", "0", "--compression", compression, "--no-wait", "--loop",
-                     "--packet-us", "10000") as serve:
-            port = int(serve.wait_for(r"tcp://127\.0\.0\.1:(\d+)").group(1))
-            readers = [dv.io.NetworkReader("127.0.0.1", port) for _ in range(2)]
-            for reader in readers:
-                if tuple(reader.getEventResolution()) != (640, 480):
-                    raise Differs(f"{compression}: the reader sees another resolution")
-            found = [[], []]
-            threads = [threading.Thread(target=read_network, args=(reader, part, 2 * len(expected.events)))
-                       for reader, part in zip(readers, found)]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
-            del readers, reader
-            serve.interrupt()
-            serve.ended()
-        for parts in found:
-            check_looped(expected.events, c.joined(parts), compression)
+        # A reader that is held up leaves out what its queue cannot hold; of more rounds it has a whole one all the same.
+        for rounds in (2, 4, 8):
+            try:
+                read_by_two(recording, expected, compression, rounds)
+                break
+            except NoWholeRound:
+                if rounds == 8:
+                    raise
+
+
+def read_by_two(recording, expected, compression, rounds):
+    """Two readers of one server at once, each of which gets as many events as are in so many rounds."""
+    import dv_processing as dv
+    with Process(TACTILE, "serve", recording, "--port", "0", "--compression", compression, "--no-wait", "--loop",
+                 "--packet-us", "10000") as serve:
+        port = int(serve.wait_for(r"tcp://127\.0\.0\.1:(\d+)").group(1))
+        readers = [dv.io.NetworkReader("127.0.0.1", port) for _ in range(2)]
+        for reader in readers:
+            if tuple(reader.getEventResolution()) != (640, 480):
+                raise Differs(f"{compression}: the reader sees another resolution")
+        found = [[], []]
+        threads = [threading.Thread(target=read_network, args=(reader, part, rounds * len(expected.events)))
+                   for reader, part in zip(readers, found)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        del readers, reader
+        serve.interrupt()
+        serve.ended()
+    for parts in found:
+        check_looped(expected.events, c.joined(parts), compression)
 
 
 @row("a recording that serve plays once is whole with dv-processing's NetworkReader", "dv_processing")
@@ -416,13 +443,13 @@ def check_looped(expected, found, what):
             if len(whole) < len(expected):
                 continue
             if not np.array_equal(whole[["x", "y", "on"]], key):
-                raise Differs(f"{what}: a round differs from the recording")
+                continue  # a reader that was held up lost some of it
             if not np.array_equal(whole["t"] - whole["t"][0], expected["t"] - expected["t"][0]):
                 raise Differs(f"{what}: times of a round differ from the recording's")
             if np.any(np.diff(found["t"]) < 0):
                 raise Differs(f"{what}: times go back from round to round")
             return
-    raise Differs(f"{what}: no whole round among {len(found)} events")
+    raise NoWholeRound(f"{what}: no whole round among {len(found)} events")
 
 
 @row("a bag of rosbags' writer, made into a run and read by dv-processing", "rosbags", "dv_processing")
