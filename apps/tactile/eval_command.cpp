@@ -52,7 +52,7 @@ std::string number(const Figure& figure) { return std::isfinite(figure.value) ? 
 std::string accuracy_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
   for (const auto& [name, figure] : evaluation.accuracy.objects)
-    rows.push_back({name, percent(figure), bounds(figure, 100), std::to_string(figure.n) + " runs"});
+    rows.push_back({name, percent(figure), bounds(figure, 100), std::to_string(figure.n) + (figure.n == 1 ? " run" : " runs")});
   const Figure& mean = evaluation.accuracy.mean;
   rows.push_back({"mean over objects", percent(mean), bounds(mean, 100), std::to_string(mean.n) + " objects"});
   std::string text = text_table({"accuracy on balanced samples [%]", "", "95 %", ""}, rows) + "\n";
@@ -63,9 +63,11 @@ std::string accuracy_text(const Evaluation& evaluation) {
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
   text += text_table({"beside the baselines, mean over objects [%]", "", "95 %"}, rows);
   const auto above = evaluation.above_baselines();
-  text += !above   ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
-          : *above ? "The network's accuracy interval lies above every baseline's.\n\n"
-                   : "The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".\n\n";
+  text += !above ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
+          : *above
+              ? "The network's accuracy interval lies above every baseline's.\n\n"
+              : wrapped("The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") +
+                    "\n\n";
 
   rows.clear();
   for (const Touch truth : all_touches) {

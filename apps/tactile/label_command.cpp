@@ -98,6 +98,10 @@ std::string table_of(const std::vector<LabelledRun>& runs) {
   }
   std::string text = text_table({"run", "press at [ms]", "lasts", "slip at [ms]", "lasts", "lift to slip", "flags"}, rows);
   for (const LabelledRun& labelled : runs) {
+    const auto presses = std::count_if(labelled.labels.intervals.begin(), labelled.labels.intervals.end(),
+                                       [](const LabelledInterval& interval) { return interval.touch == Touch::press; });
+    if (presses > 1)
+      text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
     for (const LabelFlag& flag : labelled.labels.flags)
       text += wrapped(fmt::format("{}: {}", labelled.run.name(), flag.reason), 2) + "\n";
   }
@@ -192,9 +196,9 @@ Comparison compare_all(const std::vector<LabelledRun>& runs) {
   }
   std::string text =
       "\n" +
-      wrapped(fmt::format("Against the truth of {} simulated runs: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
+      wrapped(fmt::format("Against the truth of {} simulated {}: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
                           "their 95 % interval.",
-                          compared, truly, missed, spurious, covered, truly)) +
+                          compared, compared == 1 ? "run" : "runs", truly, missed, spurious, covered, truly)) +
       "\n";
   text += text_table({"absolute error [ms]", "n", "median", "95th percentile", "largest"}, rows);
   return {json, text};

@@ -90,14 +90,14 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
   if (duration_s > 0 && core_s > 0) {
     const double times_real_time = duration_s / core_s;
     result["times_real_time"] = times_real_time;
-    text += fmt::format("{:.1f} s of runs in {:.1f} s: a core makes them {:.1f} times faster than real time", duration_s,
-                        elapsed_s, times_real_time);
+    std::string speed = fmt::format("{:.1f} s of runs made in {:.1f} s, {:.1f} times faster than real time for each core",
+                                    duration_s, elapsed_s, times_real_time);
     if (touch_s > 0) {
       const double touch_rate = static_cast<double>(touch_events) / touch_s;
       result["touch_events_per_s"] = touch_rate;
-      text += fmt::format(", at a mean of {:.2f} million events/s in press and slip", 1e-6 * touch_rate);
+      speed += fmt::format("; {:.2f} million events/s in press and slip on average", 1e-6 * touch_rate);
     }
-    text += "\n";
+    text += wrapped(speed) + "\n";
   }
   print_result(common, result, text);
 }
@@ -110,8 +110,9 @@ void add_simulate_command(CLI::App& app) {
                                   [args](const CommonArguments& common) { simulate_runs(*args, common); });
   command->add_option("data", args->data, "Folder of runs")->capture_default_str();
   command
-      ->add_option("--physics", args->physics,
-                   "JSON file of what runs are drawn from, in the place of what configs/simulation.json says")
+      ->add_option(
+          "--physics", args->physics,
+          "JSON file of what runs are drawn from, in the place of what configs/simulation.json and configs/objects.json say")
       ->check(is_existing_file())
       ->type_name("FILE.json");
   command

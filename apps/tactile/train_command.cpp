@@ -48,9 +48,10 @@ std::string text_of(const ModelBundle& bundle, const ModelDescription& model, co
                     fmt::format("{:.0f}", epoch.images_per_s), fmt::format("{:.1f}", epoch.seconds)});
   }
   std::string text = rows.empty() ? "" : text_table({"epoch", "loss", "accuracy [%]", "images/s", "seconds"}, rows) + "\n";
-  text += fmt::format("{}: {}, learned from {} samples of {} {} runs; {} runs are left to test it on, by 'tactile eval'\n",
-                      bundle.folder.string(), outcome, model.samples, model.train_runs.size(),
-                      model.simulated ? "simulated" : "real", model.test_runs.size());
+  text += wrapped(fmt::format("{}: {}, learned from {} samples of {} {} runs; {} runs are left to test it on, by 'tactile eval'",
+                              bundle.folder.string(), outcome, model.samples, model.train_runs.size(),
+                              model.simulated ? "simulated" : "real", model.test_runs.size())) +
+          "\n";
   return text;
 }
 

@@ -35,7 +35,7 @@ struct ViewArguments {
   std::string stream;
   double history_ms = 40;
   RenderingArguments rendering;
-  int tiles = 24;
+  std::optional<int> tiles;
 };
 
 /// Ticks to show under one title.
@@ -98,6 +98,11 @@ int bright_value(const std::vector<SheetGroup>& sheet) {
   return *place;
 }
 
+/// Whether the run that holds the recording was simulated; a recording that is no run's never was, as far as anybody can tell.
+bool is_simulated(const RunFolder& run, const fs::path& recording) {
+  return recording.filename() == run.events().filename() && fs::exists(run.info()) && read_run_info(run).simulated;
+}
+
 void view(const ViewArguments& args, const CommonArguments& common) {
   if (args.out.empty()) throw CLI::RequiredError("--out");
   if (fs::path(args.out).extension() != ".png")
@@ -134,7 +139,11 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   std::vector<TickGroup> groups;
   if (labels) groups = around_onsets(range, labels->intervals, *first);
   const bool shows_onsets = !groups.empty();
-  if (!shows_onsets) groups.push_back(evenly_spaced(range, args.tiles));
+  if (shows_onsets && args.tiles) {
+    throw Error(fmt::format("--tiles: {} is labelled and shown around its onsets; expected no --tiles, or {}", args.what,
+                            run->events().string()));
+  }
+  if (!shows_onsets) groups.push_back(evenly_spaced(range, args.tiles.value_or(24)));
 
   nlohmann::json tiles = nlohmann::json::array();
   std::vector<SheetGroup> sheet;
@@ -163,7 +172,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     }
   }
 
-  const bool simulated = run && fs::exists(run->info()) && read_run_info(*run).simulated;
+  const bool simulated = is_simulated(run ? *run : run_folder_at(fs::absolute(recording.file()).parent_path()), recording.file());
   const int brightest = bright_value(sheet);
   SheetOptions layout{.header = {}, .columns = columns, .brightest = brightest};
   layout.header.push_back(fmt::format("{}{}: heatmaps of t_h {} ms, {}x{}, denoise {}, resize {}", name,
@@ -209,9 +218,9 @@ void add_view_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--stream", args->stream, "Event stream, by its id or source, where there is more than one")
       ->type_name("ID|SOURCE");
-  command->add_option("--tiles", args->tiles, "Heatmaps on the sheet; a labelled run shows those around its onsets instead")
+  command->add_option("--tiles", args->tiles, "Heatmaps on the sheet; not for labelled runs, shown around their onsets")
       ->check(in_range(1, 600))
-      ->capture_default_str();
+      ->default_str("24");
   add_rendering_options(*command, args->rendering);
 }
 

@@ -77,11 +77,12 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
   const std::vector<std::string> differences = verify_dataset(args.data, file, common.threads, progress_line(common));
   std::string text;
   for (const std::string& difference : differences) text += difference + "\n";
-  text += differences.empty() ? fmt::format(
-                                    "{}: every sample, interval and event is what the runs and labels below {} give, and no two "
-                                    "runs share a recording\n",
+  text += wrapped(differences.empty()
+                      ? fmt::format("{}: every sample, interval and event is what the runs and labels below {} give, and no two "
+                                    "runs share a recording",
                                     file, args.data)
-                              : fmt::format("{}: differs from the runs and labels below {}\n", file, args.data);
+                      : fmt::format("{}: differs from the runs and labels below {}", file, args.data)) +
+          "\n";
   print_result(common, {{"dataset", file}, {"verified", differences.empty()}, {"differences", differences}}, text);
   if (!differences.empty()) throw CheckFailed{};
 }

@@ -72,6 +72,7 @@ TEST(Json, NamesTheLineAndWhatBelongsThere) {
            {"[1, ]", "line 1 is no JSON at ']'; expected a value"},
            {"[1,", "line 1 is no JSON at the end of the file; expected a value"},
            {"", "line 1 is no JSON at the end of the file; expected a value"},
+           {"[1e999]", "a number is too large; expected numbers between -1.8e308 and 1.8e308"},
            {"1 2", "line 1 is no JSON at '2'; expected nothing behind the one value there"},
            {"{\"a\": \"b\n}", "line 1 is no JSON: a text is not ended"}}) {
     std::ofstream(folder / "bad.json") << text;

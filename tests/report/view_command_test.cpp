@@ -5,6 +5,7 @@
 
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/run_folder.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile {
@@ -39,6 +40,7 @@ TEST(ViewCommand, CountsTheEventsOfEachWindow) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto tiles = nlohmann::json::parse(result.out).at("tiles");
   ASSERT_EQ(tiles.size(), 7U);
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("simulated"), read_run_info(run_folder_at(folder / "data/fan/01")).simulated);
   const auto events = test::random_events(run);
   for (const auto& tile : tiles) {
     const CameraTime t = camera_time(tile.at("t_us"));
@@ -58,6 +60,9 @@ TEST(ViewCommand, ShowsALabelledRunAroundItsOnsets) {
   for (const auto& tile : json.at("tiles")) labels.push_back(tile.at("label"));
   EXPECT_EQ(labels, (std::vector<std::string>{"none", "press", "press", "none", "none", "none", "none", "slip", "slip", "slip",
                                               "slip", "none"}));
+  const auto spaced = run_tactile("view data/fan/01 --tiles 5 --out spaced.png", folder.path());
+  EXPECT_EQ(spaced.exit_code, 1);
+  EXPECT_NE(spaced.err.find("--tiles: data/fan/01 is labelled"), std::string::npos) << spaced.err;
 }
 
 TEST(ViewCommand, RefusesInWordsWhatHasNoHeatmap) {

@@ -25,7 +25,9 @@ TEST(SimulateCommand, MakesARunAndSaysSo) {
 
   const auto refused = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2", folder.path());
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("was simulated with preset tiny, seed 1; expected preset tiny, seed 2, or --force to replace it"),
+            std::string::npos)
+      << refused.err;
   const auto forced = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2 --force", folder.path());
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
   EXPECT_NE(forced.out.find("0 made, 0 kept, 1 replaced, 0 removed"), std::string::npos) << forced.out;

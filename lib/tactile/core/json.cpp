@@ -102,6 +102,8 @@ nlohmann::json read_json(const std::filesystem::path& file) {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& e) {
     throw Error(file.string() + ": " + what_is_no_json(text, e));
+  } catch (const nlohmann::json::out_of_range&) {
+    throw Error(file.string() + ": a number is too large; expected numbers between -1.8e308 and 1.8e308");
   } catch (const nlohmann::json::exception& e) {
     throw Error(file.string() + ": no valid JSON (" + e.what() + "); expected one JSON value");
   }

@@ -33,6 +33,28 @@ std::optional<std::string> settings_hash_in(const RunFolder& run) {
   }
 }
 
+/// Why a run that was simulated otherwise is refused: what it was made with, and what is asked for; the physics where they
+/// differ.
+Error made_otherwise(const RunFolder& run, const SimulateOptions& options) {
+  const std::string where = run.folder.string();
+  std::string was, asked;
+  try {
+    const auto made = member<nlohmann::json>(read_run_info(run).extra, "simulation", where);
+    const auto physics = member<nlohmann::json>(made, "physics", where);
+    const auto hash = member<std::string>(physics, "hash", where), asked_hash = hash_of(json_of(options.physics));
+    was =
+        fmt::format("preset {}, seed {}", member<std::string>(made, "preset", where), member<std::uint64_t>(made, "seed", where));
+    asked = fmt::format("preset {}, seed {}", options.preset, options.seed);
+    if (hash != asked_hash) {
+      was += fmt::format(", physics {} ({})", member<std::string>(physics, "source", where), hash.substr(0, 8));
+      asked += fmt::format(", physics {} ({})", options.physics.source, asked_hash.substr(0, 8));
+    }
+  } catch (const Error&) {  // an older version's run.json says less
+  }
+  if (was == asked) return Error(where + ": was simulated with other settings; expected the same, or --force to replace it");
+  return Error(fmt::format("{}: was simulated with {}; expected {}, or --force to replace it", where, was, asked));
+}
+
 std::uint64_t bytes_in(const fs::path& folder) {
   std::uint64_t bytes = 0;
   for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
@@ -153,9 +175,7 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, int runs) {
                       ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
         }
         const bool same = *hash == hash_of(simulation_settings(options.physics, object->name, id, options.preset, options.seed));
-        if (!same && !options.force) {
-          throw Error(run.folder.string() + ": was simulated with other settings; expected the same, or --force to replace it");
-        }
+        if (!same && !options.force) throw made_otherwise(run, options);
         keeps_labels = same;
         outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
       }
