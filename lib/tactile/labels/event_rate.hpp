@@ -21,7 +21,7 @@ struct EventRate {
 
 struct EventRateOptions {
   microseconds bin{200};      ///< a whole number of read-outs, > 0
-  double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least half of eight equal parts of the recording it fires at least so
+  double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least seven of eight equal parts of the recording it fires at least so
                               ///< often, and ten standard deviations above the mean of all pixels in the quietest part
 };
 
