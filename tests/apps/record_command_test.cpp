@@ -353,6 +353,15 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   EXPECT_EQ(run_json("fan", "01").at("settings").at("start_on"), "actual_digital_output_bits:0");
 }
 
+TEST_F(RecordCommand, SaysThatNothingCameFromTheRobot) {
+  test::FakeController controller;
+  controller.stall(true);
+  const CommandResult result =
+      run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("unnamed/01: nothing came from the robot"), std::string::npos) << result.err;
+}
+
 TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
   test::FakeController controller;
   make_long_recording();
