@@ -139,7 +139,7 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
   for (const std::string& text : args.from) {
     if (interrupted()) return nullptr;
     sources.push_back(open_camera_source(text, options));
-    if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(text + ": " + remark);
+    if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", text, remark));
   }
   return std::make_unique<RunRecorder>(std::move(sources), std::move(robot), std::move(video),
                                        RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
