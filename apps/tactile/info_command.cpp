@@ -243,7 +243,7 @@ std::string text_of(const RunInfo& run) {
 std::string files_text(const RunFiles& files, const InfoArguments& args) {
   const std::size_t bad = files.missing.size() + files.changed.size();
   std::string text = fmt::format("{} of {} as run.json lists them, by ", files.as_listed.size(), files.as_listed.size() + bad);
-  return text + (args.check ? "size and SHA-256" : "size alone (--check compares their SHA-256)");
+  return text + (args.check ? "size and SHA-256" : "size alone (--check: by SHA-256)");
 }
 
 std::string title_of(const Stream& stream) {
@@ -314,13 +314,14 @@ std::string event_lines(const StreamHealth& stream, const InfoArguments& args) {
                         100.0 * static_cast<double>(events.on) / static_cast<double>(stamps.elements), events.on,
                         100.0 * static_cast<double>(stamps.elements - events.on) / static_cast<double>(stamps.elements),
                         stamps.elements - events.on));
-  lines.add("rate",
-            fmt::format("{} mean, {} in the fullest tick ({} in 2 ms)", stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "no",
-                        rate_text(events.peak_rate_hz), counted(events.peak_tick_events, "event")));
+  lines.add("rate", wrapped(fmt::format("{} mean, {} in the fullest tick ({} in 2 ms)",
+                                        stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "no", rate_text(events.peak_rate_hz),
+                                        counted(events.peak_tick_events, "event")),
+                            16));
   lines.add("read-out", !events.readout_period_us           ? "too few time stamps to tell"
                         : *events.readout_period_us <= 10.0 ? "no common period: events bear times of their own"
                                                             : fmt::format("every {:.0f} us", *events.readout_period_us));
-  lines.add("silences", gaps_text(stamps, args));
+  lines.add("silences", wrapped(gaps_text(stamps, args), 16));
   lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();
 }

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <future>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,6 +19,7 @@
 #include "record_runs.hpp"
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/capture/find_sources.hpp"
+#include "tactile/capture/readout_mode.hpp"
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/capture/session_plan.hpp"
 #include "tactile/core/error.hpp"
@@ -135,7 +139,7 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
   for (const std::string& text : args.from) {
     if (interrupted()) return nullptr;
     sources.push_back(open_camera_source(text, options));
-    if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(text + ": " + remark);
+    if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", text, remark));
   }
   return std::make_unique<RunRecorder>(std::move(sources), std::move(robot), std::move(video),
                                        RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
@@ -144,6 +148,24 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
 } catch (const Error&) {
   if (!interrupted()) throw;
   return nullptr;  // who does not want to wait for it any more has no use for why it does not come
+}
+
+/// Calls `give_up` and ends with 0 if Ctrl-C comes while something lets itself be waited for: no wait of some seconds can be
+/// called off, so it is left behind with its thread. Nothing has been written by then.
+template <class GiveUp>
+std::unique_ptr<RunRecorder> open_unless_interrupted(const RecordArguments& args, const SessionPlan& plan, LiveLine& line,
+                                                     const GiveUp& give_up) {
+  using std::chrono::milliseconds;
+  std::future<std::unique_ptr<RunRecorder>> opened =
+      std::async(std::launch::async, [&] { return open_recorder(args, plan, line); });
+  while (opened.wait_for(milliseconds(50)) != std::future_status::ready) {
+    // What is about to come, such as a camera, is let go in order.
+    if (interrupted() && opened.wait_for(milliseconds(500)) != std::future_status::ready) {
+      give_up();
+      std::_Exit(0);
+    }
+  }
+  return opened.get();
 }
 
 RobotBit bit_of(const std::string& option, const std::string& text) {
@@ -186,8 +208,27 @@ nlohmann::json settings_json(const RecordArguments& args, const SessionPlan& pla
   return json;
 }
 
+/// The result of a run that was begun, or of all runs of a session.
+void print_runs(const CommonArguments& common, const std::string& data, bool is_session, const RecordedRuns& recorded) {
+  const auto& [runs, error] = recorded;
+  std::string text;
+  nlohmann::json all = nlohmann::json::array();
+  for (const RunSummary& run : runs) {
+    text += (text.empty() ? "" : "\n") + text_of(run);
+    all.push_back(json_of(run));
+  }
+  if (runs.empty()) text = "no run recorded\n";
+  if (is_session) {
+    print_result(common, {{"data", data}, {"runs", all}, {"error", error.empty() ? nlohmann::json() : nlohmann::json(error)}},
+                 text);
+  } else {
+    print_result(common, runs.empty() ? nlohmann::json() : all.front(), text);
+  }
+}
+
 void record(RecordArguments args, const CommonArguments& common) {
   if (args.list) return list_sources(common);
+  if (!args.readout_mode.empty()) readout_mode(args.readout_mode);
   RunsToRecord wanted{
       .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
   if (args.from.empty()) args.from.push_back(usual_source());
@@ -195,23 +236,11 @@ void record(RecordArguments args, const CommonArguments& common) {
 
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said, and what is there is kept
   LiveLine line(!common.quiet);
-  const std::unique_ptr<RunRecorder> recorder = open_recorder(args, wanted.plan, line);
-  const auto [runs, error] = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
-  if (runs.empty() && !error.empty()) throw Error(error);
-
-  std::string text;
-  nlohmann::json all = nlohmann::json::array();
-  for (const RunSummary& run : runs) {
-    text += (text.empty() ? "" : "\n") + text_of(run);
-    all.push_back(json_of(run));
-  }
-  if (wanted.is_session) {
-    print_result(common, {{"data", args.out}, {"runs", all}, {"error", error.empty() ? nlohmann::json() : nlohmann::json(error)}},
-                 runs.empty() ? "no run recorded\n" : text);
-  } else {
-    print_result(common, runs.empty() ? nlohmann::json() : all.front(), runs.empty() ? "no run recorded\n" : text);
-  }
-  if (!error.empty()) throw Error(error);
+  const auto print = [&](const RecordedRuns& recorded) { print_runs(common, args.out, wanted.is_session, recorded); };
+  const std::unique_ptr<RunRecorder> recorder = open_unless_interrupted(args, wanted.plan, line, [&] { print({}); });
+  const RecordedRuns recorded = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
+  if (!recorded.runs.empty() || recorded.error.empty()) print(recorded);
+  if (!recorded.error.empty()) throw Error(recorded.error);
 }
 
 }  // namespace
@@ -267,7 +296,7 @@ void add_record_command(CLI::App& app) {
   command->add_option("--queue-mb", args->queue_mb, "Memory for what waits for the disk [MiB]")
       ->check(in_range(std::size_t{1}, std::size_t{65536}))
       ->capture_default_str();
-  command->add_flag("--list", args->list, "Show which cameras and video devices are there, and end");
+  command->add_flag("--list", args->list, "Show which cameras, streams and video devices are there, and end");
 }
 
 }  // namespace tactile

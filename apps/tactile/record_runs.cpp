@@ -296,6 +296,7 @@ bool Walk::record_one() {
   done_.push_back(recorder_.end(why));
   const RunSummary& run = done_.back();
   for (std::size_t i = 1; i < run.errors.size(); ++i) line_.warn(run.errors[i]);
+  if (run.robot && run.robot->rows == 0) line_.warn(run.run.name() + ": nothing came from the robot: robot.csv has no row");
   if (wanted_.is_session || !line_.draws()) {
     line_.inform(fmt::format("{}: {} in {:.1f} s, {}, dropped {}, ended by: {}", run.run.name(), counted(run.events, "event"),
                              seconds_of(run.elapsed), megabytes(run.bytes), drops_text(run.drops), run.ended));

@@ -217,6 +217,36 @@ TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
   }
 }
 
+TEST_F(RecordCommand, LeavesAServerThatSaysNothingOnCtrlC) {
+  std::atomic<bool> is_connected = false, is_over = false;
+  ScriptedServer server([&](ScriptedServer::Socket&) {
+    is_connected = true;
+    EXPECT_TRUE(test::comes_true([&] { return is_over.load(); }));
+  });
+  const std::string address = server.address().text();
+  for (const std::string& device : {"--from " + address, "--from sim --robot " + address.substr(std::string("tcp://").size())}) {
+    RunningCommand command("record --json " + device, folder.path());
+    if (device.starts_with("--from tcp")) {  // later connections wait in the server's queue
+      EXPECT_TRUE(test::comes_true([&] { return is_connected || command.has_ended(); })) << command.err();
+    } else {
+      EXPECT_TRUE(test::comes_true([&] { return command.minds(SIGINT) || command.has_ended(); })) << command.err();
+    }
+    command.signal(SIGINT);
+    const CommandResult result = command.wait();
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, "null\n");
+    EXPECT_EQ(result.err, "");
+  }
+  is_over = true;
+  EXPECT_FALSE(fs::exists(folder / "data"));
+}
+
+TEST_F(RecordCommand, RefusesAReadOutModeAheadOfALookForACamera) {
+  const CommandResult result = run("record --readout-mode variable-5");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("'variable-5' is not known; expected one of constant-100"), std::string::npos) << result.err;
+}
+
 TEST_F(RecordCommand, KeepsWhatCameFromAStreamThatBreaksOff) {
   const std::vector<Event> events = test::steady_events(1000, 1'000'000, 10, size);
   const std::string whole = test::packet(0, test::event_payload(events));
@@ -321,6 +351,15 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   EXPECT_EQ(runs.at(0).at("robot").at("rows"), log.states.size());
   EXPECT_EQ(log.states.back().digital_output_bits.value() & 1U, log.states.front().digital_output_bits.value() & 1U);
   EXPECT_EQ(run_json("fan", "01").at("settings").at("start_on"), "actual_digital_output_bits:0");
+}
+
+TEST_F(RecordCommand, SaysThatNothingCameFromTheRobot) {
+  test::FakeController controller;
+  controller.stall(true);
+  const CommandResult result =
+      run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("unnamed/01: nothing came from the robot"), std::string::npos) << result.err;
 }
 
 TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {

@@ -69,6 +69,7 @@ TEST(SimulatorSource, FeelsWhatTheInertialSensorFeels) {
     EXPECT_GE(begin + 20ms, newest) << "both streams come side by side";
     newest = std::max(newest, begin);
   }
+  EXPECT_EQ(all.begins.front(), std::min(events.front().t, imu.front().t)) << "a duration counts from the earliest";
 }
 
 TEST(SimulatorSource, GivesTheRunThatSimulateMakes) {

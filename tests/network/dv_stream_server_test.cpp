@@ -316,7 +316,10 @@ TEST(DvStreamServer, RefusesAPortThatIsTakenAndAHostThatIsNotHere) {
   EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
   NetworkAddress elsewhere = any_port;
   elsewhere.host = "192.0.2.1";
-  EXPECT_NE(error_of([&] { DvStreamServer(elsewhere, event_declaration); }).find("expected"), std::string::npos);
+  EXPECT_NE(error_of([&] { DvStreamServer(elsewhere, event_declaration); }).find("expected an address of this machine"),
+            std::string::npos);
+  const NetworkAddress nowhere = network_address("unix:/no-such-folder/socket");
+  EXPECT_NE(error_of([&] { DvStreamServer(nowhere, event_declaration); }).find("expected a path in a folder"), std::string::npos);
 }
 
 TEST(DvStreamServer, RefusesAStreamThatReadersWouldRefuse) {

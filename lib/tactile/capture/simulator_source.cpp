@@ -102,7 +102,9 @@ class SimulatorSource final : public CameraSource {
     if (!pace_.has_begun()) pace_.begin(scene_->drawn.start());
     if (!pace_.wait_for(scene_->film.filmed().last_readout, patience)) return Received::nothing;
     packet.clear();
-    if (next_.imu.empty()) {
+    // What begins earlier goes first: a run's duration counts from there.
+    const bool events_first = next_.imu.empty() || (!next_.events.empty() && next_.events.front().t <= next_.imu.front().t);
+    if (events_first) {
       packet.stream_id = streams_[0].id;
       packet.events.swap(next_.events);
     } else {

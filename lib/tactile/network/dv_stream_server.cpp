@@ -141,9 +141,14 @@ void DvStreamServer::State::listen() {
     }
     return;
   }
-  const bool exists = address.kind == NetworkAddress::Kind::unix_socket && error == asio::error::address_in_use;
+  const bool is_unix = address.kind == NetworkAddress::Kind::unix_socket;
+  const bool exists = is_unix && error == asio::error::address_in_use;
   throw Error(refusal(address, exists ? "the path exists already" : error.message()) +
-              (exists ? "; expected a path where there is nothing" : "; expected a free port of this machine"));
+              (exists                                 ? "; expected a path where there is nothing"
+               : is_unix                              ? "; expected a path in a folder that is there and may be written to"
+               : error == asio::error::address_in_use ? "; expected a free port of this machine"
+               : error == asio::error::access_denied  ? "; expected a port that this user may take, such as one from 1024 on"
+                                                      : "; expected an address of this machine, such as 127.0.0.1"));
 }
 
 /// Every handler runs here. What one of them throws, for want of memory, ends only what it was about.
