@@ -57,8 +57,9 @@ class PacketDecompressor {
 /// Takes bytes that come piece by piece; each is valid during the call.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
 
-/// Compresses packets one after the other with one set of working memory, as the vendor's software does: LZ4 frames of 64 KiB
-/// linked blocks without checksums at level 0 or 9, zstd frames with their content size at level 3 or the highest.
+/// Compresses packets one after the other with one set of working memory: LZ4 frames of 64 KiB blocks without checksums,
+/// independent at level 0, linked at level 9 (the vendor's software links them at level 0 too); zstd frames with their content
+/// size at level 3 or the highest.
 class PacketCompressor {
  public:
   PacketCompressor();
