@@ -53,7 +53,7 @@ TEST(SimulateCommand, NamesTheNearestOfWhatThereIsNot) {
   const test::TemporaryFolder folder;
   write_whole(folder / "wrong.json", R"({"camera": {"treshold": 0.3}})");
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"--preset papr", "'paper'"},
+      {"--preset papr", "expected paper, quick or tiny"},
       {"--objects sprayr", "'sprayer'"},
       {"--objects fan,sprayr", "'sprayer'"},
       {"--physics wrong.json", "wrong.json: there is no 'camera.treshold'"},
