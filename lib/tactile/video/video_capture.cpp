@@ -83,7 +83,9 @@ OpenSource open_source(const std::string& source) {
     opened.kind = SourceKind::device;
     expected = "a camera that is plugged in, may be read and is in nobody else's use";
     const std::string device = number ? fmt::format("/dev/video{}", *number) : source;
-    if (!fs::exists(device, ignored)) throw Error(fmt::format("{}: no such device; expected {}", device, expected));
+    if (!fs::exists(device, ignored)) {
+      throw Error(fmt::format("{}{}: no such device; expected {}", source, number ? " (" + device + ")" : "", expected));
+    }
     opened.capture.open(device, cv::CAP_V4L2);
   } else if (is_url) {
     opened.kind = SourceKind::url;
