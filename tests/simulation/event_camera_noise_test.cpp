@@ -145,7 +145,7 @@ TEST(HotPixels, FireAtTheirRates) {
     o.hot_max_hz = most;
     const CameraPixels pixels = draw_camera_pixels(o, 3);
     std::map<std::size_t, double> hz;
-    for (const HotPixel& hot : hot_pixels_of_run(pixels, 0)) {
+    for (const SimulatedHotPixel& hot : hot_pixels_of_run(pixels, 0)) {
       EXPECT_GE(hot.hz, least);
       EXPECT_LE(hot.hz, most);
       hz[hot.index] += hot.hz;
@@ -165,18 +165,18 @@ TEST(HotPixels, ComeAndGoBetweenRuns) {
   o.hot_pixels = 40;
   const CameraPixels pixels = draw_camera_pixels(o, 3);
   constexpr std::size_t runs = 200;
-  std::vector<HotPixel> before = hot_pixels_of_run(pixels, 0);
+  std::vector<SimulatedHotPixel> before = hot_pixels_of_run(pixels, 0);
   std::set<std::uint32_t> gone;
   int healed = 0;
   for (std::size_t run = 1; run < runs; ++run) {
-    const std::vector<HotPixel> now = hot_pixels_of_run(pixels, run);
+    const std::vector<SimulatedHotPixel> now = hot_pixels_of_run(pixels, run);
     ASSERT_EQ(now.size(), 40U);
-    for (const HotPixel& pixel : before) {
+    for (const SimulatedHotPixel& pixel : before) {
       if (std::find(now.begin(), now.end(), pixel) != now.end()) continue;
       ++healed;
       gone.insert(pixel.index);
     }
-    for (const HotPixel& pixel : now) EXPECT_FALSE(gone.contains(pixel.index)) << "a span of runs is one";
+    for (const SimulatedHotPixel& pixel : now) EXPECT_FALSE(gone.contains(pixel.index)) << "a span of runs is one";
     before = now;
   }
   const double mean = 0.05 * 40 * (runs - 1);
@@ -196,7 +196,7 @@ TEST(HotPixels, AreThoseOfTheRun) {
   for (const std::size_t run : {0U, 3U, 4U}) {
     o.run_index = run;
     std::set<std::size_t> expected, fired;
-    for (const HotPixel& hot : hot_pixels_of_run(pixels, run)) expected.insert(hot.index);
+    for (const SimulatedHotPixel& hot : hot_pixels_of_run(pixels, run)) expected.insert(hot.index);
     const Seen seen = watch(o, pixels, 2'000, run);
     for (std::size_t i = 0; i < seen.of_pixel.size(); ++i) {
       if (seen.of_pixel[i] > 0) fired.insert(i);
@@ -220,7 +220,7 @@ TEST(DeadPixels, NeverFire) {
     dead += static_cast<int>(seen.of_pixel[i] == 0);
   }
   EXPECT_EQ(dead, 700);
-  for (const HotPixel& hot : hot_pixels_of_run(pixels, 7)) EXPECT_FALSE(std::isinf(pixels.thresholds[hot.index]));
+  for (const SimulatedHotPixel& hot : hot_pixels_of_run(pixels, 7)) EXPECT_FALSE(std::isinf(pixels.thresholds[hot.index]));
 }
 
 TEST(Refractory, KeepsAPixelsEventsApart) {
@@ -310,7 +310,7 @@ TEST(EventCamera, IsSilentBeforeAStillSkinButForItsNoise) {
   const CameraPixels pixels = draw_camera_pixels(options, 5);
   EventCamera camera(pixels, options, camera_time(0), 1, rest);
   double hot_hz = 0;
-  for (const HotPixel& hot : hot_pixels_of_run(pixels, 0)) hot_hz += hot.hz;
+  for (const SimulatedHotPixel& hot : hot_pixels_of_run(pixels, 0)) hot_hz += hot.hz;
   double events = 0;
   std::size_t caused = 0;
   for (int k = 0; k < 5000; ++k) {

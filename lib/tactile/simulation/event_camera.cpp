@@ -153,17 +153,17 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
   return pixels;
 }
 
-std::vector<HotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index) {
-  std::vector<HotPixel> hot;
+std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index) {
+  std::vector<SimulatedHotPixel> hot;
   for (int i = 0; i < pixels.hot_pixels; ++i) {
     Random random(seed_for(pixels.hot_seed, {"hot pixel", std::to_string(i)}));
     const auto born = [&] {
       std::uint64_t index = random.below(pixels.thresholds.size());
       while (std::isinf(pixels.thresholds[index])) index = random.below(pixels.thresholds.size());
       const double hz = pixels.hot_min_hz * std::pow(pixels.hot_max_hz / pixels.hot_min_hz, random.uniform());
-      return HotPixel{static_cast<std::uint32_t>(index), hz};
+      return SimulatedHotPixel{static_cast<std::uint32_t>(index), hz};
     };
-    HotPixel pixel = born();
+    SimulatedHotPixel pixel = born();
     for (std::size_t run = 0; run < run_index; ++run) {
       if (random.uniform() < pixels.hot_turnover) pixel = born();
     }

@@ -92,11 +92,11 @@ void check(const EventCameraOptions& options);
 SkinView view_of(const EventCameraOptions& options);
 
 /// A pixel that fires all by itself.
-struct HotPixel {
+struct SimulatedHotPixel {
   std::uint32_t index = 0;  ///< y * width + x
   double hz = 0;
 
-  friend bool operator==(const HotPixel&, const HotPixel&) = default;
+  friend bool operator==(const SimulatedHotPixel&, const SimulatedHotPixel&) = default;
 };
 
 /// Draws pixels with chances in proportion to their weights, each draw in constant time (Walker's alias method).
@@ -130,7 +130,7 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
 
 /// The hot pixels in the camera's run `run_index`, `hot_pixels` of them. Between two runs each is healed with the chance
 /// `hot_turnover`; then another one is born, elsewhere and with a rate of its own. No dead pixel is hot.
-std::vector<HotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index);
+std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index);
 
 /// An event camera before moving markers.
 ///

@@ -155,7 +155,7 @@ Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSk
   }
   truth.robot_clock = drawn.clocks.robot;
   truth.video_clock = drawn.clocks.video;
-  for (const HotPixel& pixel : hot_pixels_of_run(pixels, drawn.camera.run_index))
+  for (const SimulatedHotPixel& pixel : hot_pixels_of_run(pixels, drawn.camera.run_index))
     truth.hot_pixels.push_back(pixel_at(pixel.index, drawn.camera.size, pixel.hz));
   for (std::size_t i = 0; i < pixels.thresholds.size(); ++i) {
     if (std::isinf(pixels.thresholds[i])) truth.dead_pixels.push_back(pixel_at(i, drawn.camera.size, 0));
