@@ -332,8 +332,8 @@ def network_writers(folder, kind):
 
     def recorded():
         found = subprocess.run([TACTILE, "info", "--json", out / "fan" / "01" / "events.aedat4"], capture_output=True, text=True, check=False)
-        streams = json.loads(found.stdout)["recordings"][0]["streams"] if found.stdout else []
-        return sum(stream["elements"] for stream in streams) == len(events) + sum(len(pair) for pair in samples)
+        told = json.loads(found.stdout)["recordings"] if found.stdout else []
+        return sum(stream["elements"] for recording in told for stream in recording["streams"]) == len(events) + sum(len(pair) for pair in samples)
 
     with Child(lambda: serve_by_dv(kind, places, packets, samples, ready, received)) as server:
         wait_until(ready.exists)
