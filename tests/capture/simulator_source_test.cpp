@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture/received.hpp"
+#include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -36,14 +37,6 @@ std::vector<Event> record(CameraSource& source, const RunFolder& run, double par
   writer.write_events(0, events);
   writer.close();
   source.end_run(run, robot, video);
-  return events;
-}
-
-std::vector<Event> events_in(const fs::path& file) {
-  std::vector<Event> events;
-  RecordingReader recording(file);
-  for_all_events(recording, event_stream(recording).id,
-                 [&](std::span<const Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
   return events;
 }
 
@@ -81,7 +74,7 @@ TEST(SimulatorSource, GivesTheRunThatSimulateMakes) {
   EXPECT_FALSE(source->live());
   const RunFolder run = make_run(folder / "live", "fan", "01");
   record(*source, run, 1.0, true, true);
-  EXPECT_EQ(events_in(run.events()), events_in(made.events()));
+  EXPECT_EQ(test::events_in_file(run.events()), test::events_in_file(made.events()));
   EXPECT_EQ(read_text(run.truth()), read_text(made.truth()));
   EXPECT_EQ(read_text(run.robot()), read_text(made.robot()));
   EXPECT_EQ(read_text(run.video_times()), read_text(made.video_times()));
@@ -101,7 +94,7 @@ TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {
   // The same run once more from a source of its own, cut in the middle of its slip.
   const auto again = open_simulator_source("sim", "water-bottle", 0, 1);
   const RunFolder cut = make_run(folder / "cut", "water-bottle", "01");
-  const std::vector<Event> events = events_in(whole.events());
+  const std::vector<Event> events = test::events_in_file(whole.events());
   const CameraTime middle = all[1].interval.start + (all[1].interval.end - all[1].interval.start) / 2;
   const auto kept = std::count_if(events.begin(), events.end(), [&](const Event& event) { return event.t <= middle; });
   const CameraTime end =

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -45,14 +46,6 @@ std::vector<TrueInterval> labelled_in(const Truth& truth) {
   std::copy_if(truth.intervals.begin(), truth.intervals.end(), std::back_inserter(labelled),
                [](const TrueInterval& interval) { return interval.labelled; });
   return labelled;
-}
-
-std::vector<Event> events_in(const fs::path& file) {
-  std::vector<Event> events;
-  RecordingReader recording(file);
-  for_all_events(recording, event_stream(recording).id,
-                 [&](std::span<const Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
-  return events;
 }
 
 SimulateOptions small(const fs::path& data) {
@@ -139,7 +132,7 @@ TEST(Simulate, TellsATruthThatItsEventsBear) {
   options.objects = {"3d-printed-object", "plastic-container", "white-box"};
   for (const SimulatedRun& made : simulate(options)) {
     const Truth truth = read_truth(made.run.truth());
-    const std::vector<Event> events = events_in(made.run.events());
+    const std::vector<Event> events = test::events_in_file(made.run.events());
     const auto rate = [&](CameraTime begin, CameraTime end) {
       const auto is_within = [&](const Event& event) { return begin <= event.t && event.t < end; };
       return static_cast<double>(std::count_if(events.begin(), events.end(), is_within)) /
@@ -204,7 +197,7 @@ TEST(Simulate, PutsTheInertialSensorsStreamBesideTheEventsOfHalfOfTheRuns) {
     samples.insert(samples.end(), part.begin(), part.end());
   }
   EXPECT_LT(furthest_back, 50ms) << "packets of both streams lie side by side";
-  const std::vector<Event> events = events_in(folder / found[1] / "01" / "events.aedat4");
+  const std::vector<Event> events = test::events_in_file(folder / found[1] / "01" / "events.aedat4");
   ASSERT_FALSE(samples.empty());
   const double seconds = 1e-6 * static_cast<double>((events.back().t - events.front().t).count());
   EXPECT_NEAR(static_cast<double>(samples.size()), physics.imu.rate_hz * seconds, 0.05 * physics.imu.rate_hz * seconds);
@@ -236,7 +229,7 @@ TEST(Simulate, NamesRunsOfOneSessionAlikeAndOnlyThese) {
     const std::int64_t stamp = second.robot_clock->reference_us;
     EXPECT_NEAR(static_cast<double>((first.robot_clock->camera_from(stamp) - second.robot_clock->camera_from(stamp)).count()), 0,
                 2);
-    EXPECT_GT(events_in(two.events()).front().t, events_in(one.events()).back().t);
+    EXPECT_GT(test::events_in_file(two.events()).front().t, test::events_in_file(one.events()).back().t);
   }
 }
 
