@@ -113,6 +113,11 @@ void check_intervals(const std::vector<LabelledInterval>& intervals, const std::
 
 }  // namespace
 
+microseconds FittedClock::uncertainty() const {
+  return microseconds{std::max({saturating_subtract(relation.offset_us, offset_low_us),
+                                saturating_subtract(offset_high_us, relation.offset_us), std::int64_t{0}})};
+}
+
 const FittedClock* Labels::robot_clock_at(CameraTime t) const {
   const FittedClock* nearest = nullptr;
   microseconds least = microseconds::max();
@@ -158,6 +163,7 @@ Labels read_labels(const std::filesystem::path& file) {
     const std::vector<FittedClock> video = clocks_in(clocks, "video", where);
     if (video.size() > 1) throw Error(where + ": clocks.video is a list; expected one clock, or null");
     if (!video.empty()) labels.video_clock = video.front();
+    if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
     if (object.contains("rejected")) {
       for (const json& rejected : list_in(object, "rejected", where)) {
         labels.rejected.push_back({touch_named(member<std::string>(rejected, "class", where)),

@@ -43,6 +43,8 @@ struct FittedClock {
   int anchors = 0;
   std::string method;
   std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that starts anew within the run
+
+  microseconds uncertainty() const;  ///< how far the offset may be off, either way, >= 0
 };
 
 /// What a person should look at: one interval, or the whole run.

@@ -1,0 +1,208 @@
+#include "tactile/labels/label_runs.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/labels/human_edits.hpp"
+#include "tactile/labels/session_clocks.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Counts up with every change of what labels the same files otherwise.
+constexpr int method_version = 2;
+
+/// Runs that are labelled together, since they share their clocks: those of a session, or one alone.
+struct Group {
+  std::vector<RunFolder> runs;          ///< by name; those that were asked for and the rest of their session
+  std::vector<std::size_t> asked_for;   ///< indices into `runs`
+  std::vector<std::size_t> result_index;  ///< of each that was asked for
+};
+
+std::optional<std::string> session_of(const RunFolder& run) {
+  try {
+    const std::string session = read_run_info(run).session;
+    return session.empty() ? std::nullopt : std::optional(session);
+  } catch (const std::exception&) {
+    return std::nullopt;  // whoever reads the run says what is wrong with it
+  }
+}
+
+fs::path data_folder_of(const RunFolder& run) { return fs::weakly_canonical(run.folder).parent_path().parent_path(); }
+
+/// By data folder and session, all runs of it.
+class Sessions {
+ public:
+  const std::vector<RunFolder>& runs_of(const fs::path& data, const std::string& session) {
+    if (read_.insert(data).second) {
+      for (const RunFolder& run : find_runs(data)) {
+        if (const auto name = session_of(run)) runs_[{data, *name}].push_back(run);
+      }
+    }
+    return runs_[{data, session}];
+  }
+
+ private:
+  std::set<fs::path> read_;
+  std::map<std::pair<fs::path, std::string>, std::vector<RunFolder>> runs_;
+};
+
+std::vector<Group> groups_of(const std::vector<RunFolder>& runs) {
+  Sessions sessions;
+  std::map<std::pair<fs::path, std::string>, std::size_t> group_of_session;
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::optional<std::string> session = session_of(runs[i]);
+    Group* group = nullptr;
+    if (session) {
+      const fs::path data = data_folder_of(runs[i]);
+      const auto [found, is_new] = group_of_session.try_emplace({data, *session}, groups.size());
+      if (is_new) groups.push_back({.runs = sessions.runs_of(data, *session), .asked_for = {}, .result_index = {}});
+      group = &groups[found->second];
+    } else {
+      group = &groups.emplace_back();
+    }
+    const auto same = [&](const RunFolder& run) { return fs::equivalent(run.folder, runs[i].folder); };
+    const auto place = std::find_if(group->runs.begin(), group->runs.end(), same);
+    group->asked_for.push_back(static_cast<std::size_t>(place - group->runs.begin()));
+    group->result_index.push_back(i);
+    if (place == group->runs.end()) group->runs.push_back(runs[i]);
+  }
+  return groups;
+}
+
+/// What the labels of the group's runs follow from, as one hash: any change of it changes the hash.
+std::string key_of(const Group& group, const std::vector<nlohmann::json>& inputs, const RunFolder& run,
+                   const LabelOptions& options) {
+  nlohmann::json made_from = {{"method", method_version}, {"settings", settings_of(options)}, {"run", run.name()}};
+  for (std::size_t i = 0; i < group.runs.size(); ++i) made_from["inputs"][group.runs[i].name()] = inputs[i];
+  return sha256_of(made_from.dump());
+}
+
+/// Reads the signals of each run, or the reason why not.
+struct ReadRun {
+  std::optional<RunSignals> signals;
+  std::string error;
+};
+
+class GroupLabeller {
+ public:
+  GroupLabeller(const LabelRunsOptions& options, unsigned threads) : options_(options), threads_(threads) {}
+
+  /// Puts what became of each run that was asked for to its place in `results`.
+  void label(const Group& group, std::vector<LabelledRun>& results, const std::function<void(const RunFolder&)>& tell_done) const {
+    std::vector<nlohmann::json> inputs(group.runs.size());
+    std::vector<std::string> errors(group.runs.size());
+    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+      try {
+        inputs[i] = hashes_of_inputs(group.runs[i]);
+      } catch (const std::exception& e) {
+        errors[i] = e.what();
+      }
+    });
+
+    std::vector<std::size_t> to_label;  // places in `asked_for`
+    for (std::size_t k = 0; k < group.asked_for.size(); ++k) {
+      const RunFolder& run = group.runs[group.asked_for[k]];
+      LabelledRun& result = results[group.result_index[k]];
+      result.run = run;
+      result.error = errors[group.asked_for[k]];
+      if (result.error.empty()) take_standing(run, key_of(group, inputs, run, options_.label), result);
+      if (result.error.empty() && !result.unchanged) {
+        to_label.push_back(k);
+      } else {
+        tell_done(run);
+      }
+    }
+    if (to_label.empty()) return;
+
+    std::vector<ReadRun> read(group.runs.size());
+    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+      try {
+        read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
+      } catch (const std::exception& e) {
+        read[i].error = e.what();
+      }
+    });
+    std::vector<const RunSignals*> whole;
+    for (const ReadRun& run : read) {
+      if (run.signals) whole.push_back(&*run.signals);
+    }
+    const std::vector<RobotClocks> clocks = robot_clocks_of(whole, options_.label.clocks);
+
+    parallel_for(to_label.size(), threads_, [&](std::size_t n) {
+      const std::size_t k = to_label[n];
+      const std::size_t i = group.asked_for[k];
+      LabelledRun& result = results[group.result_index[k]];
+      try {
+        if (!read[i].signals) throw Error(read[i].error);
+        const RunSignals& signals = *read[i].signals;
+        const auto place = std::find(whole.begin(), whole.end(), &signals) - whole.begin();
+        Labels labels = label_signals(signals, clocks[static_cast<std::size_t>(place)], options_.label);
+        labels.provenance["inputs"] = inputs[i];
+        labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
+        if (!options_.force && fs::exists(signals.run.labels()))
+          labels = keep_human_edits(std::move(labels), read_labels(signals.run.labels()));
+        if (options_.make_companions) options_.make_companions(signals, labels);
+        write_labels(signals.run.labels(), labels);
+        result.labels = std::move(labels);
+      } catch (const std::exception& e) {
+        result.error = e.what();
+      }
+      tell_done(result.run);
+    });
+  }
+
+ private:
+  /// The labels that are there, if they follow from the same files and settings.
+  void take_standing(const RunFolder& run, const std::string& key, LabelledRun& result) const {
+    if (options_.force || !fs::exists(run.labels())) return;
+    if (options_.has_companions && !options_.has_companions(run)) return;
+    try {
+      Labels labels = read_labels(run.labels());
+      if (labels.provenance.value("key", "") != key) return;
+      result.labels = std::move(labels);
+      result.unchanged = true;
+    } catch (const std::exception& e) {
+      result.error = std::string(e.what()) + "; --force replaces them";
+    }
+  }
+
+  const LabelRunsOptions& options_;
+  unsigned threads_;
+};
+
+}  // namespace
+
+std::vector<LabelledRun> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options,
+                                    const ProgressCallback& progress) {
+  std::vector<LabelledRun> results(runs.size());
+  std::vector<Group> groups = groups_of(runs);
+  // The largest first, so that no thread is left with it alone at the end.
+  std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.runs.size() > b.runs.size(); });
+
+  const unsigned threads = options.threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : options.threads;
+  const auto at_once = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(1, groups.size())));
+  const GroupLabeller labeller(options, std::max(1U, threads / at_once));
+  std::mutex guard;
+  std::size_t done = 0;
+  parallel_for(groups.size(), at_once, [&](std::size_t i) {
+    labeller.label(groups[i], results, [&](const RunFolder& run) {
+      const std::scoped_lock lock(guard);
+      tell(progress, ++done, runs.size(), run.name());
+    });
+  });
+  return results;
+}
+
+}  // namespace tactile

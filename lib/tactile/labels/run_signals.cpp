@@ -1,0 +1,143 @@
+#include "tactile/labels/run_signals.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/sha256.hpp"
+
+namespace tactile {
+namespace {
+
+std::string s_behind(std::int64_t us) { return fmt::format("{:.3f} s", 1e-6 * static_cast<double>(us)); }
+
+/// The longest stretch without one event, if it is too long for chance.
+std::optional<std::pair<CameraTime, microseconds>> gap_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
+  constexpr double beyond_chance = 30.0;  // events missing: e^-30, and far less where noise comes in clumps of ten
+  std::size_t best = 0, best_begin = 0, length = 0;
+  for (std::size_t i = 0; i < rate.counts.size(); ++i) {
+    length = rate.counts[i] == 0 ? length + 1 : 0;
+    if (length > best) {
+      best = length;
+      best_begin = i + 1 - length;
+    }
+  }
+  const microseconds silent = rate.bin * static_cast<std::int64_t>(best);
+  if (silent < shortest || quiet.mean * static_cast<double>(best) < beyond_chance * quiet.dispersion) return std::nullopt;
+  return std::pair(rate.begin_of(best_begin), silent);
+}
+
+/// What was lost on its way to the file, where time of any length may lack its events. Elements that did not fit their stream
+/// (`back_in_time`, `outside`) are no such loss.
+std::vector<std::string> losses_in(const RunInfo& run) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> reasons{{{"queue_full", "the disk was too slow"},
+                                                                                  {"unwritten", "the file could not be written"},
+                                                                                  {"source", "the source lost them"}}};
+  const nlohmann::json dropped = run.extra.value("dropped", nlohmann::json());
+  const nlohmann::json by_reason = dropped.is_object() ? dropped.value("by_reason", nlohmann::json()) : nlohmann::json();
+  std::vector<std::string> losses;
+  for (const auto& [key, why] : reasons) {
+    const nlohmann::json counts = by_reason.is_object() ? by_reason.value(key, nlohmann::json()) : nlohmann::json();
+    const auto count = [&](const char* name) {
+      const auto found = counts.is_object() ? counts.find(name) : counts.end();
+      return found != counts.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+    };
+    const std::uint64_t packets = count("packets"), events = count("events"), others = count("others");
+    if (packets + events + others == 0) continue;
+    losses.push_back(fmt::format("the recording lacks {} events, {} other elements and {} whole packets: {} (run.json: {})",
+                                 events, others, packets, why, key));
+  }
+  return losses;
+}
+
+void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
+  RecordingReader recording(signals.run.events());
+  signals.event_stream = event_stream(recording).id;
+  signals.rate = event_rate(recording, signals.event_stream, options.rate);
+  signals.quiet = quiet_rate(signals.rate);
+  signals.bursts = bursts_in(signals.rate, signals.quiet, options.activity);
+  for (const PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != StreamType::imu) continue;
+    const std::vector<ImuSample> samples = recording.read_imu(packet);
+    signals.imu.insert(signals.imu.end(), samples.begin(), samples.end());
+  }
+  std::stable_sort(signals.imu.begin(), signals.imu.end(), [](const ImuSample& a, const ImuSample& b) { return a.t < b.t; });
+
+  const RecordingProblems& problems = recording.problems();
+  if (problems.truncated_bytes > 0)
+    signals.problems.push_back(
+        fmt::format("the recording is cut off: {} bytes behind its last whole packet", problems.truncated_bytes));
+  if (const auto unread = problems.broken_packets + problems.mismatched_packets; unread > 0)
+    signals.problems.push_back(fmt::format("{} packets of the recording cannot be read", unread));
+  if (const auto gap = gap_in(signals.rate, signals.quiet, options.shortest_gap)) {
+    signals.problems.push_back(fmt::format(
+        "the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",
+        gap->second.count() / 1000, s_behind(between(signals.rate.begin, gap->first).count()), us_of(gap->first)));
+  }
+}
+
+void read_robot(RunSignals& signals) {
+  signals.has_robot = true;
+  RobotLogFile file = read_robot_log(signals.run.robot());
+  for (RobotLog& log : file.pieces) {
+    if (!log.gaps.empty()) {
+      const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
+        return a.first_after - a.last_before < b.first_after - b.last_before;
+      });
+      signals.problems.push_back(fmt::format(
+          "the robot log has {} gap{}, the longest of {} ms, {} behind its first row (at {} of its clock)", log.gaps.size(),
+          log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000,
+          s_behind((longest->last_before - log.states.front().t).count()), s_behind(us_of(longest->last_before))));
+    }
+    std::vector<MotionPhase> phases = motion_phases(log);
+    signals.robot.push_back({std::move(log), std::move(phases)});
+  }
+  if (signals.robot.size() > 1)
+    signals.problems.push_back(fmt::format("the robot's clock starts anew {} times within its log", signals.robot.size() - 1));
+  if (file.cut_off) signals.problems.emplace_back("the robot log is cut off in its last row");
+}
+
+}  // namespace
+
+RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options) {
+  RunSignals signals{.run = run,
+                     .info = {.object = run.object,
+                              .run = run.run,
+                              .session = {},
+                              .simulated = false,
+                              .complete = true,
+                              .width = 0,
+                              .height = 0,
+                              .extra = nlohmann::json::object()}};
+  read_recording(signals, options);
+  if (std::filesystem::exists(run.info())) {
+    signals.info = read_run_info(run);
+    if (!signals.info.complete) signals.problems.emplace_back("run.json says that the recording was not completed");
+    for (std::string& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
+  }
+  if (std::filesystem::exists(run.robot())) read_robot(signals);
+  if (std::filesystem::exists(run.video())) {
+    try {
+      signals.video = motion_energy(run.video(), run.video_times(), options.video);
+    } catch (const Error& e) {
+      signals.problems.push_back(fmt::format("the film cannot be used: {}", e.what()));
+    }
+  } else {
+    signals.remarks.emplace_back("no film: nothing but events and robot log tells of press and slip");
+  }
+  return signals;
+}
+
+nlohmann::json hashes_of_inputs(const RunFolder& run) {
+  nlohmann::json hashes = nlohmann::json::object();
+  for (const std::filesystem::path& file : {run.events(), run.robot(), run.video(), run.video_times(), run.info()}) {
+    if (std::filesystem::exists(file)) hashes[file.filename().string()] = sha256_of_file(file);
+  }
+  return hashes;
+}
+
+}  // namespace tactile

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/core/run_folder.hpp"
+#include "tactile/events/other_streams.hpp"
+#include "tactile/labels/activity.hpp"
+#include "tactile/labels/event_rate.hpp"
+#include "tactile/robot/motion_phases.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "tactile/video/motion_energy.hpp"
+
+namespace tactile {
+
+struct RunSignalsOptions {
+  EventRateOptions rate{};
+  ActivityOptions activity{};
+  MotionEnergyOptions video{};
+  microseconds shortest_gap{
+      5'000};  ///< told if no pixel fires for so long, where the noise alone should have given 30 events at least
+};
+
+/// A piece of the robot's log, which counts on one clock, and what the arm does in it.
+struct RobotPiece {
+  RobotLog log;
+  std::vector<MotionPhase> phases;
+};
+
+/// What `tactile label` reads of a run, each on its own clock. Nothing is concluded from it yet.
+struct RunSignals {
+  RunFolder run;
+  RunInfo info;  ///< of a folder without run.json: its names alone
+  std::int32_t event_stream = 0;
+  EventRate rate;
+  QuietRate quiet;
+  std::vector<Burst> bursts;
+  bool has_robot = false;  ///< there is a log, be it empty
+  std::vector<RobotPiece> robot;
+  std::vector<ImuSample> imu;  ///< by time; empty if the recording has none
+  std::optional<MotionEnergy> video;
+  std::vector<std::string> problems;  ///< of the files, in words: what a person should look at
+  std::vector<std::string> remarks;   ///< what is missing or odd, but harms nothing
+};
+
+/// Reads events, IMU, robot log, film and run.json; never truth.json.
+/// @throws Error  if the events or the robot log cannot be read; a film that cannot be is a problem
+RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
+
+/// SHA-256 of each file that `read_run_signals` reads, by its name.
+nlohmann::json hashes_of_inputs(const RunFolder& run);
+
+}  // namespace tactile

@@ -1,0 +1,81 @@
+#include "tactile/labels/touches.hpp"
+
+#include <algorithm>
+
+namespace tactile {
+namespace {
+
+/// How much of the burst lies in the move, its clock's uncertainty included.
+microseconds common_time(const EventRate& rate, const Burst& burst, const ArmMove& move) {
+  const CameraTime begin = std::max(rate.begin_of(burst.begin), before(move.start, move.uncertainty));
+  const CameraTime end = std::min(rate.begin_of(burst.end), after(move.end, move.uncertainty));
+  return begin < end ? between(begin, end) : 0us;
+}
+
+/// The burst that has the most events in the lift; nothing if none reaches into it.
+std::optional<std::size_t> slip_of(const EventRate& rate, std::span<const Burst> bursts, const ArmMove& lift) {
+  std::optional<std::size_t> best;
+  double most = 0;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    const auto length = static_cast<double>((rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin)).count());
+    const double events = bursts[i].events * static_cast<double>(common_time(rate, bursts[i], lift).count()) / length;
+    if (events > most) {
+      most = events;
+      best = i;
+    }
+  }
+  return best;
+}
+
+bool is_brief(const EventRate& rate, const Burst& burst, double most_events, const TouchesOptions& options) {
+  return rate.bin * static_cast<std::int64_t>(burst.end - burst.begin) < options.brief &&
+         burst.events < options.brief_share * most_events;
+}
+
+}  // namespace
+
+std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
+                                const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
+                                std::span<const BrightnessChange> changes, const TouchesOptions& options) {
+  double most_events = 0;
+  for (const Burst& burst : bursts) most_events = std::max(most_events, burst.events);
+
+  std::vector<BurstKind> kinds(bursts.size(), BurstKind::press);
+  std::optional<std::size_t> last_slip;
+  const auto is_slip = [&](std::size_t i) {
+    kinds[i] = BurstKind::slip;
+    last_slip = std::max(last_slip.value_or(0), i);
+  };
+  if (lifts) {
+    for (const ArmMove& lift : *lifts) {
+      if (const auto slip = slip_of(rate, bursts, lift)) is_slip(*slip);
+    }
+  } else {
+    // By order alone: the last burst that is no trifle, if there is another before it.
+    std::vector<std::size_t> large;
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      if (!is_brief(rate, bursts[i], most_events, options)) large.push_back(i);
+    }
+    if (large.size() > 1) is_slip(large.back());
+  }
+
+  std::optional<std::size_t> standing_press;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    if (kinds[i] == BurstKind::slip) continue;
+    if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
+      kinds[i] = BurstKind::tap;
+    } else if (last_slip && i > *last_slip) {
+      kinds[i] = BurstKind::after;
+    } else if (is_brief(rate, bursts[i], most_events, options)) {
+      kinds[i] = BurstKind::brief;
+    } else if (standing_press && likeness(changes[i], changes[*standing_press]) < options.release_likeness) {
+      kinds[i] = BurstKind::release;
+      standing_press.reset();
+    } else {
+      standing_press = i;
+    }
+  }
+  return kinds;
+}
+
+}  // namespace tactile
