@@ -3,52 +3,110 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "labels/rate_of.hpp"
 
 namespace tactile {
 namespace {
 
+constexpr double onset_us = 400'100;
+const CameraTime onset = camera_time(1'000'000 + 400'100);
+
 struct OnsetErrors {
   std::vector<double> errors_ms;  ///< absolute, ascending
+  std::vector<double> widths_ms;  ///< ascending
   int covered = 0;
+  int doubted = 0;
+
+  double error_ms(double share) const { return errors_ms[static_cast<std::size_t>(share * double(errors_ms.size()))]; }
+  double width_ms(double share) const { return widths_ms[static_cast<std::size_t>(share * double(widths_ms.size()))]; }
 };
 
-OnsetErrors errors_over_seeds(const std::function<double(double)>& rise, int seeds) {
-  constexpr double onset_us = 400'100;
-  const CameraTime onset = camera_time(1'000'000 + 400'100);
+/// @param rise  events per read-out above the quiet rate, by the time since the onset [us], which may be below 0
+template <class Find>
+OnsetErrors errors_over_seeds(double quiet, const std::function<double(double)>& rise, std::uint64_t seeds, const Find& find) {
   OnsetErrors result;
-  for (int seed = 0; seed < seeds; ++seed) {
-    const EventRate rate = test::rate_of(
-        5'000, [&](double t_us) { return 3.0 + (t_us < onset_us || t_us > onset_us + 200'000 ? 0.0 : rise(t_us - onset_us)); },
-        static_cast<std::uint64_t>(seed));
-    const UncertainTime found = onset_near(rate, quiet_rate(rate), 2'030);
-    result.errors_ms.push_back(std::abs(static_cast<double>(between(onset, found.at).count())) / 1000.0);
-    result.covered += found.low <= onset && onset <= found.high ? 1 : 0;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    const LitRate lit = test::lit_rate_of(
+        5'000, [&](double t_us) { return quiet + (t_us > onset_us + 200'000 ? 0.0 : rise(t_us - onset_us)); }, seed, 2'030, 3'000,
+        quiet);
+    const FoundTime found = find(lit);
+    const UncertainTime& time = found.time;
+    EXPECT_LE(time.low, time.at);
+    EXPECT_LE(time.at, time.high);
+    result.errors_ms.push_back(std::abs(static_cast<double>(between(onset, time.at).count())) / 1000.0);
+    result.widths_ms.push_back(static_cast<double>(between(time.low, time.high).count()) / 1000.0);
+    result.covered += time.low <= onset && onset <= time.high ? 1 : 0;
+    result.doubted += found.doubt.empty() ? 0 : 1;
   }
   std::sort(result.errors_ms.begin(), result.errors_ms.end());
+  std::sort(result.widths_ms.begin(), result.widths_ms.end());
   return result;
 }
 
-TEST(Onset, OfABlowIsFoundToTheReadOut) {
-  const OnsetErrors found = errors_over_seeds([](double) { return 30.0; }, 100);
-  EXPECT_LE(found.errors_ms[50], 0.3);
-  EXPECT_LE(found.errors_ms[95], 0.7);
-  EXPECT_GE(found.covered, 90);
+double blow(double u_us, double events) { return u_us >= 0 ? events : 0.0; }
+double start_from_rest(double u_us, double events_per_ms) { return u_us >= 0 ? 1e-3 * u_us * events_per_ms : 0.0; }
+
+FoundTime press(const LitRate& lit) { return press_onset(lit); }
+FoundTime slip(const LitRate& lit) { return slip_onset(lit); }
+
+TEST(PressOnset, OfABlowIsFoundToTheReadOut) {
+  const OnsetErrors found = errors_over_seeds(
+      0.3, [](double u) { return blow(u, 10.0); }, 200, press);
+  EXPECT_LE(found.error_ms(0.5), 0.2);
+  EXPECT_LE(found.error_ms(0.95), 0.5);
+  EXPECT_GE(found.covered, 190);
 }
 
-TEST(Onset, OfAStartFromRestIsFoundToMilliseconds) {
-  const OnsetErrors found = errors_over_seeds([](double u_us) { return u_us * 0.004; }, 100);
-  EXPECT_LE(found.errors_ms[50], 1.0);
-  EXPECT_LE(found.errors_ms[95], 3.0);
-  EXPECT_GE(found.covered, 88);
+TEST(PressOnset, OfAStartFromRestIsFoundToMilliseconds) {
+  const OnsetErrors found = errors_over_seeds(
+      3.0, [](double u) { return start_from_rest(u, 4.0); }, 200, press);
+  EXPECT_LE(found.error_ms(0.5), 1.0);
+  EXPECT_LE(found.error_ms(0.95), 3.0);
+  EXPECT_GE(found.covered, 180);
+}
+
+TEST(PressOnset, IsThatOfAWeakContactAheadOfTheStrongOne) {
+  const OnsetErrors found = errors_over_seeds(
+      0.2, [](double u) { return blow(u, 0.6) + blow(u - 25'000, 20.0); }, 200, press);
+  EXPECT_LE(found.error_ms(0.5), 1.0);
+  EXPECT_LE(found.error_ms(0.95), 5.0);
+  EXPECT_GE(found.covered, 180);
+}
+
+TEST(SlipOnset, IsTheJumpBehindTheRingingAndNotTheRinging) {
+  const auto ringing_then_jump = [](double u) {
+    const double since = u + 10'000;  // the arm starts 10 ms ahead
+    const double ringing = since < 0 ? 0.0 : 8.0 * std::abs(std::sin(2e-6 * 3.14159265 * 18.0 * since));
+    return ringing + blow(u, 30.0) + start_from_rest(u, 3.0);
+  };
+  const OnsetErrors found = errors_over_seeds(0.3, ringing_then_jump, 200, slip);
+  EXPECT_LE(found.error_ms(0.5), 0.3);
+  EXPECT_LE(found.error_ms(0.95), 1.0);
+  EXPECT_GE(found.covered, 180);
+}
+
+TEST(SlipOnset, WithoutRingingIsTheFirstMotion) {
+  const OnsetErrors found = errors_over_seeds(
+      0.3, [](double u) { return start_from_rest(u, 10.0); }, 200, slip);
+  EXPECT_LE(found.error_ms(0.5), 0.7);
+  EXPECT_LE(found.error_ms(0.95), 2.0);
+  EXPECT_GE(found.covered, 180);
+}
+
+TEST(SlipOnset, IsNotAheadOfTheLift) {
+  const LitRate lit = test::lit_rate_of(
+      5'000, [](double t_us) { return 0.3 + blow(t_us - 390'000, 2.0) + blow(t_us - onset_us, 30.0); }, 1, 2'000, 3'000, 0.3);
+  const UncertainTime lift{camera_time(1'398'000), camera_time(1'396'000), camera_time(1'402'000)};
+  EXPECT_GE(slip_onset(lit, {}, lift).time.low, before(lift.low, 1ms));
 }
 
 TEST(Onset, IsKeptInsideTheRecordingNearItsBegin) {
-  const EventRate rate = test::rate_of(
-      300, [](double t_us) { return t_us < 4'000 ? 3.0 : 50.0; }, 1);
-  const UncertainTime found = onset_near(rate, {.mean = 3.0, .dispersion = 1.0}, 25);
-  EXPECT_NEAR(static_cast<double>(between(rate.begin, found.at).count()), 4'000, 400);
+  const LitRate lit = test::lit_rate_of(
+      300, [](double t_us) { return t_us < 4'000 ? 3.0 : 50.0; }, 1, 25, 300, 3.0);
+  for (const FoundTime& found : {press_onset(lit), slip_onset(lit)})
+    EXPECT_NEAR(static_cast<double>(between(lit.rate.begin, found.time.at).count()), 4'000, 400);
 }
 
 }  // namespace

@@ -85,15 +85,27 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
                  .bin = options.bin,
                  .counts = std::vector<std::uint32_t>(static_cast<std::size_t>(length / options.bin) + 1),
                  .hot_pixels = static_cast<std::size_t>(std::count(hot.begin(), hot.end(), true)),
-                 .last = span.last};
+                 .last = span.last,
+                 .hot = {}};
+  for (std::size_t pixel = 0; pixel < hot.size(); ++pixel) {
+    if (hot[pixel]) rate.hot.push_back(static_cast<std::uint32_t>(pixel));
+  }
+  for_counted_events(recording, stream_id, rate, [&](const Event&, std::size_t bin) { ++rate.counts[bin]; });
+  return rate;
+}
+
+void for_counted_events(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                        const std::function<void(const Event&, std::size_t)>& use) {
+  const SensorSize size = *recording.stream(stream_id).size;
+  const auto width = static_cast<std::size_t>(size.width);
+  std::vector<bool> hot(width * static_cast<std::size_t>(size.height));
+  for (const std::uint32_t pixel : rate.hot) hot[pixel] = true;
   for_all_events(recording, stream_id, [&](std::span<const Event> events) {
     for (const Event& event : events) {
-      const std::size_t pixel =
-          static_cast<std::size_t>(event.y) * static_cast<std::size_t>(stream.size->width) + static_cast<std::size_t>(event.x);
-      if (!hot[pixel]) ++rate.counts[static_cast<std::size_t>(between(span.first, event.t) / options.bin)];
+      if (hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) continue;
+      use(event, static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin));
     }
   });
-  return rate;
 }
 
 }  // namespace tactile

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ struct EventRate {
   CameraTime begin{};     ///< the first event's time, where bin 0 begins
   microseconds bin{200};  ///< half-open: [begin + i * bin, begin + (i + 1) * bin)
   std::vector<std::uint32_t> counts;
-  std::size_t hot_pixels = 0;  ///< left out
-  CameraTime last{};           ///< the last event's time
+  std::size_t hot_pixels = 0;      ///< left out
+  CameraTime last{};               ///< the last event's time
+  std::vector<std::uint32_t> hot;  ///< their places, y * width + x, ascending
 
   CameraTime begin_of(std::size_t bin_index) const { return after(begin, bin * static_cast<std::int64_t>(bin_index)); }
 };
@@ -29,5 +31,10 @@ struct EventRateOptions {
 /// pixel that a moving marker lights fires in a few of the eight parts only, a hot one in most.
 /// @throws Error  if the stream has no event or no sane size, or spans more than an hour (a run takes seconds)
 EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
+
+/// Hands every event that `rate` counts, and its bin, to `use`, in file order.
+/// @param rate  of this stream of this recording
+void for_counted_events(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                        const std::function<void(const Event&, std::size_t)>& use);
 
 }  // namespace tactile

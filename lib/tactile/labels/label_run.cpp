@@ -190,7 +190,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"merge_us", options.activity.merge.count()},
           {"shortest_us", options.activity.shortest.count()},
           {"onset_before_us", options.onset.before.count()},
-          {"onset_after_us", options.onset.after.count()},
+          {"onset_first_contact_us", options.onset.first_contact.count()},
           {"onset_latency_us", options.onset.latency.count()},
           {"press_ends_us", options.press_ends.count()},
           {"slip_ends_us", options.slip_ends.count()},
@@ -204,7 +204,7 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   const EventRate rate = event_rate(recording, event_stream(recording).id, options.rate);
   const QuietRate quiet = quiet_rate(rate);
   const std::vector<Burst> bursts = bursts_in(rate, quiet, options.activity);
-  const auto onset_of = [&](const Burst& burst) { return onset_near(rate, quiet, burst.begin, options.onset); };
+  const std::vector<LitRate> lit = lit_rates(recording, event_stream(recording).id, rate, bursts);
 
   Labels labels;
   const auto flag = [&](std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
@@ -269,13 +269,13 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   }
 
   for (std::size_t i = 0; i < (slip_burst ? *slip_burst : bursts.size()); ++i) {
-    labels.intervals.push_back(
-        labelled(Touch::press, onset_of(bursts[i]), end_of(rate, quiet, bursts[i], options.press_ends, options.activity)));
+    labels.intervals.push_back(labelled(Touch::press, press_onset(lit[i], options.onset).time,
+                                        end_of(rate, quiet, bursts[i], options.press_ends, options.activity)));
   }
   if (slip_burst) {
     const Burst& burst = bursts[*slip_burst];
-    LabelledInterval slip =
-        labelled(Touch::slip, onset_of(burst), end_of(rate, quiet, burst, options.slip_ends, options.activity));
+    LabelledInterval slip = labelled(Touch::slip, slip_onset(lit[*slip_burst], options.onset).time,
+                                     end_of(rate, quiet, burst, options.slip_ends, options.activity));
     if (lift) {
       labels.robot_clocks = {clock_from(slip, *lift, log)};
       slip.evidence.robot = labels.robot_clocks.front().relation.camera_from(lift->start);

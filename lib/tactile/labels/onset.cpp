@@ -1,74 +1,252 @@
 #include "tactile/labels/onset.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace tactile {
 namespace {
 
-/// log-likelihood ratio of "rate rises as a u^p from bin `onset` on" against "it stays quiet", at the best a >= 0.
-double rise_likelihood(std::span<const std::uint32_t> counts, std::size_t onset, double quiet, int power) {
-  const auto shape = [&](std::size_t i) { return power == 0 ? 1.0 : static_cast<double>(i - onset) + 0.5; };
-  double shape_sum = 0, count_sum = 0;
-  for (std::size_t i = onset; i < counts.size(); ++i) {
-    shape_sum += shape(i);
-    count_sum += counts[i];
+constexpr double half_chi2 = 1.92;  // half of the 95 % point of chi^2 with one degree of freedom
+constexpr double minus_infinity = -std::numeric_limits<double>::infinity();
+
+using Counts = std::span<const std::uint32_t>;
+
+/// Sums of counts between bins in constant time.
+class Sums {
+ public:
+  explicit Sums(Counts counts) : until_(counts.size() + 1) {
+    for (std::size_t i = 0; i < counts.size(); ++i) until_[i + 1] = until_[i] + counts[i];
   }
-  // The slope of the log-likelihood in a falls with a, so its zero is bracketed by 0 and what all counts together could need.
-  const auto slope = [&](double a) {
-    double sum = -shape_sum;
-    for (std::size_t i = onset; i < counts.size(); ++i) sum += counts[i] * shape(i) / (quiet + a * shape(i));
-    return sum;
+  double of(std::size_t begin, std::size_t end) const { return until_[end] - until_[begin]; }
+
+ private:
+  std::vector<double> until_;
+};
+
+/// sum of n ln(rate) - rate, without the terms of the counts alone.
+double log_likelihood_of(double events, double bins, double rate) { return events * std::log(rate) - rate * bins; }
+
+/// The best b, c >= 0 of rate = base + b + c x, x in bins from the stretch's begin, and its log-likelihood. Newton's method on a
+/// concave function, kept inside b, c >= 0.
+struct Rise {
+  double b = 0, c = 0;
+  double log_likelihood = minus_infinity;
+};
+
+Rise best_rise(Counts counts, double base) {
+  const auto n = static_cast<double>(counts.size());
+  double events = 0, moment = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    events += counts[i];
+    moment += counts[i] * (static_cast<double>(i) + 0.5);
+  }
+  const double x_sum = 0.5 * n * n;
+  const auto fit = [&](bool with_b, bool with_c) {
+    // Start from what a flat or an even rise would need.
+    Rise rise{.b = with_b ? std::max(1e-3, (events / n - base) * (with_c ? 0.5 : 1.0)) : 0.0,
+              .c = with_c ? std::max(1e-3 / n, (events - base * n) / x_sum * (with_b ? 0.5 : 1.0)) : 0.0};
+    for (int step = 0; step < 30; ++step) {
+      double gb = -n, gc = -x_sum, hbb = 1e-12, hbc = 0, hcc = 1e-12;
+      for (std::size_t i = 0; i < counts.size(); ++i) {
+        if (counts[i] == 0) continue;
+        const double x = static_cast<double>(i) + 0.5;
+        const double w = 1.0 / (base + rise.b + rise.c * x), cw = counts[i] * w;
+        gb += cw;
+        gc += cw * x;
+        hbb += cw * w;
+        hbc += cw * w * x;
+        hcc += cw * w * x * x;
+      }
+      double db = 0, dc = 0;
+      if (with_b && with_c) {
+        const double det = hbb * hcc - hbc * hbc;
+        if (det > 1e-9 * hbb * hcc) {
+          db = (hcc * gb - hbc * gc) / det;
+          dc = (hbb * gc - hbc * gb) / det;
+        } else {
+          db = gb / hbb;
+        }
+      } else if (with_b) {
+        db = gb / hbb;
+      } else {
+        dc = gc / hcc;
+      }
+      const double b = std::max(with_b ? 0.1 * rise.b : 0.0, rise.b + db), c = std::max(with_c ? 0.1 * rise.c : 0.0, rise.c + dc);
+      const double moved = std::abs(b - rise.b) + n * std::abs(c - rise.c);
+      rise.b = b;
+      rise.c = c;
+      if (moved < 1e-4 * (base + b + n * c)) break;
+    }
+    double likelihood = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const double rate = base + rise.b + rise.c * (static_cast<double>(i) + 0.5);
+      likelihood += (counts[i] > 0 ? counts[i] * std::log(rate) : 0.0) - rate;
+    }
+    rise.log_likelihood = likelihood;
+    return rise;
   };
-  if (slope(0.0) <= 0) return 0.0;
-  double low = 0, high = count_sum / shape_sum;
-  for (int step = 0; step < 40 && high - low > 1e-6 * high; ++step) {
-    const double middle = 0.5 * (low + high);
-    (slope(middle) > 0 ? low : high) = middle;
-  }
-  const double a = 0.5 * (low + high);
-  double likelihood = -a * shape_sum;
-  for (std::size_t i = onset; i < counts.size(); ++i) likelihood += counts[i] * std::log1p(a * shape(i) / quiet);
-  return likelihood;
+  const Rise flat = fit(true, false), even = fit(false, true), both = fit(true, true);
+  const Rise& one = flat.log_likelihood >= even.log_likelihood ? flat : even;
+  return both.log_likelihood > one.log_likelihood ? both : one;
 }
 
-/// How many bins hold enough to place the onset: up to where the events above the quiet rate stand out beyond doubt (Page's
-/// cumulative sum). What a burst does later says nothing about its begin, but would bend the fit, for its counts are the largest.
-std::size_t telling_bins(std::span<const std::uint32_t> counts, const QuietRate& quiet, std::size_t quiet_bins) {
-  const double enough = std::max(60.0, 5.0 * std::sqrt(quiet.dispersion * quiet.mean * static_cast<double>(quiet_bins)));
-  double excess = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    excess = std::max(0.0, excess + counts[i] - quiet.mean);
-    if (excess >= enough) return i + 1;
+/// Bins of a scan, its best and its 95 % interval, all as the first bin behind the change.
+struct Scan {
+  std::size_t best = 0, low = 0, high = 0;
+};
+
+Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
+  Scan scan;
+  scan.best = static_cast<std::size_t>(std::max_element(likelihood.begin(), likelihood.end()) - likelihood.begin());
+  const double limit = likelihood[scan.best] - half_chi2 * dispersion;
+  scan.low = scan.high = scan.best;
+  for (std::size_t i = 0; i < likelihood.size(); ++i) {
+    if (likelihood[i] < limit) continue;
+    scan.low = std::min(scan.low, i);
+    scan.high = std::max(scan.high, i);
   }
-  return counts.size();
+  return scan;
+}
+
+/// A bin's events were caused since the read-out before it, and a marker may have moved a little before the first of them.
+FoundTime found(const LitRate& lit, std::size_t best, std::size_t low, std::size_t high, const OnsetOptions& options) {
+  const EventRate& rate = lit.rate;
+  FoundTime result{.time = {.at = before(rate.begin_of(best), rate.bin / 2),
+                            .low = before(rate.begin_of(low), rate.bin + options.latency),
+                            .high = after(rate.begin_of(high), rate.bin / 2)},
+                   .doubt = {}};
+  const double width_ms = 1e-3 * static_cast<double>(between(result.time.low, result.time.high).count());
+  if (width_ms > options.too_wide_ms) result.doubt = fmt::format("its onset is only known to within {:.0f} ms", width_ms);
+  return result;
 }
 
 }  // namespace
 
-UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::size_t candidate, const OnsetOptions& options) {
+FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
+  const EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
-  const std::size_t begin = candidate > bins(options.before) ? candidate - bins(options.before) : 0;
-  const std::size_t end = std::min(rate.counts.size(), candidate + bins(options.after));
-  std::span<const std::uint32_t> counts(rate.counts.data() + begin, end - begin);
-  counts = counts.first(telling_bins(counts, quiet, bins(options.before)));
-  // A pixel-perfect silence still has a rate; half an event in the whole stretch keeps the logarithm finite.
-  const double quiet_per_bin = std::max(quiet.mean, 0.5 / static_cast<double>(counts.size()));
+  const std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.first_contact + options.before));
+  const Counts all = Counts(rate.counts).subspan(begin);
+  const Sums sums(all);
+  const double floor = 0.5 / static_cast<double>(all.size());
+  const double quiet = std::max(lit.quiet_per_bin, floor);
 
-  std::vector<double> likelihood(counts.size());
-  for (std::size_t onset = 0; onset < counts.size(); ++onset) {
-    likelihood[onset] =
-        std::max(rise_likelihood(counts, onset, quiet_per_bin, 0), rise_likelihood(counts, onset, quiet_per_bin, 1));
+  // Up to where the events above the quiet rate stand out beyond doubt (Page's cumulative sum). What a burst does later says
+  // nothing about its begin, but would bend the fit, for its counts are the largest.
+  std::size_t end = all.size();
+  {
+    const double allowance = quiet + 0.5 * std::sqrt(lit.dispersion * quiet);
+    double excess = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      excess = std::max(0.0, excess + all[i] - allowance);
+      if (excess >= 40.0 * lit.dispersion &&
+          i >= lit.burst_begin - begin - std::min(lit.burst_begin - begin, bins(options.first_contact))) {
+        end = i + 1;
+        break;
+      }
+    }
   }
-  const auto best = static_cast<std::size_t>(std::max_element(likelihood.begin(), likelihood.end()) - likelihood.begin());
-  const double limit = likelihood[best] - 1.92 * quiet.dispersion;
-  std::size_t low = best, high = best;
-  while (low > 0 && likelihood[low - 1] >= limit) --low;
-  while (high + 1 < likelihood.size() && likelihood[high + 1] >= limit) ++high;
-  // A bin stands for all of its span, and an onset inside it is seen from its end on.
-  return {rate.begin_of(begin + best), before(rate.begin_of(begin + low), rate.bin + options.latency),
-          rate.begin_of(begin + high + 1)};
+  const std::size_t from = end - std::min(end, bins(options.before) * 2);
+  const Counts telling = all.subspan(from, end - from);
+  const Sums told(telling);
+  std::vector<double> likelihood(telling.size());
+  for (std::size_t tau = 0; tau < telling.size(); ++tau) {
+    likelihood[tau] = log_likelihood_of(told.of(0, tau), static_cast<double>(tau), quiet) +
+                      best_rise(telling.subspan(tau), quiet).log_likelihood;
+  }
+  Scan scan = scan_of(likelihood, lit.dispersion);
+  scan.best += from;
+  scan.low += from;
+  scan.high += from;
+
+  // Did a weaker contact come first?
+  constexpr double sure = 7.0, likely = 4.0;
+  for (int earlier = 0; earlier < 4; ++earlier) {
+    const std::size_t until = scan.low;
+    if (until < 2) break;
+    std::vector<double> gain(until);
+    for (std::size_t tau = 0; tau < until; ++tau) {
+      const double events = sums.of(tau, until), expected = quiet * static_cast<double>(until - tau);
+      gain[tau] = events > expected ? events * std::log(events / expected) - (events - expected) : 0.0;
+    }
+    const Scan step = scan_of(gain, lit.dispersion);
+    const double best = gain[step.best] / lit.dispersion;
+    if (best < likely) break;
+    scan.low = step.low;
+    if (best < sure) break;
+    scan.best = step.best;
+    scan.high = step.high;
+  }
+  return found(lit, begin + scan.best, begin + scan.low, begin + scan.high, options);
+}
+
+FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<UncertainTime>& lift_start) {
+  const EventRate& rate = lit.rate;
+  const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
+  std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.before));
+  if (lift_start && lift_start->low > rate.begin_of(begin)) {
+    const auto earliest = static_cast<std::size_t>(between(rate.begin, lift_start->low) / rate.bin);
+    begin = std::min(earliest, lit.burst_begin);
+  }
+
+  // Up to where the rate first has 0.3 of what it reaches: the drag is on by then, and has told all about its begin.
+  const Sums all(rate.counts);
+  const std::size_t width = std::max<std::size_t>(1, bins(1ms));
+  const std::size_t rise_end = std::min(rate.counts.size(), lit.burst_begin + bins(options.rise));
+  double most = 0;
+  for (std::size_t i = lit.burst_begin; i + width <= rise_end; ++i) most = std::max(most, all.of(i, i + width));
+  std::size_t end = rise_end;
+  for (std::size_t i = begin; i + width <= rise_end; ++i) {
+    if (all.of(i, i + width) < 0.3 * most) continue;
+    end = std::min(rise_end, i + 2 * width);
+    break;
+  }
+  begin = std::max(begin, end - std::min(end, bins(options.before) + bins(options.before) / 2));
+  const Counts counts = Counts(rate.counts).subspan(begin, end - begin);
+  const Sums sums(counts);
+  const std::size_t n = counts.size();
+  const double floor = 0.5 / static_cast<double>(std::max<std::size_t>(n, 1));
+  const double quiet = std::max(lit.quiet_per_bin, floor);
+  const double dragged = 0.3 * most / static_cast<double>(width);
+
+  std::vector<double> plain(n), ringing(n, minus_infinity);
+  const std::size_t step = width;
+  for (std::size_t tau = 0; tau < n; ++tau) {
+    const double ahead = log_likelihood_of(sums.of(0, tau), static_cast<double>(tau), quiet);
+    plain[tau] = ahead + best_rise(counts.subspan(tau), quiet).log_likelihood;
+    // The ringing that suits what is ahead of tau best, from one of the steps on.
+    double best_ahead = minus_infinity, level = 0;
+    for (std::size_t rho = tau % step; rho + step <= tau; rho += step) {
+      const double events = sums.of(rho, tau), expected = quiet * static_cast<double>(tau - rho);
+      if (events <= expected) continue;
+      const double m = static_cast<double>(tau - rho);
+      const double slope = std::min((events - expected) / (0.5 * m * m), 0.5 * dragged / m);
+      double here = log_likelihood_of(sums.of(0, rho), static_cast<double>(rho), quiet);
+      for (std::size_t i = rho; i < tau; ++i) {
+        const double expect = quiet + slope * (static_cast<double>(i - rho) + 0.5);
+        here += (counts[i] > 0 ? counts[i] * std::log(expect) : 0.0) - expect;
+      }
+      if (here > best_ahead) {
+        best_ahead = here;
+        level = slope * m;
+      }
+    }
+    if (best_ahead > ahead) ringing[tau] = best_ahead + best_rise(counts.subspan(tau), quiet + level).log_likelihood;
+  }
+  constexpr double price = 4.0;  // of two more free numbers
+  const Scan scan = scan_of(plain, lit.dispersion);
+  Scan rung = scan_of(ringing, lit.dispersion);
+  const double gain = ringing[rung.best] - plain[scan.best];
+  Scan chosen = gain > price * lit.dispersion ? rung : scan;
+  if (std::abs(gain) <= price * lit.dispersion) {
+    chosen.low = std::min(scan.low, rung.low);
+    chosen.high = std::max(scan.high, rung.high);
+  }
+  return found(lit, begin + chosen.best, begin + chosen.low, begin + chosen.high, options);
 }
 
 }  // namespace tactile

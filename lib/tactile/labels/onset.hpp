@@ -1,28 +1,50 @@
 #pragma once
 
-#include <cstddef>
-#include <vector>
+#include <optional>
+#include <string>
 
-#include "tactile/labels/activity.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/labels/lit_rate.hpp"
 
 namespace tactile {
 
-struct OnsetOptions {
-  microseconds before{40'000};  ///< searched so far before the candidate
-  microseconds after{25'000};   ///< and so far behind it, > 0
-  microseconds latency{1'000};  ///< a marker may have moved so long before its first event
+/// An onset or an end with its 95 % interval. Where the events do not decide, the interval is wide and `doubt` says why; else it
+/// is empty.
+struct FoundTime {
+  UncertainTime time;
+  std::string doubt;
 };
 
-/// When a burst's rate left the quiet rate, by maximum likelihood. With tau the onset, q the quiet rate and u = t - tau,
+struct OnsetOptions {
+  microseconds before{60'000};          ///< a slip is searched for so far ahead of where its burst begins
+  microseconds first_contact{300'000};  ///< and a first, weak contact so far ahead of a press's
+  microseconds rise{150'000};           ///< the rate that a touch reaches is that of so much time from there on
+  microseconds latency{400};            ///< a marker may have moved so long before its first event
+  double too_wide_ms = 20.0;            ///< doubtful if the interval is wider than this
+};
+
+/// When contact first moved a marker, by maximum likelihood on the rate of what the press lights. With tau the onset, q the
+/// quiet rate, u = t - tau:
 ///
-///   rate(t) = q for u < 0;   q + a u^p for u >= 0,   p = 0 (a blow) or p = 1 (a start from rest)
+///   rate(t) = q for u < 0;   q + a u^p for u >= 0,   p = 0 (a blow: the object arrives at speed) or 1 (a start from rest)
 ///
-/// Only the bins up to where the events stand out beyond doubt are used. For each tau on the bins' edges the best a is found for
-/// either p, and the larger likelihood is kept. The 95 % interval is where the log-likelihood, divided by the noise's dispersion,
-/// is within 1.92 of its maximum.
+/// for as long as the events stand out beyond doubt. A marker that is touched a little, or moves little in the image, may have
+/// come first: the same question is then asked of the time ahead of what was found, until no step there is likelier than none.
 ///
-/// @param candidate  a bin near the onset, as `bursts_in` finds it
-UncertainTime onset_near(const EventRate& rate, const QuietRate& quiet, std::size_t candidate, const OnsetOptions& options = {});
+/// The 95 % interval is where the log-likelihood, divided by the noise's dispersion, is within 1.92 of its maximum, stretched to
+/// what a first contact that is likely but not beyond doubt would have.
+FoundTime press_onset(const LitRate& lit, const OnsetOptions& options = {});
+
+/// When the lift first moved a tip. As it starts, the arm rings, and so do the tips; the object drags them along only once the
+/// slack is used up, and then at the speed that the arm has by then. So three stretches, with rho <= tau:
+///
+///   rate(t) = q for t < rho;   q + s (t - rho) for rho <= t < tau;   q + s (tau - rho) + b + c (t - tau) for t >= tau
+///
+/// with s, b, c >= 0, against the same without the ringing (s = 0), which is preferred unless the other is likelier by 4.
+/// Ringing is what has at most half of the rate that the drag reaches. The interval holds both models' tau.
+///
+/// @param lift_start  where it is known, in camera time; no slip begins ahead of its interval
+FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options = {},
+                     const std::optional<UncertainTime>& lift_start = std::nullopt);
 
 }  // namespace tactile

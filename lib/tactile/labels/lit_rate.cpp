@@ -1,0 +1,132 @@
+#include "tactile/labels/lit_rate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+/// By cell, how many events it had in some stretch of time.
+using CellCounts = std::vector<std::uint32_t>;
+
+class Cells {
+ public:
+  Cells(SensorSize size, int cell_px)
+      : cell_px_(cell_px), columns_((size.width + cell_px - 1) / cell_px), rows_((size.height + cell_px - 1) / cell_px) {}
+  std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
+  std::size_t at(const Event& event) const {
+    return static_cast<std::size_t>(event.y / cell_px_) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(event.x / cell_px_);
+  }
+
+ private:
+  int cell_px_, columns_, rows_;
+};
+
+/// A stretch of bins of the whole recording, [begin, end).
+struct Stretch {
+  std::size_t begin = 0, end = 0;
+  bool holds(std::size_t bin) const { return bin >= begin && bin < end; }
+};
+
+std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const CellCounts& quiet, double quiet_bins,
+                            double stands_out) {
+  double quiet_events = 0;
+  for (const std::uint32_t count : quiet) quiet_events += count;
+  const double mean = quiet_events / static_cast<double>(quiet.size());
+  std::vector<bool> lit(burst.size());
+  for (std::size_t cell = 0; cell < burst.size(); ++cell) {
+    // A cell's own count where it is noisier than the mean, for one that was quiet by chance is no quieter than others.
+    const double noise = quiet_bins > 0 ? std::max<double>(quiet[cell], mean) * burst_bins / quiet_bins : 0.0;
+    lit[cell] = burst[cell] > noise + stands_out * std::sqrt(noise) + 4.0;
+  }
+  return lit;
+}
+
+/// Variance per mean of sums over `width` bins ahead of the burst, from successive differences: a slow change is no clump.
+double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
+  std::vector<double> sums;
+  for (std::size_t begin = 0; begin + width <= counts.size(); begin += width) {
+    double sum = 0;
+    for (std::size_t i = begin; i < begin + width; ++i) sum += counts[i];
+    sums.push_back(sum);
+  }
+  double squares = 0, total = 0;
+  for (std::size_t i = 0; i + 1 < sums.size(); ++i) squares += (sums[i + 1] - sums[i]) * (sums[i + 1] - sums[i]);
+  for (const double sum : sums) total += sum;
+  if (sums.size() < 10 || !(total > 0)) return 1.0;
+  const double n = static_cast<double>(sums.size());
+  return std::max(1.0, squares / (2.0 * (n - 1.0)) / (total / n));
+}
+
+}  // namespace
+
+std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                               std::span<const Burst> bursts, const LitRateOptions& options) {
+  if (bursts.empty()) return {};
+  const SensorSize size = *recording.stream(stream_id).size;
+  const Cells cells(size, options.cell_px);
+  const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
+  const std::size_t bin_count = rate.counts.size();
+
+  std::vector<bool> is_quiet(bin_count, true);
+  std::vector<Stretch> windows;
+  for (const Burst& burst : bursts) {
+    const auto around = [&](std::size_t margin) {
+      return Stretch{burst.begin - std::min(burst.begin, margin), std::min(bin_count, burst.end + margin)};
+    };
+    const Stretch loud = around(bins(options.quiet_margin));
+    std::fill(is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.begin),
+              is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.end), false);
+    windows.push_back(around(bins(options.margin)));
+  }
+  const auto quiet_bins = static_cast<double>(std::count(is_quiet.begin(), is_quiet.end(), true));
+
+  // In which cells each burst has its events.
+  CellCounts quiet(cells.count());
+  std::vector<CellCounts> of_burst(bursts.size(), CellCounts(cells.count()));
+  for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
+    if (is_quiet[bin]) ++quiet[cells.at(event)];
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      if (bin >= bursts[i].begin && bin < bursts[i].end) ++of_burst[i][cells.at(event)];
+    }
+  });
+  std::vector<std::vector<bool>> lit;
+  std::vector<LitRate> rates;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    const auto burst_bins = static_cast<double>(bursts[i].end - bursts[i].begin);
+    lit.push_back(lit_cells(of_burst[i], burst_bins, quiet, quiet_bins, options.stands_out));
+    // A burst that no place of the image explains, such as a flicker, is taken whole.
+    if (std::none_of(lit[i].begin(), lit[i].end(), [](bool is_lit) { return is_lit; })) lit[i].assign(cells.count(), true);
+    LitRate found;
+    found.rate = {.begin = rate.begin_of(windows[i].begin),
+                  .bin = rate.bin,
+                  .counts = std::vector<std::uint32_t>(windows[i].end - windows[i].begin),
+                  .hot_pixels = rate.hot_pixels,
+                  .last = std::min(rate.last, rate.begin_of(windows[i].end)),
+                  .hot = {}};
+    found.burst_begin = bursts[i].begin - windows[i].begin;
+    found.burst_end = bursts[i].end - windows[i].begin;
+    double quiet_events = 0, lit_count = 0;
+    for (std::size_t cell = 0; cell < cells.count(); ++cell) {
+      if (!lit[i][cell]) continue;
+      quiet_events += quiet[cell];
+      lit_count += 1;
+    }
+    found.quiet_per_bin = quiet_bins > 0 ? quiet_events / quiet_bins : 0.0;
+    found.lit_share = lit_count / static_cast<double>(cells.count());
+    rates.push_back(std::move(found));
+  }
+  for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      if (windows[i].holds(bin) && lit[i][cells.at(event)]) ++rates[i].rate.counts[bin - windows[i].begin];
+    }
+  });
+  for (LitRate& found : rates) {
+    const std::size_t ahead = found.burst_begin - std::min(found.burst_begin, bins(options.quiet_margin));
+    found.dispersion = dispersion_of(std::span(found.rate.counts).first(ahead), std::max<std::size_t>(1, bins(5ms)));
+  }
+  return rates;
+}
+
+}  // namespace tactile

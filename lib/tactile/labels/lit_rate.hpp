@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/labels/activity.hpp"
+#include "tactile/labels/event_rate.hpp"
+
+namespace tactile {
+
+/// How often the part of the image that one burst lights fires, around that burst. A touch moves some markers and leaves the
+/// others alone: without the rest of the image a tenth or less of the noise is left, and onsets and ends stand out.
+struct LitRate {
+  EventRate rate;               ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded
+  double quiet_per_bin = 0;     ///< of the lit cells while no burst is on anywhere
+  double dispersion = 1;        ///< of that, variance per mean, >= 1
+  std::size_t burst_begin = 0;  ///< in bins of `rate`
+  std::size_t burst_end = 0;
+  double lit_share = 0;  ///< of the image
+};
+
+struct LitRateOptions {
+  int cell_px = 8;                    ///< side of a cell; small against a marker, large enough to hold some events
+  double stands_out = 5.0;            ///< [standard deviations] a lit cell has so many events above its noise, and 4 more
+  microseconds margin{500'000};       ///< kept ahead of a burst and behind it
+  microseconds quiet_margin{20'000};  ///< so near to a burst nothing counts as quiet
+};
+
+/// Of each burst in turn. Which cells a burst lights is learned from the burst itself, so that nothing is assumed of where the
+/// markers are. Reads the recording twice; memory follows the bursts.
+/// @param rate  of the same stream of this recording
+/// @throws Error  as reading events does
+std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                               std::span<const Burst> bursts, const LitRateOptions& options = {});
+
+}  // namespace tactile
