@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -35,7 +36,7 @@ constexpr AVRational microsecond{1, 1'000'000};
 // Of a pixel's change: thresholds a fourth of an octave apart from half a grey level on.
 constexpr std::size_t threshold_count = 28;
 constexpr double least_threshold = 1.0;  // [grey levels] coders change still pixels by less
-constexpr double threshold_per_noise = 1.5;
+constexpr double threshold_per_noise = 1.75;
 constexpr double share_of_noise = 0.99;         // of the pixels are still in a quiet step
 constexpr microseconds longest_repeat = 150ms;  // frames that repeat one for longer show that nothing moves
 
@@ -236,9 +237,7 @@ class Smoother {
   bool smooth(const AVFrame& frame, Picture& picture) {
     const int width = std::min(frame.width, most_width_);
     const int height = std::max(1, static_cast<int>((std::int64_t{frame.height} * width + frame.width / 2) / frame.width));
-    scaler_ = sws_getCachedContext(scaler_, frame.width, frame.height, static_cast<AVPixelFormat>(frame.format), width, height,
-                                   AV_PIX_FMT_GRAY8, SWS_AREA, nullptr, nullptr, nullptr);
-    if (scaler_ == nullptr) return false;
+    if (!prepare(frame, width, height)) return false;
     constexpr int aligned = 64, readable_beyond = 64;  // swscale may write in whole vectors
     const int stride = (width + aligned - 1) / aligned * aligned;
     grey_.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) + readable_beyond);
@@ -274,8 +273,24 @@ class Smoother {
   }
 
  private:
+  /// All films alike: luma stays as it is, whether or not it uses the whole range.
+  bool prepare(const AVFrame& frame, int width, int height) {
+    const std::array<int, 3> from{frame.width, frame.height, frame.format};
+    if (scaler_ != nullptr && from == from_) return true;
+    sws_freeContext(scaler_);
+    scaler_ = sws_getContext(frame.width, frame.height, static_cast<AVPixelFormat>(frame.format), width, height, AV_PIX_FMT_GRAY8,
+                             SWS_AREA, nullptr, nullptr, nullptr);
+    if (scaler_ == nullptr) return false;
+    from_ = from;
+    const int* coefficients = sws_getCoefficients(SWS_CS_DEFAULT);
+    constexpr int one = 1 << 16;
+    sws_setColorspaceDetails(scaler_, coefficients, 1, coefficients, 1, 0, one, one);
+    return true;
+  }
+
   int most_width_;
   SwsContext* scaler_ = nullptr;
+  std::array<int, 3> from_{};  ///< what it scales: width, height, pixel format
   std::vector<std::uint8_t> grey_;
   std::vector<std::uint16_t> column_;
 };
@@ -286,11 +301,13 @@ struct Brightness {
   bool changed = false;  ///< by more than a hundredth
 };
 
-/// From pixels on a grid of 4 x 4. The line whose slope is the ratio of the standard deviations: noise, of which both frames have
-/// as much, does not make it flatter, as it does a line of least squares.
+/// From about a thousand pixels on a grid. The line whose slope is the ratio of the standard deviations: noise, of which both
+/// frames have as much, does not make it flatter, as it does a line of least squares.
 Brightness fit_brightness(const Picture& before, const Picture& now, std::vector<std::array<float, 2>>& pairs,
                           std::vector<float>& residuals) {
-  constexpr int grid = 4, rounds = 3;
+  constexpr int rounds = 3;
+  constexpr double pixels_wanted = 1200;
+  const int grid = std::max(1, static_cast<int>(std::sqrt(double(now.width) * now.height / pixels_wanted)));
   constexpr float outlier = 3 * 1.4826F, least_outlier = 128;
   constexpr double changed_by = 0.01;
   pairs.clear();
@@ -318,6 +335,7 @@ Brightness fit_brightness(const Picture& before, const Picture& now, std::vector
     found.offset = static_cast<float>((y - gain * x) / n);
     mean_before = x / n;
     mean_now = y / n;
+    if (round + 1 == rounds) break;
     residuals.clear();
     for (const auto& [p, q] : pairs) residuals.push_back(std::abs(q - found.gain * p - found.offset));
     const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
@@ -346,34 +364,32 @@ class Differences {
     result.brightness = line.changed;
     count(before, now, region, line);
 
+    // From the greatest change down.
     const double pixels = static_cast<double>(region.width) * region.height;
-    double below = 0, sum_below = 0;
-    std::size_t i = 0;
-    bool has_noise = false;
-    for (std::size_t bin = 0; bin < bins; ++bin) {
-      while (i < threshold_count && threshold_at(i) * bins_per_grey <= static_cast<double>(bin))
-        result.above[i++] = static_cast<float>(std::max(0.0, sum_ - sum_below) / pixels);
+    double count_above = 0, sum_above = 0;
+    std::size_t level = threshold_count;
+    for (std::size_t bin = bins; bin-- > least_bin;) {
       double counted = 0;
       for (const auto& table : tables_) counted += table[bin];
-      below += counted;
-      sum_below += counted * (static_cast<double>(bin) + 0.5) / bins_per_grey;
-      if (!has_noise && below >= share_of_noise * pixels) {
-        result.noise = static_cast<float>((static_cast<double>(bin) + 1) / bins_per_grey);
-        has_noise = true;
-      }
+      count_above += counted;
+      sum_above += counted * (static_cast<double>(bin) + 0.5) / bins_per_grey;
+      if (result.noise == 0 && count_above > (1 - share_of_noise) * pixels)
+        result.noise = static_cast<float>(static_cast<double>(bin + 1) / bins_per_grey);
+      while (level > 0 && threshold_at(level - 1) * bins_per_grey >= static_cast<double>(bin))
+        result.above[--level] = static_cast<float>(sum_above / pixels);
     }
     return result;
   }
 
  private:
-  static constexpr std::size_t bins = 1024, bins_per_grey = 16, table_count = 4;  // the last bin holds all that is above
-  static constexpr float saturated = 250 * 256;
+  static constexpr std::size_t bins_per_grey = 8, bins = 256 * bins_per_grey, table_count = 4;
+  static constexpr std::size_t least_bin = bins_per_grey / 2;  // smaller changes, which most pixels have, are not counted
+  static constexpr float saturated = 230 * 256;
 
   void count(const Picture& before, const Picture& now, const cv::Rect& region, const Brightness& line) {
     for (auto& table : tables_) table.fill(0);
     const auto width = static_cast<std::size_t>(region.width);
-    changes_.resize(width);
-    std::uint64_t sum = 0;
+    changes_.assign((width + table_count - 1) / table_count * table_count, 0);
     for (int y = region.y; y < region.y + region.height; ++y) {
       const std::uint16_t *p = before.row(y) + region.x, *q = now.row(y) + region.x;
       for (std::size_t x = 0; x < width; ++x) {
@@ -384,13 +400,15 @@ class Differences {
         for (std::size_t x = 0; x < width; ++x)
           if (static_cast<float>(std::max(p[x], q[x])) >= saturated) changes_[x] = 0;
       }
-      std::uint32_t of_row = 0;
-      for (std::size_t x = 0; x < width; ++x) of_row += changes_[x];
-      sum += of_row;
-      constexpr unsigned shift = 4;  // 256 / bins_per_grey
-      for (std::size_t x = 0; x < width; ++x) ++tables_[x % table_count][std::min<std::size_t>(changes_[x] >> shift, bins - 1)];
+      constexpr std::uint64_t any_counted = 0xff80'ff80'ff80'ff80;  // of four changes, half a grey level or more
+      constexpr unsigned shift = 5;                                 // 256 / bins_per_grey
+      for (std::size_t x = 0; x < changes_.size(); x += table_count) {
+        std::uint64_t four = 0;
+        std::memcpy(&four, changes_.data() + x, sizeof(four));
+        if ((four & any_counted) == 0) continue;
+        for (std::size_t i = 0; i < table_count; ++i) ++tables_[i][changes_[x + i] >> shift];
+      }
     }
-    sum_ = static_cast<double>(sum) / 256;
   }
 
   std::vector<std::array<float, 2>> pairs_;
@@ -398,7 +416,6 @@ class Differences {
   std::vector<std::uint16_t> changes_;
   std::array<std::array<std::uint32_t, bins>, table_count>
       tables_{};  // several, so that equal neighbours do not wait for each other
-  double sum_ = 0;
 };
 
 /// The region in a picture scaled down; the whole of it where there is none.
