@@ -53,6 +53,12 @@ QuietRate quiet_rate(const EventRate& rate) {
           .dispersion = std::max(1.0, deviation * deviation / std::max(median, 1.0))};
 }
 
+double events_above(const EventRate& rate, const QuietRate& quiet, std::size_t begin, std::size_t end) {
+  double events = 0;
+  for (std::size_t i = begin; i < end; ++i) events += rate.counts[i] - quiet.mean;
+  return events;
+}
+
 std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, const ActivityOptions& options) {
   const std::size_t width = bins_in(options.smoothing, rate);
   const std::vector<double> sums = smoothed(rate, width);

@@ -35,6 +35,9 @@ struct ActivityOptions {
 /// The stretches of activity, in order of time.
 std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, const ActivityOptions& options = {});
 
+/// Events in the bins [begin, end) above what the quiet rate gives.
+double events_above(const EventRate& rate, const QuietRate& quiet, std::size_t begin, std::size_t end);
+
 /// The first bin of the first stretch of `quiet_for` from `begin` on in which no sum exceeds the leave limit; the last bin's end
 /// where there is none.
 std::size_t first_quiet_bin(const EventRate& rate, const QuietRate& quiet, std::size_t begin, microseconds quiet_for,

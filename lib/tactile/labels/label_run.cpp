@@ -1,145 +1,118 @@
 #include "tactile/labels/label_run.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "tactile/core/sha256.hpp"
-#include "tactile/robot/motion_phases.hpp"
+#include "tactile/robot/arm_motion.hpp"
 
 namespace tactile {
 namespace {
 
-/// How well a burst's rate follows the lift's speed when their starts are laid over each other, -1 to 1: the correlation over
-/// both lengths and a margin around them.
-double likeness(const EventRate& rate, const QuietRate& quiet, const Burst& burst, const RobotLog& log, const MotionPhase& lift) {
-  constexpr microseconds step = 4ms;
-  constexpr microseconds margin = 150ms;
-  const CameraTime burst_start = rate.begin_of(burst.begin);
-  const microseconds length = std::max(between(burst_start, rate.begin_of(burst.end)), lift.end - lift.start);
-  const auto bins_per_step = static_cast<std::size_t>(step / rate.bin);
+constexpr microseconds frame_of_film = 50ms;  // a film's motion may show a frame ahead of it
 
-  double n = 0, r_sum = 0, v_sum = 0, rr_sum = 0, vv_sum = 0, rv_sum = 0;
-  auto row = log.states.begin();
-  for (microseconds u = -margin; u <= length + margin; u += step) {
-    while (row != log.states.end() && row->t < lift.start + u) ++row;
-    const std::int64_t first_bin = between(rate.begin, after(burst_start, u)) / rate.bin;
-    if (row == log.states.end() || first_bin < 0 || static_cast<std::size_t>(first_bin) + bins_per_step > rate.counts.size())
-      continue;
-    double count = 0;
-    for (std::size_t i = 0; i < bins_per_step; ++i) count += rate.counts[static_cast<std::size_t>(first_bin) + i];
-    // The square root tames the ringing, which is far above what the speed alone gives.
-    const double r = std::sqrt(std::max(0.0, count - quiet.mean * static_cast<double>(bins_per_step)));
-    const double v = std::hypot(row->tcp_speed[0], row->tcp_speed[1], row->tcp_speed[2]);
-    n += 1;
-    r_sum += r;
-    v_sum += v;
-    rr_sum += r * r;
-    vv_sum += v * v;
-    rv_sum += r * v;
-  }
-  const double spread = (n * rr_sum - r_sum * r_sum) * (n * vv_sum - v_sum * v_sum);
-  const double correlation = spread > 0 ? (n * rv_sum - r_sum * v_sum) / std::sqrt(spread) : 0.0;
-  const double burst_length = static_cast<double>(between(burst_start, rate.begin_of(burst.end)).count());
-  const double lift_length = static_cast<double>((lift.end - lift.start).count());
-  return correlation * std::min(burst_length, lift_length) / std::max(burst_length, lift_length);
-}
+double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
 
-/// The share of all bursts' events that are in none after this one, squared: after a slip the skin rests, and what follows it is
-/// small.
-double explained_by(std::size_t burst_index, const std::vector<Burst>& bursts) {
-  double until = 0, all = 0;
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    all += bursts[i].events;
-    until += i <= burst_index ? bursts[i].events : 0.0;
-  }
-  const double share = all > 0 ? until / all : 1.0;
-  return share * share;
-}
-
-struct LiftMatch {
-  std::size_t burst_index = 0;
-  double quality = 0;  ///< likeness times the share of events explained, squared
-  double ratio = 0;    ///< to the second best
+/// What the arm does, in camera time.
+struct ArmMoves {
+  std::vector<ArmMove> lifts, taps;
+  bool rises = false;        ///< there is a lift in the log
+  bool all_placed = true;    ///< the clock of every piece that has one is known
 };
 
-LiftMatch match_lift(const EventRate& rate, const QuietRate& quiet, const std::vector<Burst>& bursts, const RobotLog& log,
-                     const MotionPhase& lift) {
-  LiftMatch match{.burst_index = 0, .quality = -1, .ratio = 0};
-  double second = 0;
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    const double found = likeness(rate, quiet, bursts[i], log, lift) * explained_by(i, bursts);
-    if (found > match.quality) {
-      second = std::max(second, match.quality);
-      match.burst_index = i;
-      match.quality = found;
-    } else {
-      second = std::max(second, found);
+ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
+  ArmMoves moves;
+  for (std::size_t i = 0; i < signals.robot.size(); ++i) {
+    for (const MotionPhase& phase : signals.robot[i].phases) {
+      if (phase.kind != MotionKind::lift && phase.kind != MotionKind::tap) continue;
+      const bool is_lift = phase.kind == MotionKind::lift;
+      moves.rises = moves.rises || is_lift;
+      if (!clocks.pieces[i]) {
+        moves.all_placed = moves.all_placed && !is_lift;
+        continue;
+      }
+      const FittedClock& clock = *clocks.pieces[i];
+      (is_lift ? moves.lifts : moves.taps)
+          .push_back({clock.relation.camera_from(phase.start), clock.relation.camera_from(phase.end), clock.uncertainty()});
     }
   }
-  match.ratio = second > 0 ? match.quality / second : std::numeric_limits<double>::infinity();
-  return match;
+  return moves;
 }
 
-UncertainTime end_of(const EventRate& rate, const QuietRate& quiet, const Burst& burst, microseconds quiet_for,
-                     const ActivityOptions& options) {
-  const CameraTime end = std::min(rate.begin_of(first_quiet_bin(rate, quiet, burst.begin, quiet_for, options)), rate.last);
-  // Motion fades into the noise: the marker still creeps when its events no longer stand out.
-  return {end, before(end, 10ms), std::min(after(end, 20ms), CameraTime::max())};
-}
-
-LabelledInterval labelled(Touch touch, const UncertainTime& start, const UncertainTime& end) {
-  return {.touch = touch,
-          .start = start,
-          .end = end,
-          .source = "events",
-          .evidence = {.events = start.at, .robot = {}, .video = {}, .imu = {}},
-          .confirmed = false};
-}
-
-/// The lift: of all phases the one that rises most.
-std::optional<MotionPhase> lift_in(const RobotLog& log) {
-  const std::vector<MotionPhase> phases = motion_phases(log);
-  const auto highest = std::max_element(
-      phases.begin(), phases.end(), [](const MotionPhase& a, const MotionPhase& b) { return a.height_change < b.height_change; });
-  return highest == phases.end() || highest->height_change <= 0 ? std::nullopt : std::optional(*highest);
-}
-
-/// Where slip start and slip end put the robot's clock, apart by how much longer the slip is than the lift.
-FittedClock clock_from(const LabelledInterval& slip, const MotionPhase& lift, const RobotLog& log) {
-  constexpr double least_residual_us = 10'000.0;
-  const std::int64_t start_offset = us_of(slip.start.at) - us_of(lift.start);
-  const std::int64_t end_offset = us_of(slip.end.at) - us_of(lift.end);
-  const double half_difference = static_cast<double>(start_offset - end_offset) / 2;
-  return {.relation = {.offset_us = start_offset - std::llround(half_difference),
-                       .drift_ppm = 0,
-                       .reference_us = us_of(log.states.front().t)},
-          .residual_us = std::max(least_residual_us, std::abs(half_difference)),
-          .anchors = 2,
-          .method = "lift start and end"};
-}
-
-/// The longest stretch without one event, if it is too long for chance.
-std::optional<std::pair<CameraTime, microseconds>> gap_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
-  constexpr double beyond_chance = 30.0;  // events missing: e^-30, and far less where noise comes in clumps of ten
-  std::size_t best = 0, best_begin = 0, length = 0;
-  for (std::size_t i = 0; i < rate.counts.size(); ++i) {
-    length = rate.counts[i] == 0 ? length + 1 : 0;
-    if (length > best) {
-      best = length;
-      best_begin = i + 1 - length;
+/// Bursts, those that go on into a lift parted where it begins: an object that is lifted as soon as it is pressed leaves no quiet
+/// between the two.
+std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
+                             const std::vector<ArmMove>& lifts) {
+  constexpr microseconds press_before = 60ms;
+  for (const ArmMove& lift : lifts) {
+    const CameraTime part_at = before(lift.start, lift.uncertainty);
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      Burst& burst = bursts[i];
+      if (rate.begin_of(burst.begin) >= before(part_at, press_before) || rate.begin_of(burst.end) <= lift.start) continue;
+      const auto place = static_cast<std::size_t>(between(rate.begin, part_at) / rate.bin);
+      Burst second = burst;
+      second.begin = place;
+      burst.end = place;
+      for (Burst* part : {&burst, &second}) part->events = events_above(rate, quiet, part->begin, part->end);
+      bursts.insert(bursts.begin() + static_cast<std::ptrdiff_t>(i) + 1, second);
+      break;
     }
   }
-  const microseconds silent = rate.bin * static_cast<std::int64_t>(best);
-  if (silent < shortest || quiet.mean * static_cast<double>(best) < beyond_chance * quiet.dispersion) return std::nullopt;
-  return std::pair(rate.begin_of(best_begin), silent);
+  return bursts;
+}
+
+std::vector<BrightnessChange> changes_of(RecordingReader& recording, const RunSignals& signals, const std::vector<Burst>& bursts) {
+  std::vector<CameraSpan> spans;
+  for (const Burst& burst : bursts) spans.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
+  return brightness_changes(recording, signals.event_stream, spans, signals.rate.hot);
+}
+
+/// The command ahead of a press that made it: the last change of an output to a greater value within two seconds.
+std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotClocks& clocks, CameraTime press) {
+  constexpr microseconds longest_way = 2s;
+  std::optional<CameraTime> command;
+  for (std::size_t i = 0; i < signals.robot.size(); ++i) {
+    if (!clocks.pieces[i]) continue;
+    for (const OutputChange& change : signals.robot[i].log.output_changes) {
+      const CameraTime at = clocks.pieces[i]->relation.camera_from(change.at);
+      if (change.to > change.from && at <= press && at >= before(press, longest_way)) command = std::max(command.value_or(at), at);
+    }
+  }
+  return command;
+}
+
+/// The speeds that the film must have seen, in camera time: the arm's by its log; without one, what the skin's events tell.
+std::optional<SeenMotion> seen_motion(const RunSignals& signals, const RobotClocks& clocks) {
+  for (std::size_t i = 0; i < signals.robot.size(); ++i) {
+    const auto motion = arm_motion(signals.robot[i].log);
+    if (!motion || !clocks.pieces[i]) continue;
+    const FittedClock& clock = *clocks.pieces[i];
+    SeenMotion seen{.begin = clock.relation.camera_from(motion->begin),
+                    .step = motion->step,
+                    .speed = {},
+                    .sigma_us = static_cast<double>(clock.uncertainty().count()) / 1.96};
+    for (const auto& v : motion->velocity) seen.speed.push_back(std::hypot(v[0], v[1], v[2]));
+    return seen;
+  }
+  if (signals.bursts.empty()) return std::nullopt;
+  constexpr microseconds step = 4ms;
+  const auto width = static_cast<std::size_t>(step / signals.rate.bin);
+  SeenMotion seen{.begin = signals.rate.begin, .step = step, .speed = {}, .sigma_us = 2'000};
+  for (std::size_t begin = 0; begin + width <= signals.rate.counts.size(); begin += width)
+    seen.speed.push_back(std::max(0.0, events_above(signals.rate, signals.quiet, begin, begin + width)));
+  return seen;
+}
+
+const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
+  const auto nearest = std::min_element(moves.lifts.begin(), moves.lifts.end(), [&](const ArmMove& a, const ArmMove& b) {
+    return std::chrono::abs(between(a.start, slip.start.at)) < std::chrono::abs(between(b.start, slip.start.at));
+  });
+  return nearest == moves.lifts.end() ? nullptr : &*nearest;
 }
 
 void cut_overlaps(std::vector<LabelledInterval>& intervals) {
@@ -150,166 +123,237 @@ void cut_overlaps(std::vector<LabelledInterval>& intervals) {
   }
 }
 
-nlohmann::json hashes_of_inputs(const RunFolder& run) {
-  nlohmann::json hashes = {{"events.aedat4", sha256_of_file(run.events())}};
-  if (std::filesystem::exists(run.robot())) hashes["robot.csv"] = sha256_of_file(run.robot());
-  return hashes;
-}
+/// Makes a run's labels, step by step.
+class Labeller {
+ public:
+  Labeller(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options)
+      : signals_(signals), clocks_(clocks), options_(options), moves_(arm_moves(signals, clocks)) {}
 
-/// What was lost on its way to the file, where time of any length may lack its events. Elements that did not fit their stream
-/// (`back_in_time`, `outside`) are no such loss.
-std::vector<std::string> losses_in(const RunInfo& run) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> reasons{{{"queue_full", "the disk was too slow"},
-                                                                                  {"unwritten", "the file could not be written"},
-                                                                                  {"source", "the source lost them"}}};
-  const nlohmann::json dropped = run.extra.value("dropped", nlohmann::json());
-  const nlohmann::json by_reason = dropped.is_object() ? dropped.value("by_reason", nlohmann::json()) : nlohmann::json();
-  std::vector<std::string> losses;
-  for (const auto& [key, why] : reasons) {
-    const nlohmann::json counts = by_reason.is_object() ? by_reason.value(key, nlohmann::json()) : nlohmann::json();
-    const auto count = [&](const char* name) {
-      const auto found = counts.is_object() ? counts.find(name) : counts.end();
-      return found != counts.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
-    };
-    const std::uint64_t packets = count("packets"), events = count("events"), others = count("others");
-    if (packets + events + others == 0) continue;
-    losses.push_back(fmt::format("the recording lacks {} events, {} other elements and {} whole packets: {} (run.json: {})",
-                                 events, others, packets, why, key));
+  Labels labels() {
+    for (const std::string& problem : signals_.problems) flag(problem);
+    labels_.remarks = signals_.remarks;
+    // What one anchor leaves open is no matter where another has settled it, or where there is no lift to place.
+    for (const std::string& doubt : clocks_.doubts) moves_.all_placed ? labels_.remarks.push_back(doubt) : flag(doubt);
+    if (!signals_.has_robot) flag("no robot log: press and slip are told apart by their order alone");
+
+    find_intervals();
+    relate_clocks();
+    for (std::size_t i = 0; i < labels_.intervals.size(); ++i) witness(i);
+    look_for_what_is_missing();
+    cut_overlaps(labels_.intervals);
+    name_intervals(labels_.intervals);
+    labels_.provenance = {{"made_by", "tactile label"},
+                          {"settings", settings_of(options_)},
+                          {"first_event_us", us_of(signals_.rate.begin)},
+                          {"hot_pixels", signals_.rate.hot_pixels},
+                          {"quiet_events_per_s",
+                           signals_.quiet.mean * 1e6 / static_cast<double>(signals_.rate.bin.count())}};
+    return std::move(labels_);
   }
-  return losses;
-}
+
+ private:
+  void flag(std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
+    labels_.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
+  }
+
+  void find_intervals() {
+    RecordingReader recording(signals_.run.events());
+    const std::vector<Burst> bursts = parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts);
+    const bool lifts_are_known = signals_.has_robot && moves_.all_placed;
+    const std::vector<BurstKind> kinds =
+        kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt, moves_.taps,
+                 changes_of(recording, signals_, bursts), options_.touches);
+    const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      if (kinds[i] == BurstKind::press) {
+        add(Touch::press, press_onset(lit[i], options_.onset), press_end(lit[i], options_.onset));
+      } else if (kinds[i] == BurstKind::slip) {
+        add(Touch::slip, slip_onset(lit[i], options_.onset, earliest_slip(bursts[i])), slip_end(lit[i], options_.onset));
+      }
+    }
+  }
+
+  void add(Touch touch, const FoundTime& start, const FoundTime& end) {
+    if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
+    if (!end.doubt.empty()) flag(end.doubt, labels_.intervals.size());
+    labels_.intervals.push_back({.id = {},
+                                 .touch = touch,
+                                 .start = start.time,
+                                 .end = end.time,
+                                 .source = "events",
+                                 .evidence = {.events = start.time.at, .robot = {}, .video = {}, .imu = {}},
+                                 .confirmed = false});
+  }
+
+  /// The start of the lift that the burst lies in.
+  std::optional<UncertainTime> earliest_slip(const Burst& burst) const {
+    for (const ArmMove& lift : moves_.lifts) {
+      const bool overlaps = signals_.rate.begin_of(burst.begin) < after(lift.end, lift.uncertainty) &&
+                            signals_.rate.begin_of(burst.end) > before(lift.start, lift.uncertainty);
+      if (overlaps) return UncertainTime{lift.start, before(lift.start, lift.uncertainty), after(lift.start, lift.uncertainty)};
+    }
+    return std::nullopt;
+  }
+
+  void relate_clocks() {
+    for (const std::optional<FittedClock>& piece : clocks_.pieces) {
+      if (piece) labels_.robot_clocks.push_back(*piece);
+    }
+    if (!signals_.video) return;
+    const std::optional<SeenMotion> seen = seen_motion(signals_, clocks_);
+    if (!seen) {
+      labels_.remarks.emplace_back("the film's clock is not related: nothing that both it and another source saw moves");
+      return;
+    }
+    VideoClockFit fit = fit_video_clock(*signals_.video, *seen, options_.video_clock);
+    if (!fit.clock) {
+      labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
+      return;
+    }
+    labels_.video_clock = std::move(fit.clock);
+    video_motions_ = video_motions(*signals_.video, *labels_.video_clock);
+  }
+
+  void witness(std::size_t index) {
+    LabelledInterval& interval = labels_.intervals[index];
+    // The film sees the stage stop as the press ends, and the arm rise as the slip starts.
+    std::optional<UncertainTime> filmed;
+    if (interval.touch == Touch::press) {
+      interval.evidence.robot = stage_command(signals_, clocks_, interval.start.at);
+      filmed = video_end_near(video_motions_, interval.end, options_.longest_disagreement);
+    } else {
+      filmed = video_start_near(video_motions_, interval.start, options_.longest_disagreement);
+      if (const ArmMove* lift = lift_of(moves_, interval)) {
+        interval.evidence.robot = lift->start;
+        interval.evidence.imu = felt_lift(*lift);
+        compare_with_lift(index, *lift);
+      }
+    }
+    if (filmed) {
+      interval.evidence.video = filmed->at;
+    } else if (labels_.video_clock && filmed_at(interval)) {
+      flag(fmt::format("the film sees nothing that would {} within {:.0f} ms",
+                       interval.touch == Touch::press ? "end this press" : "start this slip", ms(options_.longest_disagreement)),
+           index);
+    }
+  }
+
+  void compare_with_lift(std::size_t index, const ArmMove& lift) {
+    const LabelledInterval& slip = labels_.intervals[index];
+    const microseconds lag = between(lift.start, slip.start.at);
+    if (lag < -(lift.uncertainty + options_.earliest_slip) || lag > lift.uncertainty + options_.latest_slip) {
+      flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after", std::abs(ms(lag)),
+                       lag < 0us ? "before" : "after", ms(lift.uncertainty + options_.earliest_slip),
+                       ms(lift.uncertainty + options_.latest_slip)),
+           index);
+    }
+    const microseconds longer = between(slip.start.at, slip.end.at) - between(lift.start, lift.end);
+    if (std::chrono::abs(longer) > options_.longest_disagreement) {
+      flag(fmt::format("the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them", std::abs(ms(longer)),
+                       longer > 0us ? "longer" : "less", ms(options_.longest_disagreement)),
+           index);
+    }
+  }
+
+  void look_for_what_is_missing() {
+    const auto count = [&](Touch touch) {
+      return std::count_if(labels_.intervals.begin(), labels_.intervals.end(),
+                           [&](const LabelledInterval& interval) { return interval.touch == touch; });
+    };
+    const auto slips = static_cast<std::size_t>(count(Touch::slip));
+    if (moves_.all_placed && slips < moves_.lifts.size()) {
+      flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it", moves_.lifts.size() - slips,
+                       moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
+    } else if (slips == 0 && signals_.has_robot && !moves_.rises) {
+      labels_.remarks.emplace_back("no slip, and the robot log has no lift");
+    } else if (slips == 0) {
+      flag("no slip found: the event rate has no burst for it");
+    }
+    if (count(Touch::press) > 0) return;
+    if (nothing_moved_ahead()) {
+      labels_.remarks.emplace_back("no press, and the film sees nothing move ahead of the lift");
+    } else {
+      flag("no press found: the event rate has no burst for it");
+    }
+  }
+
+  /// True if the film shows the whole run up to the lift, and nothing in it moves.
+  bool nothing_moved_ahead() const {
+    if (!labels_.video_clock || moves_.lifts.empty()) return false;
+    const auto first = std::min_element(moves_.lifts.begin(), moves_.lifts.end(),
+                                        [](const ArmMove& a, const ArmMove& b) { return a.start < b.start; });
+    const CameraTime until = before(before(first->start, first->uncertainty), frame_of_film);
+    return video_saw_motion(*signals_.video, *labels_.video_clock, signals_.rate.begin, until) == false;
+  }
+
+  /// True if the film shows the stretch around the onset whole.
+  bool filmed_at(const LabelledInterval& interval) const {
+    const CameraTime t = interval.touch == Touch::press ? interval.end.at : interval.start.at;
+    return video_saw_motion(*signals_.video, *labels_.video_clock, before(t, options_.longest_disagreement),
+                            after(t, options_.longest_disagreement))
+        .has_value();
+  }
+
+  /// The lift's start by the inertial sensor alone: through this run's anchors of that kind.
+  std::optional<CameraTime> felt_lift(const ArmMove& lift) const {
+    for (std::size_t i = 0; i < clocks_.anchors.size(); ++i) {
+      std::vector<ClockAnchor> felt = clocks_.anchors[i];
+      std::erase_if(felt, [](const ClockAnchor& anchor) { return anchor.kind != AnchorKind::imu; });
+      if (felt.empty() || !clocks_.pieces[i]) continue;
+      const std::int64_t lift_us = clocks_.pieces[i]->relation.clock_us_from(lift.start);
+      const auto nearest = std::min_element(felt.begin(), felt.end(), [&](const ClockAnchor& a, const ClockAnchor& b) {
+        return std::abs(a.clock_us - lift_us) < std::abs(b.clock_us - lift_us);
+      });
+      return after(nearest->camera, microseconds{lift_us - nearest->clock_us});
+    }
+    return std::nullopt;
+  }
+
+  const RunSignals& signals_;
+  const RobotClocks& clocks_;
+  const LabelOptions& options_;
+  ArmMoves moves_;
+  std::vector<VideoMotion> video_motions_;
+  Labels labels_;
+};
 
 }  // namespace
 
 nlohmann::json settings_of(const LabelOptions& options) {
-  return {{"bin_us", options.rate.bin.count()},
-          {"hot_pixel_hz", options.rate.hot_pixel_hz},
-          {"smoothing_us", options.activity.smoothing.count()},
-          {"enter", options.activity.enter},
-          {"leave", options.activity.leave},
-          {"merge_us", options.activity.merge.count()},
-          {"shortest_us", options.activity.shortest.count()},
+  nlohmann::json region;
+  if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
+  return {{"bin_us", options.signals.rate.bin.count()},
+          {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
+          {"smoothing_us", options.signals.activity.smoothing.count()},
+          {"enter", options.signals.activity.enter},
+          {"leave", options.signals.activity.leave},
+          {"merge_us", options.signals.activity.merge.count()},
+          {"shortest_us", options.signals.activity.shortest.count()},
+          {"shortest_gap_us", options.signals.shortest_gap.count()},
+          {"video_region", region},
+          {"brief_us", options.touches.brief.count()},
+          {"brief_share", options.touches.brief_share},
+          {"release_likeness", options.touches.release_likeness},
           {"onset_before_us", options.onset.before.count()},
           {"onset_first_contact_us", options.onset.first_contact.count()},
           {"onset_latency_us", options.onset.latency.count()},
-          {"press_ends_us", options.press_ends.count()},
-          {"slip_ends_us", options.slip_ends.count()},
-          {"ambiguous_below", options.ambiguous_below},
+          {"too_wide_ms", options.onset.too_wide_ms},
+          {"ambiguous_below", options.clocks.anchors.ambiguous_below},
+          {"most_drift_ppm", options.clocks.fit.most_drift_ppm},
           {"longest_disagreement_us", options.longest_disagreement.count()},
-          {"shortest_gap_us", options.shortest_gap.count()}};
+          {"latest_slip_us", options.latest_slip.count()},
+          {"earliest_slip_us", options.earliest_slip.count()}};
+}
+
+Labels label_signals(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options) {
+  return Labeller(signals, clocks, options).labels();
 }
 
 Labels label_run(const RunFolder& run, const LabelOptions& options) {
-  RecordingReader recording(run.events());
-  const EventRate rate = event_rate(recording, event_stream(recording).id, options.rate);
-  const QuietRate quiet = quiet_rate(rate);
-  const std::vector<Burst> bursts = bursts_in(rate, quiet, options.activity);
-  const std::vector<LitRate> lit = lit_rates(recording, event_stream(recording).id, rate, bursts);
-
-  Labels labels;
-  const auto flag = [&](std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
-    labels.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
-  };
-
-  const RecordingProblems& problems = recording.problems();
-  if (problems.truncated_bytes > 0)
-    flag(fmt::format("the recording is cut off: {} bytes behind its last whole packet", problems.truncated_bytes));
-  if (problems.broken_packets + problems.mismatched_packets > 0) {
-    flag(fmt::format("{} packets of the recording cannot be read", problems.broken_packets + problems.mismatched_packets));
-  }
-  if (std::filesystem::exists(run.info())) {
-    const RunInfo info = read_run_info(run);
-    if (!info.complete) flag("run.json says that the recording was not completed");
-    for (const std::string& loss : losses_in(info)) flag(loss);
-  }
-  if (const auto gap = gap_in(rate, quiet, options.shortest_gap)) {
-    flag(fmt::format("the recording has a gap: no pixel fires for {} ms from {:.3f} s behind its first event on ({} us)",
-                     gap->second.count() / 1000, 1e-6 * static_cast<double>(between(rate.begin, gap->first).count()),
-                     us_of(gap->first)));
-  }
-
-  RobotLog log;
-  std::optional<MotionPhase> lift;
-  if (std::filesystem::exists(run.robot())) {
-    const RobotLogFile file = read_robot_log(run.robot());
-    log = file.longest();
-    if (file.restarts() > 0) {
-      flag(fmt::format("the robot's clock starts anew {} times within its log: {} rows of other clocks are not used",
-                       file.restarts(), file.rows_elsewhere()));
-    }
-    if (!log.gaps.empty()) {
-      const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
-        return a.first_after - a.last_before < b.first_after - b.last_before;
-      });
-      const double at_s = 1e-6 * static_cast<double>((longest->last_before - log.states.front().t).count());
-      flag(fmt::format(
-          "the robot log has {} gap{}, the longest of {} ms, {:.3f} s behind its first row (at {:.3f} s of its clock)",
-          log.gaps.size(), log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000, at_s,
-          1e-6 * static_cast<double>(us_of(longest->last_before))));
-    }
-    if (file.cut_off) flag("the robot log is cut off in its last row");
-    lift = lift_in(log);
-    if (!lift) flag("the robot log has no lift: its TCP never moves upwards");
-  } else {
-    flag("no robot log: press and slip are told apart by their order alone");
-  }
-
-  std::optional<std::size_t> slip_burst;
-  if (lift && !bursts.empty()) {
-    const LiftMatch match = match_lift(rate, quiet, bursts, log, *lift);
-    slip_burst = match.burst_index;
-    if (match.ratio < options.ambiguous_below && bursts.size() > 1) {
-      flag(
-          fmt::format("which burst of events is the slip is uncertain: the best match with the lift is only {:.2f} times as good "
-                      "as the second",
-                      match.ratio));
-    }
-  } else if (!lift && bursts.size() > 1) {
-    slip_burst = bursts.size() - 1;
-  }
-
-  for (std::size_t i = 0; i < (slip_burst ? *slip_burst : bursts.size()); ++i) {
-    labels.intervals.push_back(labelled(Touch::press, press_onset(lit[i], options.onset).time,
-                                        end_of(rate, quiet, bursts[i], options.press_ends, options.activity)));
-  }
-  if (slip_burst) {
-    const Burst& burst = bursts[*slip_burst];
-    LabelledInterval slip = labelled(Touch::slip, slip_onset(lit[*slip_burst], options.onset).time,
-                                     end_of(rate, quiet, burst, options.slip_ends, options.activity));
-    if (lift) {
-      labels.robot_clocks = {clock_from(slip, *lift, log)};
-      slip.evidence.robot = labels.robot_clocks.front().relation.camera_from(lift->start);
-      const microseconds longer = between(slip.start.at, slip.end.at) - (lift->end - lift->start);
-      if (std::chrono::abs(longer) > options.longest_disagreement) {
-        flag(fmt::format("the slip lasts {} ms {} than the lift; expected at most {} ms between them",
-                         std::abs(longer.count()) / 1000, longer > 0us ? "longer" : "less",
-                         options.longest_disagreement.count() / 1000),
-             labels.intervals.size());
-      }
-      // The last command ahead of the first press is the one that made it.
-      for (const OutputChange& change : log.output_changes) {
-        if (!(change.output.starts_with("digital output") && change.to == 1)) continue;
-        const CameraTime command = labels.robot_clocks.front().relation.camera_from(change.at);
-        if (!labels.intervals.empty() && command <= labels.intervals.front().start.at)
-          labels.intervals.front().evidence.robot = command;
-      }
-    }
-    labels.intervals.push_back(std::move(slip));
-  }
-  cut_overlaps(labels.intervals);
-
-  const auto has = [&](Touch touch) {
-    return std::any_of(labels.intervals.begin(), labels.intervals.end(),
-                       [&](const LabelledInterval& interval) { return interval.touch == touch; });
-  };
-  for (const Touch touch : {Touch::press, Touch::slip}) {
-    if (!has(touch)) flag(fmt::format("no {} found: the event rate has no burst for it", name_of(touch)));
-  }
-  labels.provenance = {{"made_by", "tactile label"},
-                       {"settings", settings_of(options)},
-                       {"inputs", hashes_of_inputs(run)},
-                       {"hot_pixels", rate.hot_pixels},
-                       {"quiet_events_per_s", quiet.mean * 1e6 / static_cast<double>(rate.bin.count())}};
+  const RunSignals signals = read_run_signals(run, options.signals);
+  const RunSignals* const alone = &signals;
+  Labels labels = label_signals(signals, robot_clocks_of({&alone, 1}, options.clocks).front(), options);
+  labels.provenance["inputs"] = hashes_of_inputs(run);
   return labels;
 }
 

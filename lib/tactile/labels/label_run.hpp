@@ -3,47 +3,45 @@
 #include <nlohmann/json.hpp>
 
 #include "tactile/core/run_folder.hpp"
-#include "tactile/labels/activity.hpp"
-#include "tactile/labels/event_rate.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/labels/onset.hpp"
+#include "tactile/labels/run_signals.hpp"
+#include "tactile/labels/session_clocks.hpp"
+#include "tactile/labels/touches.hpp"
+#include "tactile/labels/video_clock.hpp"
 
 namespace tactile {
 
 struct LabelOptions {
-  EventRateOptions rate{};
-  ActivityOptions activity{};
+  RunSignalsOptions signals{};
+  RobotClocksOptions clocks{};
+  TouchesOptions touches{};
   OnsetOptions onset{};
-  microseconds press_ends{20'000};  ///< a press ends at the first so long quiet
-  microseconds slip_ends{150'000};  ///< a slip likewise: stick phases belong to it
-  double ambiguous_below = 1.2;     ///< flagged if the best match of a burst with the lift is not so much better than the second
-  microseconds longest_disagreement{
-      100'000};  ///< flagged if burst and lift differ by more than this in length, starts laid over each other
-  microseconds shortest_gap{
-      5'000};  ///< flagged if no pixel fires for so long, where the noise alone should have given 30 events at least
+  VideoClockOptions video_clock{};
+  microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more than this in length, or film and events in
+                                               ///< an onset
+  microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
+  microseconds earliest_slip{5'000};           ///< flagged if it starts so long before, the clock's uncertainty taken off
 };
 
 nlohmann::json settings_of(const LabelOptions& options);
 
-/// Finds press and slip in a run from its events and robot log, and relates the robot's clock to the camera's:
+/// Finds press and slip in what was read of a run, in camera time:
 ///
-/// 1. Bursts of the event rate, hot pixels left out.
-/// 2. The robot's lift: the motion phase that rises most. Each burst in turn is laid over it and compared with its speed; the
-/// best match is
-///    the slip. (Event rate follows |velocity|.)
-/// 3. The clock's offset is the mean of slip start - lift start and slip end - lift end. Slack delays the start by some ms and
-/// ringing the end by
-///    tens, so that the residual is taken as 10 ms at least: only anchors without such a bias make it smaller. Drift is not
-///    measurable in one run and taken as 0.
-/// 4. Onsets by maximum likelihood on the events alone (`onset_near`), so that no error of the clocks enters them; ends at the
-/// first quiet.
-///    Bursts before the slip are presses; those behind it are after-effects and stay unlabelled.
+/// 1. Bursts of the event rate, hot pixels left out, are told apart (`kinds_of`) by the arm's lifts and taps, brought into camera
+///    time, and by what they do to the picture. What is neither press nor slip stays unlabelled.
+/// 2. Onsets and ends by maximum likelihood on the events alone, so that no error of the clocks enters them.
+/// 3. Robot, film and inertial sensor are witnesses: what each says of an onset is its evidence.
 ///
-/// Reads the events, the robot log and run.json, nothing else. What cannot be relied on is flagged: a damaged or unfinished
-/// recording, one that lost events on their way, a gap in it or in the robot log, a robot's clock that starts anew, no robot log
-/// (then labels go by order alone), a slip that does not fit the lift.
-/// @throws Error  if the events or the robot log cannot be read
+/// What cannot be relied on is flagged, in words: problems of the files, a lift without slip, a press that nothing witnesses to be
+/// missing, onsets that the events do not decide, sources that disagree, clocks that could not be related.
+/// @param clocks  of this run, by `robot_clocks_of`
+/// @throws Error  if the events cannot be read
 /// Source: Faris et al., arXiv:2403.10120, section IV.
+Labels label_signals(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options = {});
+
+/// Likewise of one run by itself: reads events, robot log, film and run.json, nothing else.
+/// @throws Error  if events or robot log cannot be read
 Labels label_run(const RunFolder& run, const LabelOptions& options = {});
 
 }  // namespace tactile

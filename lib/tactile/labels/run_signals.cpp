@@ -9,6 +9,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/video/video_times.hpp"
 
 namespace tactile {
 namespace {
@@ -80,6 +81,40 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   }
 }
 
+/// How far the camera's clock is ahead of the host's: of all pairs in run.json that of the packet that came fastest.
+std::optional<std::int64_t> camera_ahead_of_host(const RunInfo& run) {
+  const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
+  std::optional<std::int64_t> ahead;
+  if (!pairs.is_array()) return ahead;
+  for (const nlohmann::json& pair : pairs) {
+    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
+    const std::int64_t us = saturating_subtract(pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>());
+    ahead = std::max(ahead.value_or(us), us);
+  }
+  return ahead;
+}
+
+/// Likewise how far the host's is ahead of the robot's: nothing if the log does not say when its rows came.
+std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const RobotLog& log) {
+  if (run.extra.value("robot_clock", nlohmann::json()) == "host") return 0;
+  std::optional<std::int64_t> ahead;
+  for (const RobotState& state : log.states) {
+    if (!state.host_time) continue;
+    const std::int64_t us = saturating_subtract(us_of(*state.host_time), us_of(state.t));
+    ahead = std::min(ahead.value_or(us), us);
+  }
+  return ahead;
+}
+
+/// Data come late by some ms, in bursts more, and clocks drift: the content decides within this.
+constexpr microseconds host_times_within = 100ms;
+
+std::optional<CoarseOffset> coarse_offset(const RunInfo& run, const RobotLog& log) {
+  const auto camera = camera_ahead_of_host(run), host = host_ahead_of_robot(run, log);
+  if (!camera || !host) return std::nullopt;
+  return CoarseOffset{.offset_us = saturating_add(*camera, *host), .within = host_times_within};
+}
+
 void read_robot(RunSignals& signals) {
   signals.has_robot = true;
   RobotLogFile file = read_robot_log(signals.run.robot());
@@ -94,6 +129,7 @@ void read_robot(RunSignals& signals) {
           s_behind((longest->last_before - log.states.front().t).count()), s_behind(us_of(longest->last_before))));
     }
     std::vector<MotionPhase> phases = motion_phases(log);
+    signals.coarse_offsets.push_back(coarse_offset(signals.info, log));
     signals.robot.push_back({std::move(log), std::move(phases)});
   }
   if (signals.robot.size() > 1)
@@ -122,7 +158,9 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   if (std::filesystem::exists(run.robot())) read_robot(signals);
   if (std::filesystem::exists(run.video())) {
     try {
-      signals.video = motion_energy(run.video(), run.video_times(), options.video);
+      const std::vector<VideoTime> times =
+          std::filesystem::exists(run.video_times()) ? read_video_times(run.video_times()) : std::vector<VideoTime>();
+      signals.video = motion_energy(run.video(), times, options.video);
     } catch (const Error& e) {
       signals.problems.push_back(fmt::format("the film cannot be used: {}", e.what()));
     }

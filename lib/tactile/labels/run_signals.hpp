@@ -8,6 +8,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/labels/activity.hpp"
+#include "tactile/labels/clock_anchors.hpp"
 #include "tactile/labels/event_rate.hpp"
 #include "tactile/robot/motion_phases.hpp"
 #include "tactile/robot/robot_log.hpp"
@@ -39,6 +40,7 @@ struct RunSignals {
   std::vector<Burst> bursts;
   bool has_robot = false;  ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
+  std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
   std::vector<ImuSample> imu;  ///< by time; empty if the recording has none
   std::optional<MotionEnergy> video;
   std::vector<std::string> problems;  ///< of the files, in words: what a person should look at

@@ -13,7 +13,7 @@
 namespace tactile {
 
 struct RobotClocksOptions {
-  ClockAnchorOptions anchors{};
+  AnchorOptions anchors{};
   ClockFitOptions fit{};
 };
 
@@ -24,9 +24,9 @@ struct RobotClocks {
   std::vector<std::string> doubts;                 ///< in words: why one could not be
 };
 
-/// Relates the robot's clocks of runs that share them (or of one run): one line is laid through the anchors of all their pieces,
-/// and each piece gets it with its own first stamp as reference. A controller that started anew within a run counts from
-/// elsewhere in each piece, so that such a run's pieces are fitted by themselves.
+/// Relates the robot's clocks of runs that share them (or of one run): one line is laid through the anchors of all of them, and
+/// each run gets it with its own first stamp as reference. A controller that started anew within a run counts from elsewhere in
+/// each piece, so that such a run's pieces are fitted by themselves.
 /// @return of each run, in order
 std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs, const RobotClocksOptions& options = {});
 
