@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "tactile/core/random.hpp"
@@ -29,7 +30,9 @@ struct MadeRun {
 
 inline constexpr std::int64_t made_camera_begin_us = 1'700'000'000'000'000;
 
+/// In the place of a recording that is there.
 inline void write_made_events(const std::filesystem::path& file, const MadeRun& made) {
+  std::filesystem::remove(file);
   Random random(made.seed);
   RecordingWriter writer(file, {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
   std::vector<Event> events;
@@ -79,14 +82,15 @@ inline RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, s
   return log;
 }
 
-/// `DATA/fan/01` with these events, and the log if it has rows.
-inline RunFolder write_made_run(const std::filesystem::path& data, const MadeRun& made, const RobotLog& log) {
-  std::filesystem::create_directories(data / "fan" / "01");
-  const RunFolder run = run_folder_at(data / "fan" / "01");
+/// `DATA/fan/NAME` with these events, and the log if it has rows.
+inline RunFolder write_made_run(const std::filesystem::path& data, const MadeRun& made, const RobotLog& log,
+                                const std::string& name = "01") {
+  std::filesystem::create_directories(data / "fan" / name);
+  const RunFolder run = run_folder_at(data / "fan" / name);
   write_made_events(run.events(), made);
   if (!log.states.empty()) write_robot_log(run.robot(), log);
   write_run_info(run, {.object = "fan",
-                       .run = "01",
+                       .run = name,
                        .session = "",
                        .simulated = true,
                        .complete = true,

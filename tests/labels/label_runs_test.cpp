@@ -1,0 +1,139 @@
+#include "tactile/labels/label_runs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "labels/made_run.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+using test::made_lift;
+using test::MadeRun;
+using test::TemporaryFolder;
+
+const MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
+const RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
+
+/// Two runs of one object, of one session if it has a name.
+std::vector<RunFolder> write_two_runs(const TemporaryFolder& data, const std::string& session) {
+  std::vector<RunFolder> runs;
+  for (const std::string name : {"01", "02"}) {
+    runs.push_back(test::write_made_run(data.path(), press_and_slip, lift, name));
+    RunInfo info = read_run_info(runs.back());
+    info.session = session;
+    write_run_info(runs.back(), info);
+  }
+  return runs;
+}
+
+std::string text_of(const RunFolder& run) { return read_text(run.labels()); }
+
+TEST(LabelRuns, WritesTheSameBytesOnAnyNumberOfThreads) {
+  for (const std::string session : {"", "morning"}) {
+    const TemporaryFolder data;
+    const std::vector<RunFolder> runs = write_two_runs(data, session);
+    label_runs(runs, {.threads = 1});
+    const std::string first = text_of(runs[0]), second = text_of(runs[1]);
+    label_runs(runs, {.force = true, .threads = 3});
+    EXPECT_EQ(text_of(runs[0]), first);
+    EXPECT_EQ(text_of(runs[1]), second);
+  }
+}
+
+TEST(LabelRuns, LeavesAloneWhatHasNotChanged) {
+  const TemporaryFolder data;
+  const std::vector<RunFolder> runs = write_two_runs(data, "");
+  EXPECT_FALSE(label_runs(runs)[0].unchanged);
+  const auto written = std::filesystem::last_write_time(runs[0].labels());
+  const std::vector<LabelledRun> again = label_runs(runs);
+  EXPECT_TRUE(again[0].unchanged && again[1].unchanged);
+  EXPECT_EQ(again[0].labels.intervals.size(), 2U);
+  EXPECT_EQ(std::filesystem::last_write_time(runs[0].labels()), written);
+
+  LabelRunsOptions other;
+  other.label.longest_disagreement = 90ms;
+  EXPECT_FALSE(label_runs(runs, other)[0].unchanged) << "other settings";
+  EXPECT_FALSE(label_runs(runs, {.force = true})[0].unchanged);
+  EXPECT_TRUE(label_runs(runs)[0].unchanged);
+  test::write_made_events(runs[0].events(), {.bursts = press_and_slip.bursts, .seed = 5});
+  const std::vector<LabelledRun> changed = label_runs(runs);
+  EXPECT_FALSE(changed[0].unchanged) << "other events";
+  EXPECT_TRUE(changed[1].unchanged);
+}
+
+TEST(LabelRuns, LabelsARunAgainIfOneOfItsSessionChanged) {
+  const TemporaryFolder data;
+  const std::vector<RunFolder> runs = write_two_runs(data, "morning");
+  label_runs(runs);
+  test::write_made_events(runs[0].events(), {.bursts = press_and_slip.bursts, .seed = 5});
+  EXPECT_FALSE(label_runs({runs[1]})[0].unchanged);
+}
+
+TEST(LabelRuns, SharesTheClockOfASessionAlsoWithARunThatHasNothingToTellIt) {
+  const TemporaryFolder data;
+  std::vector<RunFolder> runs = write_two_runs(data, "morning");
+  test::write_made_events(runs[1].events(), {.bursts = {{800'000, 1'000'000}}});
+  std::filesystem::remove(runs[1].robot());
+  write_robot_log(runs[1].robot(), made_lift(9e9, 1, 0.06, -123'456'789));
+  const std::vector<LabelledRun> labelled = label_runs({runs[1]});
+  ASSERT_EQ(labelled[0].labels.robot_clocks.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(labelled[0].labels.robot_clocks[0].relation.offset_us), -123'456'789, 12'000);
+  EXPECT_FALSE(std::filesystem::exists(runs[0].labels())) << "only what was asked for is labelled";
+}
+
+TEST(LabelRuns, GoesOnWithTheOthersWhenOneCannotBeRead) {
+  const TemporaryFolder data;
+  const std::vector<RunFolder> runs = write_two_runs(data, "");
+  std::filesystem::remove(runs[0].events());
+  write_whole(runs[0].events(), "no recording");
+  const std::vector<LabelledRun> labelled = label_runs(runs);
+  EXPECT_NE(labelled[0].error, "");
+  EXPECT_EQ(labelled[1].error, "");
+  EXPECT_TRUE(std::filesystem::exists(runs[1].labels()));
+}
+
+TEST(LabelRuns, KeepsWhatAPersonDid) {
+  const TemporaryFolder data;
+  const std::vector<RunFolder> runs = write_two_runs(data, "");
+  label_runs(runs);
+  Labels mine = read_labels(runs[0].labels());
+  mine.intervals[0].start = {camera_time(us_of(mine.intervals[0].start.at) + 7'000), mine.intervals[0].start.low,
+                             camera_time(us_of(mine.intervals[0].start.at) + 9'000)};
+  mine.intervals[0].source = "person";
+  mine.intervals[0].confirmed = true;
+  const CameraTime moved = mine.intervals[0].start.at;
+  write_labels(runs[0].labels(), mine);
+  LabelRunsOptions other;
+  other.label.longest_disagreement = 90ms;
+  EXPECT_EQ(label_runs(runs, other)[0].labels.intervals.at(0).start.at, moved);
+  other.force = true;
+  EXPECT_NE(label_runs(runs, other)[0].labels.intervals.at(0).start.at, moved);
+}
+
+TEST(LabelRuns, MakesAgainWhatIsMissingBesideTheLabels) {
+  const TemporaryFolder data;
+  const std::vector<RunFolder> runs = write_two_runs(data, "");
+  std::atomic<int> made = 0;
+  const LabelRunsOptions options{
+      .has_companions = [](const RunFolder& run) { return std::filesystem::exists(run.folder / "picture"); },
+      .make_companions =
+          [&](const RunSignals& signals, const Labels& labels) {
+            EXPECT_EQ(labels.intervals.size(), 2U);
+            write_whole(signals.run.folder / "picture", "");
+            ++made;
+          }};
+  label_runs(runs, options);
+  EXPECT_EQ(made, 2);
+  label_runs(runs, options);
+  EXPECT_EQ(made, 2);
+  std::filesystem::remove(runs[1].folder / "picture");
+  label_runs(runs, options);
+  EXPECT_EQ(made, 3);
+}
+
+}  // namespace
+}  // namespace tactile

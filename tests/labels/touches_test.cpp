@@ -1,0 +1,82 @@
+#include "tactile/labels/touches.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace tactile {
+namespace {
+
+using Kinds = std::vector<BurstKind>;
+
+// A recording of 4 s in bins of 1 ms, quiet but for what is asked for.
+const EventRate rate{.begin = camera_time(1'000'000),
+                     .bin = 1ms,
+                     .counts = std::vector<std::uint32_t>(4'000),
+                     .hot_pixels = 0,
+                     .last = camera_time(5'000'000),
+                     .hot = {}};
+
+CameraTime at_ms(std::int64_t ms) { return camera_time(1'000'000 + 1'000 * ms); }
+Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
+  Burst made;
+  made.begin = begin_ms;
+  made.end = end_ms;
+  made.events = events;
+  return made;
+}
+ArmMove move(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
+  return {at_ms(start_ms), at_ms(end_ms), uncertainty};
+}
+const BrightnessChange inward{{1, -2, 3, 0}}, outward{{-1, 2, -3, 0}}, other{{2, 1, 0, 5}};
+
+TEST(KindsOf, CallsTheBurstInTheLiftTheSlipAndWhatCameBeforeThePress) {
+  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'190, 1'800)}}, {}, {{inward, other}}), (Kinds{BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, TakesTheBurstWithTheMostEventsInTheLift) {
+  const std::vector<Burst> bursts = {burst(500, 1'250), burst(1'300, 1'800)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'190, 1'800)}}, {}, {{inward, other}}), (Kinds{BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, ReachesAsFarAsTheClockMayBeOff) {
+  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'300)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'310, 1'500)}}, {}, {{inward, other}}), (Kinds{BurstKind::press, BurstKind::press}));
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'310, 1'500, 20ms)}}, {}, {{inward, other}}),
+            (Kinds{BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, TellsAReleaseByWhatItTakesBack) {
+  const std::vector<Burst> bursts = {burst(300, 500), burst(900, 1'100), burst(1'500, 1'700), burst(2'200, 2'800)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(2'190, 2'800)}}, {}, {{inward, outward, inward, other}}),
+            (Kinds{BurstKind::press, BurstKind::release, BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, LeavesWhatIsShortAndSmallAloneButNotALightPress) {
+  const std::vector<Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'190, 1'800)}}, {}, {{inward, inward, other}}),
+            (Kinds{BurstKind::brief, BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
+  const std::vector<Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{move(1'190, 1'800)}}, {{move(80, 200)}}, {{inward, inward, other, outward}}),
+            (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
+}
+
+TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {
+  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
+  EXPECT_EQ(kinds_of(rate, bursts, {{}}, {}, {{inward, other}}), (Kinds{BurstKind::press, BurstKind::press}));
+}
+
+TEST(KindsOf, GoesByTheOrderWhereNobodyKnowsOfALift) {
+  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'410, 500)};
+  EXPECT_EQ(kinds_of(rate, bursts, std::nullopt, {}, {{inward, other, other}}),
+            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}));
+  EXPECT_EQ(kinds_of(rate, std::span(bursts).first(1), std::nullopt, {}, {{inward}}), (Kinds{BurstKind::press}));
+  EXPECT_EQ(kinds_of(rate, {}, std::nullopt, {}, {}), Kinds{});
+}
+
+}  // namespace
+}  // namespace tactile
