@@ -1,0 +1,614 @@
+#include "tactile/labels/video_clock.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace tactile {
+namespace {
+
+constexpr double normal_95 = 1.96;
+constexpr double no_other = 99;
+
+/// A step of the film, in microseconds from its first frame.
+struct Step {
+  double begin = 0, end = 0, energy = 0;
+
+  double length() const { return end - begin; }
+};
+
+std::vector<Step> steps_of(const MotionEnergy& energy) {
+  std::vector<Step> steps;
+  for (const MotionStep& step : energy.steps) {
+    steps.push_back({static_cast<double>((step.begin - energy.begin()).count()),
+                     static_cast<double>((step.end - energy.begin()).count()), step.energy});
+  }
+  return steps;
+}
+
+/// Neighbours put together, so that no more than so many are left.
+std::vector<Step> fewer_steps(const std::vector<Step>& steps, std::size_t most) {
+  const std::size_t together = (steps.size() + most - 1) / most;
+  if (together <= 1) return steps;
+  std::vector<Step> fewer;
+  for (std::size_t i = 0; i < steps.size(); i += together) {
+    Step sum{steps[i].begin, steps[i].begin, 0};
+    double length = 0;
+    for (std::size_t j = i; j < std::min(i + together, steps.size()); ++j) {
+      sum.end = steps[j].end;
+      sum.energy += steps[j].energy * steps[j].length();
+      length += steps[j].length();
+    }
+    sum.energy /= length;
+    fewer.push_back(sum);
+  }
+  return fewer;
+}
+
+/// The seen speed and its integral, in microseconds from its first value.
+class Speed {
+ public:
+  explicit Speed(const SeenMotion& seen) : step_(static_cast<double>(seen.step.count())), values_(seen.speed) {
+    ways_.push_back(0);
+    for (std::size_t i = 0; i + 1 < values_.size(); ++i) ways_.push_back(ways_[i] + 0.5 * step_ * (values_[i] + values_[i + 1]));
+    for (const double value : values_) peak_ = std::max(peak_, value);
+  }
+
+  double length() const { return step_ * static_cast<double>(values_.size() - 1); }
+  double peak() const { return peak_; }
+  bool knows(double begin, double end) const { return begin >= 0 && end <= length(); }
+  double mean(double begin, double end) const { return (way(end) - way(begin)) / (end - begin); }
+
+  const std::vector<double>& values() const { return values_; }
+  double step() const { return step_; }
+
+  /// The integral of its square over a stretch, by its values alone.
+  double power(double begin, double end) const {
+    double sum = 0;
+    const auto first = static_cast<std::size_t>(std::ceil(std::max(begin, 0.0) / step_));
+    for (std::size_t i = first; i < values_.size() && static_cast<double>(i) * step_ <= end; ++i) sum += values_[i] * values_[i];
+    return sum;
+  }
+
+ private:
+  double way(double t) const {
+    const double place = std::clamp(t / step_, 0.0, static_cast<double>(values_.size() - 1));
+    const std::size_t i = std::min(static_cast<std::size_t>(place), values_.size() - 2);
+    const double u = place - static_cast<double>(i);
+    return ways_[i] + step_ * u * (values_[i] + 0.5 * u * (values_[i + 1] - values_[i]));
+  }
+
+  double step_;
+  std::vector<double> values_, ways_;
+  double peak_ = 0;
+};
+
+/// Their correlation if a time of the film is so much less than that of the speed: -1 to 1; -1 where they share too little.
+double likeness(const std::vector<Step>& steps, const Speed& speed, double whole_power, double offset) {
+  constexpr double least_power = 0.5;  // of the speed's, within the film
+  constexpr int fewest_steps = 6;
+  if (steps.empty() || speed.power(steps.front().begin + offset, steps.back().end + offset) < least_power * whole_power)
+    return -1;
+  double n = 0, w_sum = 0, e_sum = 0, v_sum = 0, ee = 0, vv = 0, ev = 0;
+  for (const Step& step : steps) {
+    const double begin = step.begin + offset, end = step.end + offset;
+    if (!speed.knows(begin, end)) continue;
+    const double w = step.length(), e = step.energy, v = speed.mean(begin, end);
+    n += 1;
+    w_sum += w;
+    e_sum += w * e;
+    v_sum += w * v;
+    ee += w * e * e;
+    vv += w * v * v;
+    ev += w * e * v;
+  }
+  if (n < fewest_steps) return -1;
+  const double spread = (w_sum * ee - e_sum * e_sum) * (w_sum * vv - v_sum * v_sum);
+  return spread > 0 ? (w_sum * ev - e_sum * v_sum) / std::sqrt(spread) : -1;
+}
+
+struct Match {
+  double offset = 0, likeness = -1, second = 0;
+};
+
+/// The best place on a grid, and the likeness of the best that is not of the same peak.
+Match coarse_match(const std::vector<Step>& steps, const Speed& speed, double from, double to, double grid) {
+  const double whole_power = speed.power(0, speed.length());
+  std::vector<double> found;
+  for (double offset = from; offset <= to; offset += grid) found.push_back(likeness(steps, speed, whole_power, offset));
+  if (found.empty()) return {};
+  const auto best = std::max_element(found.begin(), found.end());
+  // The peak reaches to where half of it is left.
+  auto left = best, right = best;
+  while (left != found.begin() && *left > 0.5 * *best) --left;
+  while (right + 1 != found.end() && *right > 0.5 * *best) ++right;
+  double second = 0;
+  for (auto other = found.begin(); other != found.end(); ++other) {
+    const bool is_peak =
+        (other == found.begin() || *(other - 1) <= *other) && (other + 1 == found.end() || *(other + 1) <= *other);
+    if ((other < left || other > right) && is_peak) second = std::max(second, *other);
+  }
+  return {from + grid * static_cast<double>(best - found.begin()), *best, second};
+}
+
+/// Where a function that is known at -1, 0, 1 has its extreme, by a parabola: -1 to 1.
+double extreme_of(double before, double at, double after) {
+  const double bend = before - 2 * at + after;
+  return bend == 0 ? 0.0 : std::clamp(0.5 * (before - after) / bend, -1.0, 1.0);
+}
+
+Match fine_match(const std::vector<Step>& steps, const Speed& speed, const Match& coarse, double grid) {
+  const double whole_power = speed.power(0, speed.length());
+  Match match = coarse;
+  double reach = grid;
+  while (reach > 1'000) {
+    const double fine = std::max(reach / 16, 1'000.0), around = match.offset;
+    for (double offset = around - reach; offset <= around + reach; offset += fine) {
+      const double found = likeness(steps, speed, whole_power, offset);
+      if (found > match.likeness) {
+        match.likeness = found;
+        match.offset = offset;
+      }
+    }
+    if (fine <= 1'000) break;
+    reach = 2 * fine;
+  }
+  const auto at = [&](double offset) { return likeness(steps, speed, whole_power, offset); };
+  match.offset += 1'000 * extreme_of(at(match.offset - 1'000), at(match.offset), at(match.offset + 1'000));
+  return match;
+}
+
+/// Where the speed rises from rest, or falls to it: from a twentieth of the greatest to nine tenths of what it reaches.
+struct Ramp {
+  double rest = 0, full = 0;  ///< times [us] from the speed's first value; rest > full where it falls
+
+  double middle() const { return 0.5 * (rest + full); }
+};
+
+/// A motion, with as much of it as is known.
+struct Motion {
+  std::optional<Ramp> start, stop;
+};
+
+/// Every motion that reaches a third of the greatest speed.
+std::vector<Motion> motions_in(const Speed& speed) {
+  constexpr double moving = 0.05, reached = 0.9, worth_it = 0.33;
+  const std::vector<double>& v = speed.values();
+  const double limit = moving * speed.peak();
+  const auto time = [&](std::size_t i) { return speed.step() * static_cast<double>(i); };
+  std::vector<Motion> motions;
+  for (std::size_t i = 0; i < v.size();) {
+    if (v[i] < limit) {
+      ++i;
+      continue;
+    }
+    const std::size_t begin = i;
+    double peak = 0;
+    for (; i < v.size() && v[i] >= limit; ++i) peak = std::max(peak, v[i]);
+    if (peak < worth_it * speed.peak()) continue;
+    std::size_t rise = begin, fall = i - 1;
+    while (v[rise] < reached * peak) ++rise;
+    while (v[fall] < reached * peak) --fall;
+    Motion motion;
+    if (begin > 0) motion.start = Ramp{time(begin), time(rise)};
+    if (i < v.size()) motion.stop = Ramp{time(i - 1), time(fall)};
+    motions.push_back(motion);
+  }
+  return motions;
+}
+
+/// A least-squares fit of energy = a speed + c.
+struct AmplitudeFit {
+  double amplitude = 0;
+  double left = std::numeric_limits<double>::infinity();  ///< sum of squares that it does not explain
+  int steps = 0;
+};
+
+AmplitudeFit fit_amplitude(std::span<const Step> steps, const Speed& speed, double offset) {
+  double n = 0, e_sum = 0, v_sum = 0, ee = 0, vv = 0, ev = 0;
+  for (const Step& step : steps) {
+    const double begin = step.begin + offset, end = step.end + offset;
+    if (!speed.knows(begin, end)) return {};
+    const double v = speed.mean(begin, end);
+    n += 1;
+    e_sum += step.energy;
+    v_sum += v;
+    ee += step.energy * step.energy;
+    vv += v * v;
+    ev += step.energy * v;
+  }
+  const double spread = n * vv - v_sum * v_sum;
+  if (!(spread > 0)) return {};
+  const double amplitude = (n * ev - e_sum * v_sum) / spread;
+  if (amplitude <= 0) return {};
+  const double left = ee - e_sum * e_sum / n - amplitude * amplitude * spread / n;
+  return {amplitude, std::max(left, 0.0), static_cast<int>(n)};
+}
+
+/// Where the film puts one ramp: the offset that the steps around it want, and its standard deviation.
+struct RampFit {
+  double offset = 0, sigma = 0;
+};
+
+std::optional<RampFit> fit_ramp(const std::vector<Step>& steps, const Speed& speed, const Ramp& ramp, double offset,
+                                double frame) {
+  // Wide enough for a few frames at rest and a few at speed, and for the search.
+  const double margin = 4 * frame, reach = 2.5 * frame, grid = std::min(1'000.0, frame / 16);
+  const double begin = std::min(ramp.rest, ramp.full) - margin - offset, end = std::max(ramp.rest, ramp.full) + margin - offset;
+  const auto first = std::lower_bound(steps.begin(), steps.end(), begin, [](const Step& s, double t) { return s.begin < t; });
+  auto last = first;
+  while (last != steps.end() && last->end <= end) ++last;
+  const std::span<const Step> near(first, last);
+  constexpr std::size_t fewest = 6;
+  if (near.size() < fewest) return std::nullopt;
+  for (std::size_t i = 0; i + 1 < near.size(); ++i) {
+    if (near[i + 1].begin - near[i].end > frame) return std::nullopt;  // frames of which nothing is known
+  }
+
+  std::vector<double> left;
+  std::size_t best = 0;
+  const auto count = static_cast<std::size_t>(2 * reach / grid) + 1;
+  const auto offset_at = [&](std::size_t i) { return offset - reach + grid * static_cast<double>(i); };
+  for (std::size_t i = 0; i < count; ++i) {
+    left.push_back(fit_amplitude(near, speed, offset_at(i)).left);
+    if (left[i] < left[best]) best = i;
+  }
+  if (best == 0 || best + 1 == count || !std::isfinite(left[best])) return std::nullopt;
+  // Over half a frame each way: the sum is no smooth parabola from one frame to the next.
+  const auto wide = std::max<std::size_t>(1, static_cast<std::size_t>(0.25 * frame / grid));
+  if (best < wide || best + wide >= count || !std::isfinite(left[best - wide]) || !std::isfinite(left[best + wide]))
+    return std::nullopt;
+  const double bend = (left[best - wide] - 2 * left[best] + left[best + wide]) /
+                      (grid * grid * static_cast<double>(wide) * static_cast<double>(wide));
+  if (!(bend > 0)) return std::nullopt;
+  const AmplitudeFit fit = fit_amplitude(near, speed, offset_at(best));
+  constexpr int parameters = 3;
+  const double variance = fit.left / std::max(1, fit.steps - parameters);
+  return RampFit{offset_at(best) + grid * extreme_of(left[best - 1], left[best], left[best + 1]), std::sqrt(2 * variance / bend)};
+}
+
+/// Where the film puts a motion, in microseconds from the film's first frame and the speed's first value.
+struct MotionFit {
+  double speed_time = 0, offset = 0, sigma = 0;
+  std::optional<double> start, stop;  ///< offsets
+};
+
+std::optional<MotionFit> fit_motion(const std::vector<Step>& steps, const Speed& speed, const Motion& motion, double offset,
+                                    double frame) {
+  const auto fitted = [&](const std::optional<Ramp>& ramp) {
+    return ramp ? fit_ramp(steps, speed, *ramp, offset, frame) : std::nullopt;
+  };
+  const std::optional<RampFit> start = fitted(motion.start), stop = fitted(motion.stop);
+  if (start && stop) {
+    const double apart = 0.5 * (start->offset - stop->offset), usual = frame / 32;
+    const double misfit = (apart * apart + 2 * usual * usual) / 3;
+    return MotionFit{.speed_time = 0.5 * (motion.start->middle() + motion.stop->middle()),
+                     .offset = 0.5 * (start->offset + stop->offset),
+                     .sigma = std::sqrt(0.25 * (start->sigma * start->sigma + stop->sigma * stop->sigma) + misfit),
+                     .start = start->offset,
+                     .stop = stop->offset};
+  }
+  if (!start && !stop) return std::nullopt;
+  const RampFit& only = start ? *start : *stop;
+  MotionFit fit{.speed_time = (start ? *motion.start : *motion.stop).middle(),
+                .offset = only.offset,
+                .sigma = std::hypot(only.sigma, frame / 16),
+                .start = {},
+                .stop = {}};
+  (start ? fit.start : fit.stop) = only.offset;
+  return fit;
+}
+
+/// The weighted mean of the anchors' offsets; the drift as 0.
+FittedClock clock_from(std::span<const VideoAnchor> anchors, const MotionEnergy& energy, double common_sigma_us,
+                       std::string method) {
+  constexpr double usual_drift = 60e-6;
+  const auto offset_of = [&](const VideoAnchor& anchor) {
+    return saturating_subtract(us_of(anchor.camera), us_of(anchor.video));
+  };
+  const std::int64_t base = offset_of(anchors.front());
+  const VideoTime middle = energy.begin() + (energy.end() - energy.begin()) / 2;
+  double weights = 0, sum = 0, squares = 0, far = 0;
+  for (const VideoAnchor& anchor : anchors) {
+    const double weight = 1 / (anchor.sigma_us * anchor.sigma_us);
+    weights += weight;
+    sum += weight * static_cast<double>(offset_of(anchor) - base);
+    far += weight * static_cast<double>((anchor.video - middle).count());
+  }
+  const double mean = sum / weights;
+  for (const VideoAnchor& anchor : anchors) {
+    const double residual = static_cast<double>(offset_of(anchor) - base) - mean;
+    squares += residual * residual / (anchor.sigma_us * anchor.sigma_us);
+  }
+  const auto n = static_cast<double>(anchors.size());
+  const double scatter = anchors.size() > 1 ? std::max(1.0, std::sqrt(squares / (n - 1))) : 1.0;
+  const double sigma = std::hypot(scatter / std::sqrt(weights), common_sigma_us, usual_drift * far / weights);
+  FittedClock clock;
+  clock.relation = {.offset_us = saturating_add(base, std::llround(mean)), .drift_ppm = 0, .reference_us = us_of(energy.begin())};
+  clock.residual_us = scatter * std::sqrt(n / weights);
+  clock.offset_low_us = saturating_subtract(clock.relation.offset_us, std::llround(normal_95 * sigma));
+  clock.offset_high_us = saturating_add(clock.relation.offset_us, std::llround(normal_95 * sigma));
+  clock.anchors = static_cast<int>(anchors.size());
+  clock.method = std::move(method);
+  return clock;
+}
+
+/// Steps [first, last] of a film in which something moves.
+struct Stretch {
+  std::size_t first = 0, last = 0;
+};
+
+/// A step's change in standard deviations of the film's noise.
+double size_of(const MotionStep& step, double noise) {
+  return step.energy * 1e-6 * static_cast<double>((step.end - step.begin).count()) / noise;
+}
+
+std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
+  constexpr double enter = 8.0, leave = 2.5;
+  constexpr std::size_t merge = 2;  // steps
+  std::vector<Stretch> stretches;
+  const std::vector<MotionStep>& steps = energy.steps;
+  for (std::size_t i = 0; i < steps.size();) {
+    if (size_of(steps[i], energy.noise) < leave) {
+      ++i;
+      continue;
+    }
+    const std::size_t begin = i;
+    double largest = 0;
+    for (; i < steps.size() && size_of(steps[i], energy.noise) >= leave; ++i)
+      largest = std::max(largest, size_of(steps[i], energy.noise));
+    if (largest < enter) continue;
+    if (!stretches.empty() && begin - stretches.back().last <= merge + 1) {
+      stretches.back().last = i - 1;
+    } else {
+      stretches.push_back({begin, i - 1});
+    }
+  }
+  return stretches;
+}
+
+/// On the video's clock.
+struct VideoSpan {
+  VideoTime low{}, at{}, high{};
+};
+
+VideoSpan start_of(const MotionEnergy& energy, const Stretch& stretch) {
+  const MotionStep& step = energy.steps[stretch.first];
+  const auto length = static_cast<double>((step.end - step.begin).count());
+  const double next = stretch.first < stretch.last ? energy.steps[stretch.first + 1].energy : step.energy;
+  const double share = next > 0 ? std::clamp(step.energy / next, 0.0, 1.0) : 1.0;  // of the step, in which it moves
+  return {step.begin - microseconds{std::llround(0.33 * length)}, step.end - microseconds{std::llround(share * length)},
+          step.end};
+}
+
+VideoSpan end_of(const MotionEnergy& energy, const Stretch& stretch) {
+  const MotionStep& step = energy.steps[stretch.last];
+  const auto length = static_cast<double>((step.end - step.begin).count());
+  const double before = stretch.first < stretch.last ? energy.steps[stretch.last - 1].energy : step.energy;
+  const double share = before > 0 ? std::clamp(step.energy / before, 0.0, 1.0) : 1.0;
+  return {step.begin, step.begin + microseconds{std::llround(share * length)},
+          step.end + microseconds{std::llround(0.33 * length)}};
+}
+
+}  // namespace
+
+VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options) {
+  VideoClockFit fit;
+  const auto refuse = [&](std::string reason) {
+    fit.refused = std::move(reason);
+    return fit;
+  };
+  const std::vector<Step> steps = steps_of(energy);
+  constexpr std::size_t fewest_steps = 8;
+  if (steps.size() < fewest_steps)
+    return refuse(fmt::format("the film has {} steps from frame to frame; expected {} at least", steps.size(), fewest_steps));
+  if (seen.speed.size() < 2 || seen.step.count() <= 0) return refuse("nothing is known of what the film should have seen");
+  const Speed speed(seen);
+  if (!(speed.peak() > 0)) return refuse("nothing moves that the film should have seen");
+  if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.energy > 0; }))
+    return refuse("nothing moves in the film");
+
+  // Offsets are those of the speed's begin against the film's.
+  const double film_us = steps.back().end;
+  double from = -film_us, to = speed.length();
+  std::int64_t apart_us = 0;
+  if (__builtin_sub_overflow(us_of(seen.begin), us_of(energy.begin()), &apart_us))
+    return refuse("the two clocks lie further apart than 64 bits of microseconds");
+  if (options.coarse_offset_us) {
+    const auto coarse = static_cast<double>(saturating_subtract(*options.coarse_offset_us, apart_us));
+    const auto search = static_cast<double>(options.search.count());
+    from = std::max(from, coarse - search);
+    to = std::min(to, coarse + search);
+    if (from > to) return refuse("by the hosts' times film and recording do not overlap");
+  }
+  constexpr std::size_t most_steps = 2048;
+  const std::vector<Step> fewer = fewer_steps(steps, most_steps);
+  const double frame = static_cast<double>(std::max<std::int64_t>(energy.median_step.count(), 1));
+  const double grid = std::max(0.5 * frame, (film_us + speed.length()) / (4.0 * most_steps));
+  const Match coarse = coarse_match(fewer, speed, from, to, grid);
+  const Match match = fine_match(fewer, speed, coarse, grid);
+  fit.likeness = match.likeness;
+  fit.ambiguity = match.second > 0 ? std::min(match.likeness / match.second, no_other) : no_other;
+  if (match.likeness < options.least_likeness) {
+    return refuse(fmt::format(
+        "what moves in the film is not like what should have moved: their correlation is {:.2f} at most; expected {:.2f}",
+        std::max(match.likeness, 0.0), options.least_likeness));
+  }
+  if (fit.ambiguity < options.least_ambiguity) {
+    return refuse(fmt::format("the film matches at two places: the better is only {:.2f} times as good; expected {:.2f}",
+                              fit.ambiguity, options.least_ambiguity));
+  }
+
+  std::vector<MotionFit> motions;
+  for (const Motion& motion : motions_in(speed)) {
+    if (const std::optional<MotionFit> found = fit_motion(steps, speed, motion, match.offset, frame)) motions.push_back(*found);
+  }
+  if (motions.empty()) return refuse("the film shows neither start nor stop of what should have moved");
+  double mean = 0, lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const MotionFit& motion : motions) {
+    mean += motion.offset / static_cast<double>(motions.size());
+    for (const std::optional<double>& offset : {motion.start, motion.stop}) {
+      if (!offset) continue;
+      lowest = std::min(lowest, *offset);
+      highest = std::max(highest, *offset);
+    }
+  }
+  if (highest - lowest > options.most_disagreement_us) {
+    return refuse(fmt::format("starts and stops of motion place the film {:.0f} ms apart; expected {:.0f} ms at most",
+                              1e-3 * (highest - lowest), 1e-3 * options.most_disagreement_us));
+  }
+  const auto less_mean = [&](const std::optional<double>& offset) {
+    return offset ? std::optional(*offset - mean) : std::nullopt;
+  };
+  for (const MotionFit& motion : motions) {
+    const std::int64_t at_us = std::llround(motion.speed_time);
+    fit.anchors.push_back({.video = energy.begin() + microseconds{at_us - std::llround(motion.offset)},
+                           .camera = after(seen.begin, microseconds{at_us}),
+                           .sigma_us = motion.sigma,
+                           .start_us = less_mean(motion.start),
+                           .stop_us = less_mean(motion.stop)});
+  }
+  fit.clock = clock_from(fit.anchors, energy, seen.sigma_us, "film's motion and arm's speed");
+  return fit;
+}
+
+VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts, const VideoClockOptions& options) {
+  VideoClockFit fit;
+  const auto refuse = [&](std::string reason) {
+    fit.refused = std::move(reason);
+    return fit;
+  };
+  const std::vector<Stretch> stretches = stretches_in(energy);
+  if (stretches.empty()) return refuse("nothing moves in the film");
+  if (bursts.empty()) return refuse("the events show nothing that moves");
+
+  constexpr double anchor_sigma_us = 15'000, common_sigma_us = 10'000, apart_us = 60'000, not_same_us = 120'000;
+  struct Candidate {
+    std::int64_t offset = 0;
+    std::size_t matched = 0;
+  };
+  // The burst that ends with a motion of the film, if there is one.
+  const auto burst_for = [&](const Stretch& stretch, std::int64_t offset) {
+    const SeenBurst* best = nullptr;
+    double best_apart = apart_us;
+    const double begin = static_cast<double>(us_of(start_of(energy, stretch).at)),
+                 end = static_cast<double>(us_of(end_of(energy, stretch).at));
+    for (const SeenBurst& burst : bursts) {
+      const double end_apart = std::abs(static_cast<double>(saturating_subtract(us_of(burst.end), offset)) - end);
+      const double late_start = begin - static_cast<double>(saturating_subtract(us_of(burst.start), offset));
+      if (end_apart > best_apart || late_start > apart_us) continue;
+      best = &burst;
+      best_apart = end_apart;
+    }
+    return best;
+  };
+  std::vector<Candidate> candidates;
+  for (const Stretch& stretch : stretches) {
+    for (const SeenBurst& burst : bursts) {
+      Candidate candidate{saturating_subtract(us_of(burst.end), us_of(end_of(energy, stretch).at)), 0};
+      if (options.coarse_offset_us &&
+          std::abs(static_cast<double>(saturating_subtract(candidate.offset, *options.coarse_offset_us))) >
+              static_cast<double>(options.search.count()))
+        continue;
+      for (const Stretch& other : stretches) candidate.matched += burst_for(other, candidate.offset) != nullptr ? 1 : 0;
+      candidates.push_back(candidate);
+    }
+  }
+  const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                     [](const Candidate& a, const Candidate& b) { return a.matched < b.matched; });
+  if (best == candidates.end() || best->matched == 0) return refuse("no motion of the film ends as a burst of events does");
+  std::size_t second = 0;
+  for (const Candidate& other : candidates) {
+    if (std::abs(static_cast<double>(saturating_subtract(other.offset, best->offset))) > not_same_us)
+      second = std::max(second, other.matched);
+  }
+  fit.likeness = static_cast<double>(best->matched) / static_cast<double>(stretches.size());
+  fit.ambiguity = second > 0 ? static_cast<double>(best->matched) / static_cast<double>(second) : no_other;
+  if (fit.ambiguity < options.least_ambiguity) {
+    return refuse(
+        fmt::format("the film matches the bursts of events at two places: {} motions end with a burst at one, {} at another",
+                    best->matched, second));
+  }
+  for (const Stretch& stretch : stretches) {
+    const SeenBurst* burst = burst_for(stretch, best->offset);
+    if (burst == nullptr) continue;
+    fit.anchors.push_back(
+        {.video = end_of(energy, stretch).at, .camera = burst->end, .sigma_us = anchor_sigma_us, .start_us = {}, .stop_us = 0});
+  }
+  fit.clock = clock_from(fit.anchors, energy, common_sigma_us, "ends of the film's motions and of bursts of events");
+  return fit;
+}
+
+std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock) {
+  const double clock_us = 0.5 * static_cast<double>(saturating_subtract(clock.offset_high_us, clock.offset_low_us));
+  // The clock's error and where in its step a motion starts are independent.
+  const auto uncertain = [&](const VideoSpan& span) {
+    const auto reach = [&](microseconds own) {
+      return microseconds{std::llround(std::hypot(static_cast<double>(own.count()), clock_us))};
+    };
+    const CameraTime at = clock.relation.camera_from(span.at);
+    return UncertainTime{at, before(at, reach(span.at - span.low)), after(at, reach(span.high - span.at))};
+  };
+  std::vector<VideoMotion> motions;
+  for (const Stretch& stretch : stretches_in(energy)) {
+    VideoMotion motion{.start = uncertain(start_of(energy, stretch)),
+                       .end = uncertain(end_of(energy, stretch)),
+                       .energy = 0,
+                       .start_cut = stretch.first == 0,
+                       .end_cut = stretch.last + 1 == energy.steps.size()};
+    for (std::size_t i = stretch.first; i <= stretch.last; ++i)
+      motion.energy += energy.steps[i].energy / static_cast<double>(stretch.last - stretch.first + 1);
+    motions.push_back(motion);
+  }
+  return motions;
+}
+
+namespace {
+
+/// How far apart two intervals are; 0 where they overlap.
+microseconds apart(const UncertainTime& a, const UncertainTime& b) {
+  return std::max({between(a.high, b.low), between(b.high, a.low), 0us});
+}
+
+std::optional<UncertainTime> nearest(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds most,
+                                     UncertainTime VideoMotion::*end, bool VideoMotion::*cut) {
+  std::optional<UncertainTime> best;
+  for (const VideoMotion& motion : motions) {
+    const UncertainTime& found = motion.*end;
+    if (motion.*cut || apart(found, t) > most) continue;
+    if (!best || std::chrono::abs(between(t.at, found.at)) < std::chrono::abs(between(t.at, best->at))) best = found;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<UncertainTime> video_start_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart) {
+  return nearest(motions, t, apart, &VideoMotion::start, &VideoMotion::start_cut);
+}
+
+std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart) {
+  return nearest(motions, t, apart, &VideoMotion::end, &VideoMotion::end_cut);
+}
+
+std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClock& clock, CameraTime begin, CameraTime end) {
+  if (energy.steps.empty() || begin >= end) return std::nullopt;
+  constexpr std::int64_t longest_in_frames = 4;
+  const auto camera_from = [&](VideoTime t) { return clock.relation.camera_from(t); };
+  if (camera_from(energy.begin()) > begin || camera_from(energy.end()) < end) return std::nullopt;
+  std::optional<VideoTime> last;
+  for (const MotionStep& step : energy.steps) {
+    const CameraTime from = camera_from(last.value_or(step.begin)), to = camera_from(step.end);
+    last = step.end;
+    if (to <= begin || from >= end) continue;
+    if (to - from >= longest_in_frames * energy.median_step) return std::nullopt;
+  }
+  const std::vector<VideoMotion> motions = video_motions(energy, clock);
+  return std::any_of(motions.begin(), motions.end(),
+                     [&](const VideoMotion& motion) { return motion.start.at < end && motion.end.at > begin; });
+}
+
+}  // namespace tactile
