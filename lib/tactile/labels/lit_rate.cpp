@@ -6,6 +6,8 @@
 namespace tactile {
 namespace {
 
+constexpr std::int64_t never = std::int64_t{-1} << 40;
+
 /// By cell, how many events it had in some stretch of time.
 using CellCounts = std::vector<std::uint32_t>;
 
@@ -105,6 +107,7 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
                   .hot_pixels = rate.hot_pixels,
                   .last = std::min(rate.last, rate.begin_of(windows[i].end)),
                   .hot = {}};
+    found.repeats.resize(found.rate.counts.size());
     found.burst_begin = bursts[i].begin - windows[i].begin;
     found.burst_end = bursts[i].end - windows[i].begin;
     double quiet_events = 0, lit_count = 0;
@@ -117,9 +120,19 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
     found.lit_share = lit_count / static_cast<double>(cells.count());
     rates.push_back(std::move(found));
   }
+  // By pixel the bin and polarity of its last event: 2 * bin + on.
+  std::vector<std::int64_t> last_of(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), never);
+  const auto repeat_bins = static_cast<std::int64_t>(bins(options.repeat_within));
   for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
+    std::int64_t& last = last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size.width) +
+                                 static_cast<std::size_t>(event.x)];
+    const std::int64_t now = 2 * static_cast<std::int64_t>(bin) + event.on;
+    const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
+    last = now;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (windows[i].holds(bin) && lit[i][cells.at(event)]) ++rates[i].rate.counts[bin - windows[i].begin];
+      if (!windows[i].holds(bin) || !lit[i][cells.at(event)]) continue;
+      ++rates[i].rate.counts[bin - windows[i].begin];
+      if (repeats) ++rates[i].repeats[bin - windows[i].begin];
     }
   });
   for (LitRate& found : rates) {

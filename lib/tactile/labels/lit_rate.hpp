@@ -15,6 +15,8 @@ namespace tactile {
 /// others alone: without the rest of the image a tenth or less of the noise is left, and onsets and ends stand out.
 struct LitRate {
   EventRate rate;               ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded
+  /// How many of them repeat their pixel's last event: the same polarity, not more than `repeat_within` later.
+  std::vector<std::uint32_t> repeats;
   double quiet_per_bin = 0;     ///< of the lit cells while no burst is on anywhere
   double dispersion = 1;        ///< of that, variance per mean, >= 1
   std::size_t burst_begin = 0;  ///< in bins of `rate`
@@ -26,6 +28,7 @@ struct LitRateOptions {
   int cell_px = 8;                    ///< side of a cell; small against a marker, large enough to hold some events
   double stands_out = 5.0;            ///< [standard deviations] a lit cell has so many events above its noise, and 4 more
   microseconds margin{500'000};       ///< kept ahead of a burst and behind it
+  microseconds repeat_within{40'000};  ///< see LitRate::repeats
   microseconds quiet_margin{20'000};  ///< so near to a burst nothing counts as quiet
 };
 

@@ -112,16 +112,53 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
   return scan;
 }
 
-/// A bin's events were caused since the read-out before it, and a marker may have moved a little before the first of them.
-FoundTime found(const LitRate& lit, std::size_t best, std::size_t low, std::size_t high, const OnsetOptions& options) {
+/// A pixel that has to undo its last change is blind for a while: for as long as the first ones take, once they fire, from one
+/// event to the next. By so much a marker may have moved ahead of its first events.
+microseconds blind_ahead_of(const LitRate& lit, std::size_t onset, const OnsetOptions& options) {
+  constexpr std::uint32_t enough = 3;  // not one pixel alone, which might be noise
+  const auto most = static_cast<std::size_t>(options.longest_blind / lit.rate.bin);
+  std::uint32_t repeats = 0;
+  std::size_t i = onset;
+  for (; i < lit.repeats.size() && i < onset + most && repeats < enough; ++i) repeats += lit.repeats[i];
+  return lit.rate.bin * static_cast<std::int64_t>(i - onset);
+}
+
+/// A bin's events were caused since the read-out before it.
+FoundTime found(const LitRate& lit, const Scan& scan, const OnsetOptions& options) {
   const EventRate& rate = lit.rate;
-  FoundTime result{.time = {.at = before(rate.begin_of(best), rate.bin / 2),
-                            .low = before(rate.begin_of(low), rate.bin + options.latency),
-                            .high = after(rate.begin_of(high), rate.bin / 2)},
+  const microseconds blind = std::max(options.latency, blind_ahead_of(lit, scan.best, options));
+  FoundTime result{.time = {.at = before(rate.begin_of(scan.best), rate.bin / 2),
+                            .low = before(rate.begin_of(scan.low), rate.bin + blind),
+                            .high = after(rate.begin_of(scan.high), rate.bin / 2)},
                    .doubt = {}};
   const double width_ms = 1e-3 * static_cast<double>(between(result.time.low, result.time.high).count());
   if (width_ms > options.too_wide_ms) result.doubt = fmt::format("its onset is only known to within {:.0f} ms", width_ms);
   return result;
+}
+
+/// The first bin of what begins a slip. A few tips that spring back before the lift are a stretch of their own: behind it all is
+/// quiet for long, and it is small against what comes then.
+std::size_t slip_begin(const LitRate& lit) {
+  const auto bins = [&](microseconds span) { return static_cast<std::size_t>(std::max<std::int64_t>(1, span / lit.rate.bin)); };
+  const std::size_t width = bins(5ms), apart = bins(40ms);
+  const Sums sums(lit.rate.counts);
+  const double noise = lit.quiet_per_bin * static_cast<double>(width);
+  const double limit = noise + 4.0 * std::sqrt(lit.dispersion * noise) + 4.0;
+  struct Piece {
+    std::size_t begin, end;
+  };
+  std::vector<Piece> pieces;
+  for (std::size_t i = lit.burst_begin; i + width <= lit.burst_end; ++i) {
+    if (sums.of(i, i + width) < limit) continue;
+    if (pieces.empty() || i > pieces.back().end + apart) pieces.push_back({i, i + width});
+    pieces.back().end = i + width;
+  }
+  for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
+    const double here = sums.of(pieces[i].begin, pieces[i].end);
+    const double later = sums.of(pieces[i + 1].begin, pieces.back().end) / static_cast<double>(pieces.size() - i - 1);
+    if (here >= 0.25 * later) return pieces[i].begin;
+  }
+  return pieces.empty() ? lit.burst_begin : pieces.back().begin;
 }
 
 }  // namespace
@@ -181,24 +218,25 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
     scan.best = step.best;
     scan.high = step.high;
   }
-  return found(lit, begin + scan.best, begin + scan.low, begin + scan.high, options);
+  return found(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, options);
 }
 
 FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<UncertainTime>& lift_start) {
   const EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
-  std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.before));
+  const std::size_t first = slip_begin(lit);
+  std::size_t begin = first - std::min(first, bins(options.before));
   if (lift_start && lift_start->low > rate.begin_of(begin)) {
     const auto earliest = static_cast<std::size_t>(between(rate.begin, lift_start->low) / rate.bin);
-    begin = std::min(earliest, lit.burst_begin);
+    begin = std::min(earliest, first);
   }
 
   // Up to where the rate first has 0.3 of what it reaches: the drag is on by then, and has told all about its begin.
   const Sums all(rate.counts);
   const std::size_t width = std::max<std::size_t>(1, bins(1ms));
-  const std::size_t rise_end = std::min(rate.counts.size(), lit.burst_begin + bins(options.rise));
+  const std::size_t rise_end = std::min(rate.counts.size(), first + bins(options.rise));
   double most = 0;
-  for (std::size_t i = lit.burst_begin; i + width <= rise_end; ++i) most = std::max(most, all.of(i, i + width));
+  for (std::size_t i = first; i + width <= rise_end; ++i) most = std::max(most, all.of(i, i + width));
   std::size_t end = rise_end;
   for (std::size_t i = begin; i + width <= rise_end; ++i) {
     if (all.of(i, i + width) < 0.3 * most) continue;
@@ -214,6 +252,7 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   const double dragged = 0.3 * most / static_cast<double>(width);
 
   std::vector<double> plain(n), ringing(n, minus_infinity);
+  std::vector<std::size_t> rung_from(n);
   const std::size_t step = width;
   for (std::size_t tau = 0; tau < n; ++tau) {
     const double ahead = log_likelihood_of(sums.of(0, tau), static_cast<double>(tau), quiet);
@@ -232,6 +271,7 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
       }
       if (here > best_ahead) {
         best_ahead = here;
+        rung_from[tau] = rho;
         level = slope * m;
       }
     }
@@ -246,7 +286,18 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
     chosen.low = std::min(scan.low, rung.low);
     chosen.high = std::max(scan.high, rung.high);
   }
-  return found(lit, begin + chosen.best, begin + chosen.low, begin + chosen.high, options);
+  // Ringing that has a good part of what follows may be a drag that began slowly.
+  if (chosen.best == rung.best && gain > 0) {
+    const std::size_t gap = width / 5;
+    const auto mean = [&](std::size_t from, std::size_t to) {
+      return to > from && to <= rate.counts.size() ? all.of(from, to) / static_cast<double>(to - from) : 0.0;
+    };
+    const std::size_t at = begin + chosen.best;
+    const double ahead = mean(at - std::min(at, width + gap), at - std::min(at, gap)) - quiet;
+    const double behind = mean(at + 3 * width, at + 5 * width) - quiet;
+    if (ahead > 0.1 * behind) chosen.low = std::min(chosen.low, rung_from[rung.best]);
+  }
+  return found(lit, {begin + chosen.best, begin + chosen.low, begin + chosen.high}, options);
 }
 
 }  // namespace tactile

@@ -19,7 +19,8 @@ struct OnsetOptions {
   microseconds before{60'000};          ///< a slip is searched for so far ahead of where its burst begins
   microseconds first_contact{300'000};  ///< and a first, weak contact so far ahead of a press's
   microseconds rise{150'000};           ///< the rate that a touch reaches is that of so much time from there on
-  microseconds latency{400};            ///< a marker may have moved so long before its first event
+  microseconds latency{400};            ///< a marker may have moved so long before its first event, at least
+  microseconds longest_blind{15'000};  ///< and at most
   double too_wide_ms = 20.0;            ///< doubtful if the interval is wider than this
 };
 

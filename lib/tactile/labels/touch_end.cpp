@@ -1,0 +1,237 @@
+#include "tactile/labels/touch_end.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace tactile {
+namespace {
+
+constexpr double half_chi2 = 1.92;
+
+/// The rate in steps of a whole number of bins, from the onset on, in events per step.
+struct Steps {
+  CameraTime begin{};
+  microseconds step{};
+  std::vector<double> events;
+  double quiet = 0;  ///< per step
+
+  CameraTime time_of(double index) const {
+    return after(begin, microseconds{std::llround(index * static_cast<double>(step.count()))});
+  }
+  std::size_t in(microseconds span) const {
+    return static_cast<std::size_t>(std::max<std::int64_t>(1, (span.count() + step.count() / 2) / step.count()));
+  }
+};
+
+Steps steps_from(const LitRate& lit, CameraTime onset, microseconds wanted) {
+  const EventRate& rate = lit.rate;
+  const std::int64_t per_step = std::max<std::int64_t>(1, wanted / rate.bin);
+  const auto first = static_cast<std::size_t>(std::clamp<std::int64_t>(
+      between(rate.begin, onset) / rate.bin, 0, static_cast<std::int64_t>(rate.counts.size())));
+  // Events of a read-out were caused since the one before it.
+  Steps steps{.begin = before(rate.begin_of(first), rate.bin / 2),
+              .step = rate.bin * per_step,
+              .events = {},
+              .quiet = lit.quiet_per_bin * static_cast<double>(per_step)};
+  const auto n = static_cast<std::size_t>(per_step);
+  for (std::size_t i = first; i + n <= rate.counts.size(); i += n) {
+    double sum = 0;
+    for (std::size_t k = i; k < i + n; ++k) sum += rate.counts[k];
+    steps.events.push_back(sum);
+  }
+  return steps;
+}
+
+/// Means over `width` steps centred on each.
+std::vector<double> smoothed(const std::vector<double>& events, std::size_t width) {
+  const std::size_t n = events.size();
+  std::vector<double> until(n + 1), means(n);
+  for (std::size_t i = 0; i < n; ++i) until[i + 1] = until[i] + events[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t begin = i - std::min(i, width / 2), end = std::min(n, i + width - width / 2);
+    means[i] = (until[end] - until[begin]) / static_cast<double>(end - begin);
+  }
+  return means;
+}
+
+/// The first step of the first stretch of `still` in which `rates` stays below `limit`, from `begin` on.
+std::size_t still_from(const std::vector<double>& rates, std::size_t begin, double limit, std::size_t still) {
+  std::size_t since = begin;
+  for (std::size_t i = begin; i < rates.size(); ++i) {
+    if (rates[i] >= limit) since = i + 1;
+    if (i + 1 >= since + still) break;
+  }
+  return std::min(since, rates.size());
+}
+
+double least_limit(const Steps& steps, double dispersion, std::size_t width, double deviations) {
+  const double n = static_cast<double>(width);
+  return deviations * std::sqrt(dispersion * std::max(steps.quiet, 0.5 / n) / n) + 0.5 / n;
+}
+
+void check_width(FoundTime& end, const EndOptions& options) {
+  const double width_ms = 1e-3 * static_cast<double>(between(end.time.low, end.time.high).count());
+  if (width_ms > options.too_wide_ms && end.doubt.empty())
+    end.doubt = fmt::format("its end is only known to within {:.0f} ms", width_ms);
+}
+
+/// The best z + g shape for given shapes, both >= 0, by expectation maximisation, which keeps them so.
+double best_mix(std::span<const double> events, std::span<const double> shape, double& z, double& g) {
+  double shape_sum = 0;
+  for (const double s : shape) shape_sum += s;
+  const auto n = static_cast<double>(events.size());
+  double likelihood = -std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 40; ++round) {
+    double to_z = 0, to_g = 0, now = -z * n - g * shape_sum;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      if (!(events[i] > 0)) continue;
+      const double rate = z + g * shape[i];
+      now += events[i] * std::log(rate);
+      to_z += events[i] * z / rate;
+      to_g += events[i] * g * shape[i] / rate;
+    }
+    if (now - likelihood < 1e-3) return now;
+    likelihood = now;
+    z = std::max(1e-6, to_z / n);
+    g = shape_sum > 0 ? std::max(1e-12, to_g / shape_sum) : 0.0;
+  }
+  return likelihood;
+}
+
+}  // namespace
+
+FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
+  const Steps steps = steps_from(lit, onset.at, 1ms);
+  const std::vector<double> rates = smoothed(steps.events, steps.in(5ms));
+  const CameraTime burst_end = lit.rate.begin_of(lit.burst_end);
+  const auto whole = static_cast<std::size_t>(std::max<std::int64_t>(0, between(steps.begin, burst_end) / steps.step));
+  const std::size_t searched = std::min(rates.size(), whole + steps.in(50ms));
+  if (searched < 3) {
+    return {.time = {.at = std::max(onset.at, burst_end), .low = onset.at, .high = std::max(onset.at, burst_end)},
+            .doubt = "its end cannot be told from its onset"};
+  }
+  // Where the rate first stays near the noise for as long as a press's end asks for.
+  double peak = 0;
+  std::size_t peak_at = 0;
+  std::size_t faded = 0;
+  for (int round = 0; round < 3; ++round) {
+    // A micro-slip behind the still hold is no part of it: the peak is that of the motion ahead of the first stillness.
+    const std::size_t until = round == 0 ? searched : std::max<std::size_t>(faded, 1);
+    const auto top = std::max_element(rates.begin(), rates.begin() + static_cast<std::ptrdiff_t>(until));
+    peak_at = static_cast<std::size_t>(top - rates.begin());
+    peak = std::max(1e-6, *top - steps.quiet);
+    const double limit = steps.quiet + std::max(0.04 * peak, least_limit(steps, lit.dispersion, steps.in(5ms), 3.0));
+    // Some first contacts are weak and pause: stillness counts once a tenth of the peak has been reached.
+    std::size_t from = 0;
+    while (from < until && rates[from] < steps.quiet + 0.1 * peak) ++from;
+    faded = still_from(rates, std::min(from, searched), limit, steps.in(options.press_still));
+    if (faded > peak_at) break;
+  }
+  faded = std::min(faded, searched);
+
+  // The decline's last half, or from where it last has 0.6 of its peak.
+  std::size_t first = faded;
+  while (first > 0 && rates[first - 1] < steps.quiet + 0.6 * peak) --first;
+  first = std::max(first, faded / 2);
+  const std::size_t last = std::min(steps.events.size(), faded + steps.in(40ms));
+  const std::span<const double> events(steps.events.data() + first, last - first);
+  const auto fade = static_cast<double>(faded - first);
+
+  // A marker that goes aside fast and is touched late sets the peak speed later than the onset, and lower: 1 % of it is 0.5 % to
+  // 1 % of the stage's speed at the onset.
+  const auto end_of = [&](double whole_press, double power, double of_onset_speed) {
+    return whole_press * (1.0 - std::pow(of_onset_speed * options.still_share, 1.0 / power));
+  };
+  struct Fit {
+    double whole_press = 0, power = 1, log_likelihood = 0;
+  };
+  std::vector<Fit> fits;
+  Fit best{.whole_press = static_cast<double>(faded), .power = 1, .log_likelihood = -std::numeric_limits<double>::infinity()};
+  double best_z = 0, best_chi2 = 0;
+  std::vector<double> shape(events.size());
+  for (double power = 0.3; power <= 3.01; power *= 1.12) {
+    double z = std::max(steps.quiet, 0.05), g = peak / std::pow(std::max(fade, 1.0), power);
+    for (double still = std::max(2.0, fade - 15.0); still <= std::min(fade + 25.0, static_cast<double>(events.size())); still += 0.5) {
+      for (std::size_t i = 0; i < shape.size(); ++i) {
+        const double left = still - (static_cast<double>(i) + 0.5);
+        shape[i] = left > 0 ? std::pow(left, power) : 0.0;
+      }
+      const double likelihood = best_mix(events, shape, z, g);
+      fits.push_back({.whole_press = still + static_cast<double>(first), .power = power, .log_likelihood = likelihood});
+      if (likelihood > best.log_likelihood) {
+        best = fits.back();
+        best_z = z;
+        best_chi2 = 0;
+        for (std::size_t i = 0; i < events.size(); ++i) {
+          const double rate = z + g * shape[i];
+          best_chi2 += (events[i] - rate) * (events[i] - rate) / std::max(rate, 0.5);
+        }
+      }
+    }
+  }
+  const double freedom = std::max(1.0, static_cast<double>(events.size()) - 4.0);
+  const double dispersion = std::max({1.0, lit.dispersion, best_chi2 / freedom});
+  const double at = end_of(best.whole_press, best.power, 0.8);
+  double low = at, high = at;
+  for (const Fit& fit : fits) {
+    if (fit.log_likelihood < best.log_likelihood - half_chi2 * dispersion) continue;
+    low = std::min(low, end_of(fit.whole_press, fit.power, 1.0));
+    high = std::max(high, end_of(fit.whole_press, fit.power, 0.5));
+  }
+  FoundTime end{.time = {.at = steps.time_of(at),
+                         .low = before(steps.time_of(low), options.least_error),
+                         .high = after(steps.time_of(high), options.least_error)},
+                .doubt = {}};
+  if (best_z - steps.quiet > 0.8 * options.still_share * peak) {
+    end.doubt = "its tips creep on at about 1 % of their peak speed";
+    end.time.high = std::max(end.time.high, burst_end);
+  }
+  if (faded >= searched) end.doubt = "it does not come to rest before the next motion";
+  end.time.at = std::max(end.time.at, onset.at);
+  end.time.low = std::max(end.time.low, onset.low);
+  end.time.high = std::max(end.time.high, end.time.at);
+  check_width(end, options);
+  return end;
+}
+
+FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
+  const Steps steps = steps_from(lit, onset.at, 400us);
+  const std::vector<double> rates = smoothed(steps.events, steps.in(3ms));
+  const CameraTime burst_end = lit.rate.begin_of(lit.burst_end);
+  const auto whole = std::min(
+      rates.size(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(steps.begin, burst_end) / steps.step)) + 1);
+  if (whole < 3) {
+    return {.time = {.at = std::max(onset.at, burst_end), .low = onset.at, .high = std::max(onset.at, burst_end)},
+            .doubt = "its end cannot be told from its onset"};
+  }
+  const double peak =
+      std::max(1e-6, *std::max_element(rates.begin(), rates.begin() + static_cast<std::ptrdiff_t>(whole)) - steps.quiet);
+  const double visible = std::max(options.still_share * peak, least_limit(steps, lit.dispersion, steps.in(3ms), 2.0));
+  // Until then the tips are seen to move; what goes on afterwards is fainter, or somebody else's.
+  const std::size_t seen = std::max<std::size_t>(
+      1, std::min(still_from(rates, 0, steps.quiet + visible, steps.in(options.slip_still)), rates.size()));
+  const std::size_t from = seen - std::min(seen, steps.in(20ms));
+  const auto top = std::max_element(rates.begin() + static_cast<std::ptrdiff_t>(from), rates.begin() + static_cast<std::ptrdiff_t>(seen));
+  const double fade_steps = static_cast<double>(seen) - static_cast<double>(top - rates.begin());
+  const double tau = fade_steps / std::log(std::max(1.5, (*top - steps.quiet) / visible));
+  const auto at = [&](double steps_later, microseconds shift) {
+    return after(steps.time_of(static_cast<double>(seen) + steps_later), shift);
+  };
+  FoundTime end{.time = {.at = at(3.0 * tau, 0us), .low = at(0.0, -9ms), .high = at(5.0 * tau, 20ms)}, .doubt = {}};
+  // A long, weak tail may be the arm's ringing where it stops, which is nobody's, or a surface that still runs past.
+  std::size_t strong = seen;
+  while (strong > 1 && rates[strong - 1] < steps.quiet + std::max(0.1 * peak, visible)) --strong;
+  if (seen - strong > steps.in(60ms)) end.time.low = std::min(end.time.low, steps.time_of(static_cast<double>(strong)));
+  if (seen >= rates.size()) end.doubt = "the recording ends before it does";
+  end.time.low = std::max(end.time.low, onset.low);
+  end.time.at = std::max(end.time.at, onset.at);
+  end.time.high = std::max(end.time.high, end.time.at);
+  check_width(end, options);
+  return end;
+}
+
+}  // namespace tactile
