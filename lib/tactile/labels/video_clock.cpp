@@ -65,11 +65,10 @@ class Speed {
   const std::vector<double>& values() const { return values_; }
   double step() const { return step_; }
 
-  /// The integral of its square over a stretch, by its values alone.
-  double power(double begin, double end) const {
+  /// The integral of its square.
+  double power() const {
     double sum = 0;
-    const auto first = static_cast<std::size_t>(std::ceil(std::max(begin, 0.0) / step_));
-    for (std::size_t i = first; i < values_.size() && static_cast<double>(i) * step_ <= end; ++i) sum += values_[i] * values_[i];
+    for (const double value : values_) sum += step_ * value * value;
     return sum;
   }
 
@@ -86,17 +85,20 @@ class Speed {
   double peak_ = 0;
 };
 
-/// Their correlation if a time of the film is so much less than that of the speed: -1 to 1; -1 where they share too little.
-double likeness(const std::vector<Step>& steps, const Speed& speed, double whole_power, double offset) {
-  constexpr double least_power = 0.5;  // of the speed's, within the film
+/// How alike they are if a time of the film is so much less than that of the speed.
+struct Likeness {
+  double correlation = -1;  ///< over what they share, -1 to 1
+  double score = -1;        ///< that, less where much of the film's energy, or of the speed, lies beyond the other's end
+};
+
+Likeness likeness(const std::vector<Step>& steps, const Speed& speed, double whole_power, double offset) {
   constexpr int fewest_steps = 6;
-  if (steps.empty() || speed.power(steps.front().begin + offset, steps.back().end + offset) < least_power * whole_power)
-    return -1;
-  double n = 0, w_sum = 0, e_sum = 0, v_sum = 0, ee = 0, vv = 0, ev = 0;
+  double n = 0, w_sum = 0, e_sum = 0, v_sum = 0, ee = 0, vv = 0, ev = 0, whole_ee = 0;
   for (const Step& step : steps) {
-    const double begin = step.begin + offset, end = step.end + offset;
+    const double begin = step.begin + offset, end = step.end + offset, w = step.length(), e = step.energy;
+    whole_ee += w * e * e;
     if (!speed.knows(begin, end)) continue;
-    const double w = step.length(), e = step.energy, v = speed.mean(begin, end);
+    const double v = speed.mean(begin, end);
     n += 1;
     w_sum += w;
     e_sum += w * e;
@@ -105,20 +107,23 @@ double likeness(const std::vector<Step>& steps, const Speed& speed, double whole
     vv += w * v * v;
     ev += w * e * v;
   }
-  if (n < fewest_steps) return -1;
   const double spread = (w_sum * ee - e_sum * e_sum) * (w_sum * vv - v_sum * v_sum);
-  return spread > 0 ? (w_sum * ev - e_sum * v_sum) / std::sqrt(spread) : -1;
+  if (n < fewest_steps || !(spread > 0)) return {};
+  const double correlation = (w_sum * ev - e_sum * v_sum) / std::sqrt(spread);
+  return {correlation, correlation * std::sqrt(std::min(1.0, vv / whole_power) * (ee / whole_ee))};
 }
 
 struct Match {
-  double offset = 0, likeness = -1, second = 0;
+  double offset = 0;
+  Likeness found;
+  double second = 0;  ///< the best score that is not of the same peak
 };
 
-/// The best place on a grid, and the likeness of the best that is not of the same peak.
+/// The best place on a grid.
 Match coarse_match(const std::vector<Step>& steps, const Speed& speed, double from, double to, double grid) {
-  const double whole_power = speed.power(0, speed.length());
+  const double whole_power = speed.power();
   std::vector<double> found;
-  for (double offset = from; offset <= to; offset += grid) found.push_back(likeness(steps, speed, whole_power, offset));
+  for (double offset = from; offset <= to; offset += grid) found.push_back(likeness(steps, speed, whole_power, offset).score);
   if (found.empty()) return {};
   const auto best = std::max_element(found.begin(), found.end());
   // The peak reaches to where half of it is left.
@@ -131,7 +136,8 @@ Match coarse_match(const std::vector<Step>& steps, const Speed& speed, double fr
         (other == found.begin() || *(other - 1) <= *other) && (other + 1 == found.end() || *(other + 1) <= *other);
     if ((other < left || other > right) && is_peak) second = std::max(second, *other);
   }
-  return {from + grid * static_cast<double>(best - found.begin()), *best, second};
+  const double offset = from + grid * static_cast<double>(best - found.begin());
+  return {offset, likeness(steps, speed, whole_power, offset), second};
 }
 
 /// Where a function that is known at -1, 0, 1 has its extreme, by a parabola: -1 to 1.
@@ -141,22 +147,22 @@ double extreme_of(double before, double at, double after) {
 }
 
 Match fine_match(const std::vector<Step>& steps, const Speed& speed, const Match& coarse, double grid) {
-  const double whole_power = speed.power(0, speed.length());
+  const double whole_power = speed.power();
   Match match = coarse;
   double reach = grid;
   while (reach > 1'000) {
     const double fine = std::max(reach / 16, 1'000.0), around = match.offset;
     for (double offset = around - reach; offset <= around + reach; offset += fine) {
-      const double found = likeness(steps, speed, whole_power, offset);
-      if (found > match.likeness) {
-        match.likeness = found;
+      const Likeness found = likeness(steps, speed, whole_power, offset);
+      if (found.score > match.found.score) {
+        match.found = found;
         match.offset = offset;
       }
     }
     if (fine <= 1'000) break;
     reach = 2 * fine;
   }
-  const auto at = [&](double offset) { return likeness(steps, speed, whole_power, offset); };
+  const auto at = [&](double offset) { return likeness(steps, speed, whole_power, offset).score; };
   match.offset += 1'000 * extreme_of(at(match.offset - 1'000), at(match.offset), at(match.offset + 1'000));
   return match;
 }
@@ -347,7 +353,7 @@ double size_of(const MotionStep& step, double noise) {
 }
 
 std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
-  constexpr double enter = 8.0, leave = 2.5;
+  constexpr double enter = 10.0, leave = 2.5;
   constexpr std::size_t merge = 2;  // steps
   std::vector<Stretch> stretches;
   const std::vector<MotionStep>& steps = energy.steps;
@@ -359,7 +365,7 @@ std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
     const std::size_t begin = i;
     double largest = 0;
     for (; i < steps.size() && size_of(steps[i], energy.noise) >= leave; ++i)
-      largest = std::max(largest, size_of(steps[i], energy.noise));
+      if (!steps[i].brightness) largest = std::max(largest, size_of(steps[i], energy.noise));
     if (largest < enter) continue;
     if (!stretches.empty() && begin - stretches.back().last <= merge + 1) {
       stretches.back().last = i - 1;
@@ -375,23 +381,118 @@ struct VideoSpan {
   VideoTime low{}, at{}, high{};
 };
 
-VideoSpan start_of(const MotionEnergy& energy, const Stretch& stretch) {
-  const MotionStep& step = energy.steps[stretch.first];
-  const auto length = static_cast<double>((step.end - step.begin).count());
-  const double next = stretch.first < stretch.last ? energy.steps[stretch.first + 1].energy : step.energy;
-  const double share = next > 0 ? std::clamp(step.energy / next, 0.0, 1.0) : 1.0;  // of the step, in which it moves
-  return {step.begin - microseconds{std::llround(0.33 * length)}, step.end - microseconds{std::llround(share * length)},
-          step.end};
+/// The steps at one end of a stretch, in microseconds into the motion from the outermost boundary between what rests and moves.
+struct Edge {
+  VideoTime origin{};
+  double sign = 1;          ///< 1 at a start; -1 at an end, where time runs backwards
+  std::vector<Step> steps;  ///< ascending
+  double length = 0;        ///< of the outermost step that moves
+  double unseen = 0;        ///< share of the usual speed at which too little changes in a step to be seen
+};
+
+/// Some steps that rest, those in which it gets faster, and two more.
+Edge edge_of(const MotionEnergy& energy, const Stretch& stretch, bool is_start) {
+  constexpr std::size_t at_rest = 3, at_speed = 2;
+  constexpr double fast = 0.8;
+  const std::vector<MotionStep>& steps = energy.steps;
+  const auto usual_of = [&](double MotionStep::*value) {
+    std::vector<double> values;
+    for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(steps[i].*value);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const double usual = usual_of(&MotionStep::energy);
+
+  Edge edge;
+  edge.unseen = std::min(1.0, energy.threshold / std::max(usual_of(&MotionStep::strongest), energy.threshold));
+  edge.sign = is_start ? 1 : -1;
+  edge.origin = is_start ? steps[stretch.first].begin : steps[stretch.last].end;
+  const std::size_t count = stretch.last - stretch.first + 1;
+  const auto outermost = static_cast<std::ptrdiff_t>(is_start ? stretch.first : stretch.last);
+  const std::ptrdiff_t inwards = is_start ? 1 : -1;
+  const auto add = [&](std::ptrdiff_t k) {
+    const MotionStep& step = steps[static_cast<std::size_t>(outermost + inwards * k)];
+    const double one = edge.sign * static_cast<double>((step.begin - edge.origin).count());
+    const double other = edge.sign * static_cast<double>((step.end - edge.origin).count());
+    edge.steps.push_back({std::min(one, other), std::max(one, other), step.energy});
+  };
+  for (auto k = -static_cast<std::ptrdiff_t>(at_rest); k < 0; ++k) {
+    const std::ptrdiff_t i = outermost + inwards * k;
+    if (i >= 0 && i < static_cast<std::ptrdiff_t>(steps.size())) add(k);
+  }
+  std::size_t fast_steps = 0;
+  for (std::size_t k = 0; k < count && fast_steps <= at_speed; ++k) {
+    add(static_cast<std::ptrdiff_t>(k));
+    if (k == 0) edge.length = edge.steps.back().length();
+    if (edge.steps.back().energy >= fast * usual || fast_steps > 0) ++fast_steps;
+  }
+  return edge;
 }
 
-VideoSpan end_of(const MotionEnergy& energy, const Stretch& stretch) {
-  const MotionStep& step = energy.steps[stretch.last];
-  const auto length = static_cast<double>((step.end - step.begin).count());
-  const double before = stretch.first < stretch.last ? energy.steps[stretch.last - 1].energy : step.energy;
-  const double share = before > 0 ? std::clamp(step.energy / before, 0.0, 1.0) : 1.0;
-  return {step.begin, step.begin + microseconds{std::llround(share * length)},
-          step.end + microseconds{std::llround(0.33 * length)}};
+/// The mean over [begin, end] of a speed that is 0 until `onset`, grows evenly for `ramp`, and is 1 from then on.
+double mean_of_ramp(double begin, double end, double onset, double ramp) {
+  const auto way = [&](double t) {
+    const double u = t - onset;
+    if (u <= 0) return 0.0;
+    return u < ramp ? 0.5 * u * u / ramp : u - 0.5 * ramp;
+  };
+  return (way(end) - way(begin)) / (end - begin);
 }
+
+/// When a motion starts, or ends, going backwards: from rest it gets faster evenly until it moves as it then does. The best fit,
+/// and what fits nearly as well.
+VideoSpan span_of(const MotionEnergy& energy, const Stretch& stretch, bool is_start) {
+  constexpr double grid = 1'000, ramp_grid = 8'000, longest_ramp = 320'000;
+  constexpr double usual_misfit = 0.05;  // of the speed
+  constexpr double within_95 = 3.84;
+  const Edge edge = edge_of(energy, stretch, is_start);
+  const double frame = static_cast<double>(std::max<std::int64_t>(energy.median_step.count(), 1));
+  const double earliest = -1.5 * frame, latest = edge.length;
+  std::vector<double> left;  // the least over all ramps
+  double all_least = std::numeric_limits<double>::infinity(), best_onset = 0, best_ramp = 0, best_amplitude = 0;
+  for (double onset = earliest; onset <= latest; onset += grid) {
+    double least = std::numeric_limits<double>::infinity();
+    for (double ramp = 0; ramp <= longest_ramp; ramp += ramp_grid) {
+      double ee = 0, em = 0, mm = 0;
+      for (const Step& step : edge.steps) {
+        const double m = mean_of_ramp(step.begin, step.end, onset, ramp);
+        ee += step.energy * step.energy;
+        em += step.energy * m;
+        mm += m * m;
+      }
+      if (!(em > 0)) continue;
+      const double rest = ee - em * em / mm;
+      least = std::min(least, rest);
+      if (rest < all_least) {
+        all_least = rest;
+        best_onset = onset;
+        best_ramp = ramp;
+        best_amplitude = em / mm;
+      }
+    }
+    left.push_back(least);
+  }
+  const double noise = 1e6 * energy.noise / frame;
+  const auto freedom = static_cast<double>(std::max<std::size_t>(edge.steps.size(), 4) - 3);
+  const double variance = std::max({all_least / freedom, noise * noise, std::pow(usual_misfit * best_amplitude, 2)});
+  double low = best_onset, high = best_onset;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (left[i] > all_least + within_95 * variance) continue;
+    low = std::min(low, earliest + grid * static_cast<double>(i));
+    high = std::max(high, earliest + grid * static_cast<double>(i));
+  }
+  // What is too slow to be seen comes before: of a step, and of the time in which it gets faster. Mostly less than half of it.
+  constexpr double usual_share = 0.4;
+  const double unseen = edge.unseen * (frame + best_ramp);
+  best_onset -= usual_share * unseen;
+  low -= unseen;
+  const auto time_of = [&](double t) { return edge.origin + microseconds{std::llround(edge.sign * t)}; };
+  return {time_of(is_start ? low : high), time_of(best_onset), time_of(is_start ? high : low)};
+}
+
+VideoSpan start_of(const MotionEnergy& energy, const Stretch& stretch) { return span_of(energy, stretch, true); }
+VideoSpan end_of(const MotionEnergy& energy, const Stretch& stretch) { return span_of(energy, stretch, false); }
 
 }  // namespace
 
@@ -430,12 +531,12 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen
   const double grid = std::max(0.5 * frame, (film_us + speed.length()) / (4.0 * most_steps));
   const Match coarse = coarse_match(fewer, speed, from, to, grid);
   const Match match = fine_match(fewer, speed, coarse, grid);
-  fit.likeness = match.likeness;
-  fit.ambiguity = match.second > 0 ? std::min(match.likeness / match.second, no_other) : no_other;
-  if (match.likeness < options.least_likeness) {
+  fit.likeness = match.found.correlation;
+  fit.ambiguity = match.second > 0 ? std::min(match.found.score / match.second, no_other) : no_other;
+  if (fit.likeness < options.least_likeness) {
     return refuse(fmt::format(
         "what moves in the film is not like what should have moved: their correlation is {:.2f} at most; expected {:.2f}",
-        std::max(match.likeness, 0.0), options.least_likeness));
+        std::max(fit.likeness, 0.0), options.least_likeness));
   }
   if (fit.ambiguity < options.least_ambiguity) {
     return refuse(fmt::format("the film matches at two places: the better is only {:.2f} times as good; expected {:.2f}",

@@ -79,7 +79,7 @@ struct VideoMotion {
   bool end_cut = false;    ///< likewise in its last
 };
 
-/// All of them, by time: from a step of eight standard deviations of the film's noise out to where less than two and a half are
+/// All of them, by time: from a step of ten standard deviations of the film's noise out to where less than two and a half are
 /// left, over up to two steps that show nothing.
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock);
 

@@ -36,7 +36,7 @@ constexpr AVRational microsecond{1, 1'000'000};
 // Of a pixel's change: thresholds a fourth of an octave apart from half a grey level on.
 constexpr std::size_t threshold_count = 28;
 constexpr double least_threshold = 1.0;  // [grey levels] coders change still pixels by less
-constexpr double threshold_per_noise = 1.75;
+constexpr double threshold_per_noise = 1.5;
 constexpr double share_of_noise = 0.99;         // of the pixels are still in a quiet step
 constexpr microseconds longest_repeat = 150ms;  // frames that repeat one for longer show that nothing moves
 
@@ -443,9 +443,18 @@ struct FilmFrame {
   std::optional<std::int64_t> us;  ///< by the container
   bool compared = false;           ///< the first of its size has nothing to be compared with
   Difference difference;
+  bool key = false;  ///< it was coded by itself
 };
 
 // From differences to energy
+
+/// The highest threshold above which a tenth of the change lies.
+double strongest_of(const Difference& difference, std::size_t level) {
+  constexpr float share = 0.1F;
+  std::size_t i = level;
+  while (i + 1 < threshold_count && difference.above[i + 1] > share * difference.above[level]) ++i;
+  return difference.above[level] > 0 ? threshold_at(i) : 0.0;
+}
 
 struct QuietSteps {
   double median = 0, deviation = 0;
@@ -528,6 +537,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
       FilmFrame& added = frames.emplace_back();
       added.index = frames.size() - 1;
       added.us = film.time_of(*frame);
+      added.key = frame->pict_type == AV_PICTURE_TYPE_I;
       added.compared = before.width == now.width && before.height == now.height;
       if (added.compared) added.difference = differences->between_frames(before, now, region);
       std::swap(before, now);
@@ -551,12 +561,16 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
         std::count_if(frames.begin(), frames.end(), [&](const FilmFrame& frame) { return frame.index >= rows.size(); }));
   }
 
-  std::vector<double> noises;
-  for (const FilmFrame& frame : frames) {
-    if (frame.compared && !frame.difference.same) noises.push_back(frame.difference.noise);
+  // Steps to and from a key frame have a noise of their own, and may be all there are.
+  std::vector<double> noises, key_noises;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const FilmFrame& frame = frames[i];
     energy.exposure_steps += frame.difference.brightness ? 1 : 0;
+    if (frame.compared && !frame.difference.same)
+      (frame.key || frames[i - 1].key ? key_noises : noises).push_back(frame.difference.noise);
   }
-  const double wanted = std::max(least_threshold, threshold_per_noise * quantile_of(noises, 0.25));
+  const double wanted = std::max(least_threshold, threshold_per_noise * std::max(quantile_of(std::move(noises), 0.25),
+                                                                                 quantile_of(std::move(key_noises), 0.25)));
   std::size_t level = 0;
   while (level + 1 < threshold_count && threshold_at(level) < wanted) ++level;
   energy.threshold = threshold_at(level);
@@ -572,13 +586,15 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   const std::vector<bool> duplicates = duplicates_among(frames);
   const std::vector<std::optional<VideoTime>> times = times_of(frames, rows, container_times);
   std::optional<VideoTime> last;
-  double change = 0;
-  bool joined = true;
+  double change = 0, strongest = 0;
+  bool joined = true, brightness = false;
   std::vector<double> lengths;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const FilmFrame& frame = frames[i];
     change += std::max(0.0, frame.difference.above[level] - quiet.median);
+    strongest = std::max(strongest, strongest_of(frame.difference, level));
     joined = joined && frame.compared;
+    brightness = brightness || frame.difference.brightness;
     if (duplicates[i]) {
       ++energy.duplicates;
       continue;
@@ -590,7 +606,8 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
     if (last) {
       const microseconds length = *times[i] - *last;
       if (length > longest_film) film.refuse_length();
-      if (joined) energy.steps.push_back({*last, *times[i], 1e6 * change / static_cast<double>(length.count())});
+      if (joined)
+        energy.steps.push_back({*last, *times[i], 1e6 * change / static_cast<double>(length.count()), strongest, brightness});
       lengths.push_back(static_cast<double>(length.count()));
       if (length > energy.longest_gap) {
         energy.longest_gap = length;
@@ -598,8 +615,9 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
       }
     }
     last = times[i];
-    change = 0;
+    change = strongest = 0;
     joined = true;
+    brightness = false;
   }
   energy.median_step = microseconds{std::llround(quantile_of(std::move(lengths), 0.5))};
   return energy;

@@ -19,7 +19,9 @@ struct MotionEnergyOptions {
 /// From one frame to the next that differs from it.
 struct MotionStep {
   VideoTime begin{}, end{};  ///< the two frames' times, begin < end
-  double energy = 0;         ///< mean change of a pixel that moved, per time, above the film's own noise [grey levels/s], >= 0
+  double energy = 0;         ///< mean change of the pixels by motion, per time, above the film's own noise [grey levels/s], >= 0
+  double strongest = 0;      ///< the pixels that changed by more than this make a tenth of it [grey levels]
+  bool brightness = false;   ///< the whole picture became brighter or darker, which may have left a little energy
 
   VideoTime middle() const { return begin + (end - begin) / 2; }  ///< what `energy` is stamped with
 };
@@ -51,10 +53,10 @@ struct MotionEnergy {
 ///   s_k = mean over pixels of |d_k| where |d_k| > T, else 0,   d_k = I_k - (a I_(k-1) + b),
 ///   energy_k = max(0, s_k - floor) / (t_k - t_(k-1))
 ///
-/// T is 1.5 times what 99 % of the pixels stay below in a quiet step: noise, and the coder's key frames, change every pixel a
-/// little, an edge that moves changes few of them much. `floor` is the median of s over quiet steps. For motions of less than an
-/// object's size s is proportional to the way it has gone. One thread, all frames in their order; memory follows the frames'
-/// count, 150 B for each.
+/// T is 1.5 times what 99 % of the pixels stay below in a quiet step, one with the coder's key frames if those are louder: noise
+/// and coding change every pixel a little, an edge that moves changes few of them much. `floor` is the median of s over quiet
+/// steps. For motions of less than an object's size s is proportional to the way it has gone. One thread, all frames in their
+/// order; memory follows the frames' count, 150 B for each.
 ///
 /// @param film   any file that libavformat reads: MP4, MKV, AVI, of any rate
 /// @param times  of the film's frames, by `video.csv`: they are the video's clock, and the frame of row i is the file's i-th,
