@@ -3,16 +3,21 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <functional>
 #include <mutex>
+#include <opencv2/core/types.hpp>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "label_tables.hpp"
+#include "labelled_run.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/labels/label_run.hpp"
-#include "tactile/labels/truth_comparison.hpp"
-#include "text_table.hpp"
+#include "tactile/report/run_picture.hpp"
+#include "truth_tables.hpp"
 
 namespace tactile {
 namespace {
@@ -23,7 +28,39 @@ struct LabelArguments {
   std::vector<std::string> places{"data"};
   bool compare_truth = false;
   bool force = false;
+  bool summary = false;
+  bool strict = false;
+  bool no_pictures = false;
+  std::string roi;
 };
+
+constexpr int widest_film = 8192;  // [px]
+
+/// "x,y,width,height" as a part of a picture; nothing if it is none.
+std::optional<cv::Rect> region_in(std::string_view text) {
+  std::array<int, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    const auto number = whole_number_in(text.substr(0, end));
+    const bool is_last = i + 1 == numbers.size();
+    if (!number || *number < (i < 2 ? 0 : 1) || *number > widest_film || (end == text.size()) != is_last) return std::nullopt;
+    numbers[i] = static_cast<int>(*number);
+    if (!is_last) text.remove_prefix(end + 1);
+  }
+  return cv::Rect(numbers[0], numbers[1], numbers[2], numbers[3]);
+}
+
+CLI::Validator is_region() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return region_in(text) ? std::string()
+                               : fmt::format(
+                                     "'{}' is no part of a picture; expected x,y,width,height in whole pixels, such as "
+                                     "100,50,640,480",
+                                     text);
+      },
+      "x,y,width,height [px]");
+}
 
 /// Runs, and data folders as all of their runs; each once.
 std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
@@ -49,161 +86,6 @@ bool somebody_confirmed(const RunFolder& run) {
          std::any_of(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return flag.confirmed; });
 }
 
-std::string ms(const std::optional<microseconds>& time) {
-  return time ? fmt::format("{:.1f}", static_cast<double>(time->count()) / 1000.0) : "-";
-}
-
-nlohmann::json us_or_null(const std::optional<microseconds>& time) {
-  return time ? nlohmann::json(time->count()) : nlohmann::json(nullptr);
-}
-
-struct LabelledRun {
-  RunFolder run;
-  Labels labels;
-  CameraTime first_event{};
-};
-
-const LabelledInterval* first_of(const Labels& labels, Touch touch) {
-  const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
-                                  [&](const LabelledInterval& interval) { return interval.touch == touch; });
-  return found == labels.intervals.end() ? nullptr : &*found;
-}
-
-std::optional<microseconds> lag_of(const Labels& labels) {
-  const LabelledInterval* slip = first_of(labels, Touch::slip);
-  if (slip == nullptr || !slip->evidence.robot) return std::nullopt;
-  return between(*slip->evidence.robot, slip->start.at);
-}
-
-std::string onset_text(const LabelledRun& labelled, Touch touch) {
-  const LabelledInterval* interval = first_of(labelled.labels, touch);
-  if (interval == nullptr) return "-";
-  return fmt::format("{} ±{}", ms(between(labelled.first_event, interval->start.at)),
-                     ms(between(interval->start.low, interval->start.high) / 2));
-}
-
-std::string length_text(const Labels& labels, Touch touch) {
-  const LabelledInterval* interval = first_of(labels, touch);
-  return interval == nullptr ? "-" : ms(between(interval->start.at, interval->end.at));
-}
-
-std::string table_of(const std::vector<LabelledRun>& runs) {
-  std::vector<std::vector<std::string>> rows;
-  for (const LabelledRun& labelled : runs) {
-    const auto standing = std::count_if(labelled.labels.flags.begin(), labelled.labels.flags.end(),
-                                        [](const LabelFlag& flag) { return !flag.confirmed; });
-    rows.push_back({labelled.run.name(), onset_text(labelled, Touch::press), length_text(labelled.labels, Touch::press),
-                    onset_text(labelled, Touch::slip), length_text(labelled.labels, Touch::slip), ms(lag_of(labelled.labels)),
-                    standing == 0 ? "" : std::to_string(standing)});
-  }
-  std::string text = text_table({"run", "press at [ms]", "lasts", "slip at [ms]", "lasts", "lift to slip", "flags"}, rows);
-  for (const LabelledRun& labelled : runs) {
-    const auto presses = std::count_if(labelled.labels.intervals.begin(), labelled.labels.intervals.end(),
-                                       [](const LabelledInterval& interval) { return interval.touch == Touch::press; });
-    if (presses > 1)
-      text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
-    for (const LabelFlag& flag : labelled.labels.flags)
-      text += wrapped(fmt::format("{}: {}", labelled.run.name(), flag.reason), 2) + "\n";
-  }
-  return text +
-         wrapped(
-             "Times in ms; onsets count from a run's first event, ± is half their 95 % interval. Lift to slip holds the "
-             "robot clock's error, some 10 ms.") +
-         "\n";
-}
-
-nlohmann::json json_of(const std::vector<LabelledRun>& runs) {
-  nlohmann::json result = nlohmann::json::array();
-  for (const LabelledRun& labelled : runs) {
-    nlohmann::json intervals = nlohmann::json::array();
-    for (const LabelledInterval& interval : labelled.labels.intervals) {
-      intervals.push_back({{"class", name_of(interval.touch)},
-                           {"start_us", us_of(interval.start.at)},
-                           {"start_low_us", us_of(interval.start.low)},
-                           {"start_high_us", us_of(interval.start.high)},
-                           {"end_us", us_of(interval.end.at)}});
-    }
-    nlohmann::json flags = nlohmann::json::array();
-    for (const LabelFlag& flag : labelled.labels.flags) flags.push_back(flag.reason);
-    result.push_back({{"run", labelled.run.name()},
-                      {"intervals", intervals},
-                      {"lift_to_slip_us", us_or_null(lag_of(labelled.labels))},
-                      {"flags", flags}});
-  }
-  return result;
-}
-
-/// Errors of one kind over all runs.
-class Errors {
- public:
-  void add(const std::optional<microseconds>& error) {
-    if (error) values_ms_.push_back(std::abs(static_cast<double>(error->count())) / 1000.0);
-  }
-  std::size_t count() const { return values_ms_.size(); }
-  double quantile_ms(double share) {
-    std::sort(values_ms_.begin(), values_ms_.end());
-    const auto index = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values_ms_.size())));
-    return values_ms_[index > 0 ? index - 1 : 0];
-  }
-
- private:
-  std::vector<double> values_ms_;
-};
-
-struct Comparison {
-  nlohmann::json json;
-  std::string text;
-};
-
-Comparison compare_all(const std::vector<LabelledRun>& runs) {
-  Errors press_start, press_end, slip_start, slip_end, press_first, slip_first, clock;
-  std::size_t covered = 0, truly = 0, missed = 0, spurious = 0, compared = 0;
-  for (const LabelledRun& labelled : runs) {
-    if (!fs::exists(labelled.run.truth())) continue;
-    ++compared;
-    const TruthComparison comparison = compare_with_truth(labelled.labels, read_truth(labelled.run.truth()));
-    for (const IntervalComparison& interval : comparison.intervals) {
-      const bool press = interval.touch == Touch::press;
-      (press ? press_start : slip_start).add(interval.start_error);
-      (press ? press_end : slip_end).add(interval.end_error);
-      (press ? press_first : slip_first).add(interval.first_event_error);
-      ++truly;
-      covered += interval.covered ? 1 : 0;
-      missed += interval.start_error ? 0 : 1;
-    }
-    spurious += comparison.spurious;
-    clock.add(comparison.robot_clock_error);
-  }
-  if (compared == 0) throw Error("--compare-truth: none of the runs has a truth.json; expected simulated runs");
-
-  nlohmann::json json = {{"runs", compared},     {"intervals", truly},        {"missed", missed},
-                         {"spurious", spurious}, {"onsets_covered", covered}, {"errors_ms", nlohmann::json::object()}};
-  std::vector<std::vector<std::string>> rows;
-  const std::vector<std::pair<std::string, Errors*>> kinds = {
-      {"press_onset", &press_start}, {"press_onset_to_first_event", &press_first}, {"press_end", &press_end},
-      {"slip_onset", &slip_start},   {"slip_onset_to_first_event", &slip_first},   {"slip_end", &slip_end},
-      {"robot_clock", &clock}};
-  for (const auto& [name, errors] : kinds) {
-    if (errors->count() == 0) continue;
-    json["errors_ms"][name] = {{"n", errors->count()},
-                               {"median", errors->quantile_ms(0.5)},
-                               {"p95", errors->quantile_ms(0.95)},
-                               {"max", errors->quantile_ms(1.0)}};
-    std::string words = name;
-    std::replace(words.begin(), words.end(), '_', ' ');
-    rows.push_back({words, std::to_string(errors->count()), fmt::format("{:.2f}", errors->quantile_ms(0.5)),
-                    fmt::format("{:.2f}", errors->quantile_ms(0.95)), fmt::format("{:.2f}", errors->quantile_ms(1.0))});
-  }
-  std::string text =
-      "\n" +
-      wrapped(fmt::format("Against the truth of {} simulated {}: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
-                          "their 95 % interval.",
-                          compared, compared == 1 ? "run" : "runs", truly, missed, spurious, covered, truly)) +
-      "\n";
-  text += text_table({"absolute error [ms]", "n", "median", "95th percentile", "largest"}, rows);
-  return {json, text};
-}
-
 CameraTime first_event_of(const RunFolder& run) {
   const RecordingReader recording(run.events());
   CameraTime first = CameraTime::max();
@@ -214,52 +96,125 @@ CameraTime first_event_of(const RunFolder& run) {
   return first;
 }
 
-void label_runs(const CommonArguments& common, const LabelArguments& arguments) {
-  const std::vector<RunFolder> runs = runs_in(arguments.places);
+/// What came of the runs, told and checked.
+struct Outcome {
+  std::vector<LabelledRun> labelled;
+  std::vector<std::string> kept;      ///< names of runs whose labels were left as they were
+  std::vector<std::string> failures;  ///< errors, one a run
+};
+
+/// Draws what was labelled beside the labels. Without gnuplot all runs go without, for the labels are what counts.
+class Pictures {
+ public:
+  explicit Pictures(bool wanted) : wanted_(wanted) {}
+
+  void draw(const LabelledRun& labelled) {
+    if (!wanted_) return;
+    try {
+      draw_label_picture(picture_of(labelled.run, labelled.labels), labelled.run.folder / "labels.png");
+    } catch (const Error& e) {
+      const std::scoped_lock lock(guard_);
+      if (failures_.empty()) first_ = labelled.run.name();
+      failures_.emplace_back(e.what());
+    }
+  }
+
+  void tell() const {
+    if (failures_.empty()) return;
+    spdlog::warn("{} not drawn (--no-pictures leaves them out): {}",
+                 failures_.size() == 1 ? first_ + "/labels.png was" : fmt::format("{} pictures were", failures_.size()),
+                 failures_.front());
+  }
+
+ private:
+  bool wanted_;
+  std::mutex guard_;
+  std::vector<std::string> failures_;
+  std::string first_;
+};
+
+/// Tells one run after the other to `use`, on several threads; one run that cannot be read does not keep it from the others.
+Outcome for_runs(const CommonArguments& common, const std::vector<RunFolder>& runs,
+                 const std::function<LabelledRun(const RunFolder&, bool& kept)>& use) {
   const ProgressCallback progress = progress_line(common);
-  std::vector<std::optional<LabelledRun>> outcomes(runs.size());
-  std::vector<std::string> failures(runs.size()), kept(runs.size());
+  std::vector<std::optional<LabelledRun>> labelled(runs.size());
+  std::vector<std::string> failures(runs.size());
+  std::vector<char> kept(runs.size());
   std::mutex guard;
   std::size_t done = 0;
   parallel_for(runs.size(), common.threads, [&](std::size_t i) {
-    // One run that cannot be read does not keep the others from being labelled.
     try {
-      if (!arguments.force && somebody_confirmed(runs[i])) {
-        kept[i] = runs[i].name();
-        outcomes[i] = {runs[i], read_labels(runs[i].labels()), first_event_of(runs[i])};
-      } else {
-        Labels labels = label_run(runs[i]);
-        write_labels(runs[i].labels(), labels);
-        outcomes[i] = {runs[i], std::move(labels), first_event_of(runs[i])};
-      }
+      bool is_kept = false;
+      labelled[i] = use(runs[i], is_kept);
+      kept[i] = is_kept ? 1 : 0;
     } catch (const std::exception& e) {
       failures[i] = e.what();
     }
     const std::scoped_lock lock(guard);
     tell(progress, ++done, runs.size(), runs[i].name());
   });
+  Outcome outcome;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (kept[i] != 0) outcome.kept.push_back(runs[i].name());
+    if (labelled[i]) outcome.labelled.push_back(std::move(*labelled[i]));
+    if (!failures[i].empty()) outcome.failures.push_back(std::move(failures[i]));
+  }
+  return outcome;
+}
 
-  std::vector<LabelledRun> labelled;
-  for (std::optional<LabelledRun>& outcome : outcomes) {
-    if (outcome) labelled.push_back(std::move(*outcome));
+Outcome label_runs(const CommonArguments& common, const LabelArguments& arguments) {
+  Pictures pictures(!arguments.no_pictures);
+  Outcome outcome = for_runs(common, runs_in(arguments.places), [&](const RunFolder& run, bool& kept) {
+    kept = !arguments.force && somebody_confirmed(run);
+    LabelledRun labelled{run, kept ? read_labels(run.labels()) : label_run(run), first_event_of(run)};
+    if (!kept) write_labels(run.labels(), labelled.labels);
+    pictures.draw(labelled);
+    return labelled;
+  });
+  pictures.tell();
+  if (!outcome.kept.empty())
+    spdlog::warn("kept as a person confirmed them, --force replaces them: {}", fmt::join(outcome.kept, ", "));
+  const std::size_t count = outcome.labelled.size();
+  spdlog::info("{} labelled, {} of them flagged", count == 1 ? "1 run" : fmt::format("{} runs", count),
+               std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged));
+  return outcome;
+}
+
+/// Of the labels that are there.
+Outcome read_runs(const CommonArguments& common, const LabelArguments& arguments) {
+  std::vector<RunFolder> runs = runs_in(arguments.places);
+  std::vector<std::string> without;
+  std::erase_if(runs, [&](const RunFolder& run) {
+    if (fs::exists(run.labels())) return false;
+    without.push_back(run.name());
+    return true;
+  });
+  if (runs.empty()) throw Error("--summary: none of the runs has labels; expected 'tactile label' to have made them");
+  if (!without.empty()) spdlog::warn("without labels, and left out: {}", fmt::join(without, ", "));
+  return for_runs(common, runs, [](const RunFolder& run, bool&) {
+    return LabelledRun{run, read_labels(run.labels()), first_event_of(run)};
+  });
+}
+
+void run_label(const CommonArguments& common, const LabelArguments& arguments) {
+  const Outcome outcome = arguments.summary ? read_runs(common, arguments) : label_runs(common, arguments);
+  const std::vector<LabelledRun>& labelled = outcome.labelled;
+  nlohmann::json json = {{"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}};
+  std::string text = labelled.empty() ? "" : runs_table(labelled);
+  if (arguments.summary && !labelled.empty()) {
+    json["objects"] = objects_json(labelled);
+    json["differences"] = differences_json(labelled);
+    text += "\n" + objects_table(labelled) + "\n" + differences_table(labelled);
   }
-  std::erase(kept, "");
-  std::erase(failures, "");
-  if (!kept.empty()) spdlog::warn("kept as a person confirmed them, --force replaces them: {}", fmt::join(kept, ", "));
-  nlohmann::json json = {{"runs", json_of(labelled)}, {"kept", kept}, {"failed", failures}};
-  std::string text = labelled.empty() ? "" : table_of(labelled);
   if (arguments.compare_truth && !labelled.empty()) {
-    const Comparison comparison = compare_all(labelled);
-    json["truth"] = comparison.json;
-    text += comparison.text;
+    const TruthTables truth = compare_all(labelled);
+    json["truth"] = truth.json;
+    text += truth.text;
   }
-  const auto flagged =
-      std::count_if(labelled.begin(), labelled.end(), [](const LabelledRun& run) { return !run.labels.flags.empty(); });
-  spdlog::info("{} labelled, {} of them flagged", labelled.size() == 1 ? "1 run" : fmt::format("{} runs", labelled.size()),
-               flagged);
   print_result(common, json, text);
-  for (std::size_t i = 0; i + 1 < failures.size(); ++i) spdlog::error("{}", failures[i]);
-  if (!failures.empty()) throw Error(failures.back());
+  for (std::size_t i = 0; i + 1 < outcome.failures.size(); ++i) spdlog::error("{}", outcome.failures[i]);
+  if (!outcome.failures.empty()) throw Error(outcome.failures.back());
+  if (arguments.strict && std::any_of(labelled.begin(), labelled.end(), is_flagged)) throw CheckFailed{};
 }
 
 }  // namespace
@@ -267,11 +222,19 @@ void label_runs(const CommonArguments& common, const LabelArguments& arguments) 
 void add_label_command(CLI::App& app) {
   auto arguments = std::make_shared<LabelArguments>();
   auto* command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
-                              [arguments](const CommonArguments& common) { label_runs(common, *arguments); });
+                              [arguments](const CommonArguments& common) { run_label(common, *arguments); });
   command->add_option("data", arguments->places, "Folders of runs, or single runs")->capture_default_str();
   command->add_flag("--compare-truth", arguments->compare_truth,
                     "Print errors against truth.json, where simulated runs have one");
-  command->add_flag("--force", arguments->force, "Replace labels that a person confirmed, too");
+  auto* summary = command->add_flag("--summary", arguments->summary,
+                                    "Tables of the labels that are there, and of how far their sources differ; labels nothing");
+  command->add_flag("--strict", arguments->strict, "End with 2 if a run is flagged");
+  command->add_flag("--no-pictures", arguments->no_pictures, "Draw no labels.png")->excludes(summary);
+  command->add_option("--roi", arguments->roi, "Part of the film in which press and slip are seen")
+      ->type_name("X,Y,W,H")
+      ->check(is_region())
+      ->excludes(summary);
+  command->add_flag("--force", arguments->force, "Replace labels that a person confirmed, too")->excludes(summary);
 }
 
 }  // namespace tactile

@@ -29,34 +29,86 @@ TEST(TruthComparison, PairsByClassAndOverlap) {
                      truly(Touch::slip, 5'000, 5'100, false)};
   const TruthComparison comparison = compare_with_truth(labels, truth);
   ASSERT_EQ(comparison.intervals.size(), 2U) << "unlabelled truth is not compared";
-  EXPECT_EQ(comparison.intervals[0].start_error, 20us);
-  EXPECT_EQ(comparison.intervals[0].end_error, 10us);
-  EXPECT_EQ(comparison.intervals[0].first_event_error, 10us);
-  EXPECT_TRUE(comparison.intervals[0].covered);
-  EXPECT_EQ(comparison.intervals[1].start_error, 100us);
-  EXPECT_FALSE(comparison.intervals[1].covered);
-  EXPECT_EQ(comparison.spurious, 0U);
+  EXPECT_EQ(comparison.intervals[0].start, (Deviation{.error = 20us, .covered = true, .width = 100us}));
+  EXPECT_EQ(comparison.intervals[0].end, (Deviation{.error = 10us, .covered = false, .width = 0us}));
+  EXPECT_EQ(comparison.intervals[0].first_event, (Deviation{.error = 10us, .covered = true, .width = 100us}));
+  EXPECT_EQ(comparison.intervals[1].start, (Deviation{.error = 100us, .covered = false, .width = 100us}));
+  EXPECT_EQ(comparison.intervals[1].end, (Deviation{.error = 0us, .covered = true, .width = 0us}));
+  EXPECT_TRUE(comparison.spurious.empty());
 }
 
-TEST(TruthComparison, CountsMissedAndSpurious) {
+TEST(TruthComparison, TellsMissedAndSpurious) {
   Labels labels;
   labels.intervals = {found(Touch::slip, 1'020, 2'000)};
   Truth truth;
   truth.intervals = {truly(Touch::press, 1'000, 1'990)};
   const TruthComparison comparison = compare_with_truth(labels, truth);
-  EXPECT_FALSE(comparison.intervals[0].start_error.has_value());
-  EXPECT_EQ(comparison.spurious, 1U);
+  ASSERT_EQ(comparison.intervals.size(), 1U);
+  EXPECT_FALSE(comparison.intervals[0].start.has_value());
+  EXPECT_EQ(comparison.intervals[0].true_start, camera_time(1'000));
+  ASSERT_EQ(comparison.spurious.size(), 1U);
+  EXPECT_EQ(comparison.spurious[0].interval.start, camera_time(1'020));
 }
 
-TEST(TruthComparison, BringsTheLiftThroughTheFittedClock) {
+TEST(TruthComparison, KeepsFlaggedApart) {
   Labels labels;
-  labels.robot_clocks = {
-      {.relation = {.offset_us = 1'030, .drift_ppm = 0, .reference_us = 0}, .residual_us = 1, .anchors = 1, .method = ""}};
+  labels.intervals = {found(Touch::press, 1'000, 2'000), found(Touch::slip, 3'000, 4'000), found(Touch::slip, 9'000, 9'500)};
+  labels.flags = {{.interval_index = 1, .reason = "weak", .confirmed = false},
+                  {.interval_index = 0, .reason = "looked at", .confirmed = true}};
+  Truth truth;
+  truth.intervals = {truly(Touch::press, 1'000, 2'000), truly(Touch::slip, 3'000, 4'000)};
+  TruthComparison comparison = compare_with_truth(labels, truth);
+  EXPECT_TRUE(comparison.flagged);
+  EXPECT_FALSE(comparison.clocks_flagged);
+  EXPECT_FALSE(comparison.intervals[0].flagged) << "a person lifted it";
+  EXPECT_TRUE(comparison.intervals[1].flagged);
+  EXPECT_FALSE(comparison.spurious.at(0).flagged);
+  labels.flags = {{.interval_index = {}, .reason = "a gap", .confirmed = false}};
+  comparison = compare_with_truth(labels, truth);
+  EXPECT_TRUE(comparison.clocks_flagged);
+  EXPECT_TRUE(comparison.intervals[0].flagged);
+  EXPECT_TRUE(comparison.spurious.at(0).flagged);
+  labels.flags.clear();
+  EXPECT_FALSE(compare_with_truth(labels, truth).flagged);
+}
+
+FittedClock clock_found(std::int64_t offset_us, std::int64_t low_us, std::int64_t high_us) {
+  FittedClock clock;
+  clock.relation = {.offset_us = offset_us, .drift_ppm = 0, .reference_us = 0};
+  clock.offset_low_us = low_us;
+  clock.offset_high_us = high_us;
+  return clock;
+}
+
+TEST(TruthComparison, BringsTheLiftThroughTheFittedClocks) {
+  Labels labels;
+  labels.robot_clocks = {clock_found(1'030, 1'000, 1'100)};
+  labels.video_clock = clock_found(500, 520, 600);
   Truth truth;
   truth.lift_start = camera_time(5'000);
-  EXPECT_EQ(compare_with_truth(labels, truth).robot_clock_error, std::nullopt) << "a real robot, whose clock nobody knows";
+  TruthComparison comparison = compare_with_truth(labels, truth);
+  EXPECT_EQ(comparison.robot_clock, std::nullopt) << "a real robot, whose clock nobody knows";
+  EXPECT_FALSE(comparison.robot_clock_sought);
   truth.robot_clock = {.offset_us = 1'000, .drift_ppm = 0, .reference_us = 0};
-  EXPECT_EQ(compare_with_truth(labels, truth).robot_clock_error, 30us);
+  truth.video_clock = {.offset_us = 510, .drift_ppm = 0, .reference_us = 0};
+  comparison = compare_with_truth(labels, truth);
+  EXPECT_EQ(comparison.robot_clock, (Deviation{.error = 30us, .covered = true, .width = 100us}));
+  EXPECT_EQ(comparison.video_clock, (Deviation{.error = -10us, .covered = false, .width = 80us}));
+  EXPECT_TRUE(comparison.robot_clock_sought);
+}
+
+TEST(TruthComparison, ComparesClocksAtTheFirstTouchWhereThereIsNoLift) {
+  Labels labels;
+  labels.robot_clocks = {clock_found(1'000, 900, 1'100)};
+  Truth truth;
+  // 1000 ppm too fast: 1 ms after a second.
+  truth.robot_clock = {.offset_us = 1'000, .drift_ppm = 1'000, .reference_us = 0};
+  EXPECT_EQ(compare_with_truth(labels, truth).robot_clock, std::nullopt) << "no moment to compare at";
+  truth.intervals = {truly(Touch::press, 1'002'000, 1'200'000)};
+  const auto compared = compare_with_truth(labels, truth).robot_clock;
+  ASSERT_TRUE(compared.has_value());
+  EXPECT_EQ(compared->error, -1'000us);
+  EXPECT_FALSE(compared->covered);
 }
 
 }  // namespace

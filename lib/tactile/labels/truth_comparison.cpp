@@ -9,40 +9,70 @@ microseconds overlap_of(const TouchInterval& a, const TouchInterval& b) {
   return between(std::max(a.start, b.start), std::min(a.end, b.end));
 }
 
+Deviation deviation_of(const UncertainTime& labelled, CameraTime truly) {
+  return {.error = between(truly, labelled.at),
+          .covered = labelled.low <= truly && truly <= labelled.high,
+          .width = between(labelled.low, labelled.high)};
+}
+
+/// At a moment that is `truly` there by the camera's clock.
+Deviation deviation_of(const FittedClock& found, const ClockRelation& clock, CameraTime truly) {
+  const microseconds error = between(truly, found.relation.camera_from(clock.clock_us_from(truly)));
+  const std::int64_t true_offset_us = saturating_subtract(found.relation.offset_us, error.count());
+  return {.error = error,
+          .covered = found.offset_low_us <= true_offset_us && true_offset_us <= found.offset_high_us,
+          .width = microseconds{saturating_subtract(found.offset_high_us, found.offset_low_us)}};
+}
+
+/// The label of its class that overlaps the true interval most.
+std::optional<std::size_t> label_for(const TouchInterval& truly, const std::vector<LabelledInterval>& labels) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const TouchInterval interval = labels[i].interval();
+    if (interval.touch != truly.touch || overlap_of(interval, truly) <= 0us) continue;
+    if (!best || overlap_of(interval, truly) > overlap_of(labels[*best].interval(), truly)) best = i;
+  }
+  return best;
+}
+
 }  // namespace
 
 TruthComparison compare_with_truth(const Labels& labels, const Truth& truth) {
   TruthComparison comparison;
+  comparison.clocks_flagged = labels.run_is_flagged();
+  comparison.flagged =
+      std::any_of(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return !flag.confirmed; });
+  const auto flagged = [&](std::size_t index) { return labels.run_is_flagged() || labels.interval_is_flagged(index); };
   std::vector<bool> paired(labels.intervals.size());
+  std::optional<CameraTime> moment = truth.lift_start;
   for (const TrueInterval& true_interval : truth.intervals) {
     if (!true_interval.labelled) continue;
-    std::optional<std::size_t> best;
-    for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-      const TouchInterval interval = labels.intervals[i].interval();
-      if (interval.touch != true_interval.interval.touch || overlap_of(interval, true_interval.interval) <= 0us) continue;
-      if (!best ||
-          overlap_of(interval, true_interval.interval) > overlap_of(labels.intervals[*best].interval(), true_interval.interval))
-        best = i;
-    }
-    IntervalComparison compared{
-        .touch = true_interval.interval.touch, .start_error = {}, .end_error = {}, .first_event_error = {}, .covered = false};
-    if (best) {
+    const TouchInterval& truly = true_interval.interval;
+    if (!moment) moment = truly.start;
+    IntervalComparison compared;
+    compared.touch = truly.touch;
+    compared.true_start = truly.start;
+    compared.flagged = labels.run_is_flagged();
+    if (const std::optional<std::size_t> best = label_for(truly, labels.intervals)) {
       paired[*best] = true;
       const LabelledInterval& found = labels.intervals[*best];
-      const CameraTime onset = true_interval.interval.start;
-      compared.start_error = between(onset, found.start.at);
-      compared.end_error = between(true_interval.interval.end, found.end.at);
-      compared.covered = found.start.low <= onset && onset <= found.start.high;
-      if (true_interval.first_event) compared.first_event_error = between(*true_interval.first_event, found.start.at);
+      compared.start = deviation_of(found.start, truly.start);
+      compared.end = deviation_of(found.end, truly.end);
+      if (true_interval.first_event) compared.first_event = deviation_of(found.start, *true_interval.first_event);
+      compared.flagged = flagged(*best);
     }
     comparison.intervals.push_back(compared);
   }
-  comparison.spurious = static_cast<std::size_t>(std::count(paired.begin(), paired.end(), false));
-  if (!labels.robot_clocks.empty() && truth.robot_clock && truth.lift_start) {
-    const std::int64_t lift_in_robot = truth.robot_clock->clock_us_from(*truth.lift_start);
-    const ClockRelation& found = labels.robot_clock_at(*truth.lift_start)->relation;
-    comparison.robot_clock_error = between(*truth.lift_start, found.camera_from(lift_in_robot));
+  for (std::size_t i = 0; i < paired.size(); ++i) {
+    if (!paired[i]) comparison.spurious.push_back({labels.intervals[i].interval(), flagged(i)});
   }
+  if (!moment) return comparison;
+  comparison.robot_clock_sought = truth.robot_clock.has_value();
+  comparison.video_clock_sought = truth.video_clock.has_value();
+  if (!labels.robot_clocks.empty() && truth.robot_clock)
+    comparison.robot_clock = deviation_of(*labels.robot_clock_at(*moment), *truth.robot_clock, *moment);
+  if (labels.video_clock && truth.video_clock)
+    comparison.video_clock = deviation_of(*labels.video_clock, *truth.video_clock, *moment);
   return comparison;
 }
 

@@ -1,0 +1,328 @@
+#include "label_tables.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+double ms_of(microseconds time) { return static_cast<double>(time.count()) / 1000.0; }
+
+std::string ms(const std::optional<microseconds>& time) { return time ? fmt::format("{:.1f}", ms_of(*time)) : "-"; }
+
+nlohmann::json us_or_null(const std::optional<microseconds>& time) {
+  return time ? nlohmann::json(time->count()) : nlohmann::json(nullptr);
+}
+
+const LabelledInterval* first_of(const Labels& labels, Touch touch) {
+  const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
+                                  [&](const LabelledInterval& interval) { return interval.touch == touch; });
+  return found == labels.intervals.end() ? nullptr : &*found;
+}
+
+std::optional<microseconds> lag_of(const Labels& labels) {
+  const LabelledInterval* slip = first_of(labels, Touch::slip);
+  if (slip == nullptr || !slip->evidence.robot) return std::nullopt;
+  return between(*slip->evidence.robot, slip->start.at);
+}
+
+std::string onset_text(const LabelledRun& labelled, Touch touch) {
+  const LabelledInterval* interval = first_of(labelled.labels, touch);
+  if (interval == nullptr) return "-";
+  return fmt::format("{} ±{}", ms(between(labelled.first_event, interval->start.at)),
+                     ms(between(interval->start.low, interval->start.high) / 2));
+}
+
+std::string length_text(const Labels& labels, Touch touch) {
+  const LabelledInterval* interval = first_of(labels, touch);
+  return interval == nullptr ? "-" : ms(between(interval->start.at, interval->end.at));
+}
+
+std::size_t standing_flags(const Labels& labels) {
+  return static_cast<std::size_t>(
+      std::count_if(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return !flag.confirmed; }));
+}
+
+/// The robot's clock where it matters most: at the slip, else at the first touch.
+const FittedClock* robot_clock_of(const Labels& labels) {
+  const LabelledInterval* slip = first_of(labels, Touch::slip);
+  if (slip == nullptr && !labels.intervals.empty()) slip = &labels.intervals.front();
+  if (slip != nullptr) return labels.robot_clock_at(slip->start.at);
+  return labels.robot_clocks.empty() ? nullptr : &labels.robot_clocks.front();
+}
+
+/// Ways in which clocks were found, each with a letter, for they are too long for a table's cells.
+class ClockMethods {
+ public:
+  explicit ClockMethods(const std::vector<LabelledRun>& runs) {
+    for (const LabelledRun& labelled : runs) {
+      if (const FittedClock* clock = robot_clock_of(labelled.labels)) ++uses_[clock->method];
+    }
+  }
+
+  /// "a" to "z", then "27" and so on.
+  std::string letter_of(const std::string& method) const {
+    const auto index = std::distance(uses_.begin(), uses_.find(method));
+    return index < 26 ? std::string(1, static_cast<char>('a' + index)) : std::to_string(index + 1);
+  }
+
+  /// "Clock a: lift start and end (92 runs)."
+  std::string legend() const {
+    std::string text;
+    for (const auto& [method, uses] : uses_) {
+      const std::string line = fmt::format("Clock {}: {} ({}).", letter_of(method), method.empty() ? "method not told" : method,
+                                           uses == 1 ? "1 run" : fmt::format("{} runs", uses));
+      text += wrapped(line, 2) + "\n";
+    }
+    return text;
+  }
+
+ private:
+  std::map<std::string, std::size_t> uses_;
+};
+
+/// Median and spread of what was measured several times.
+struct Measured {
+  std::size_t n = 0;
+  double median = 0;
+  double spread = 0;  ///< 1.4826 times the median absolute deviation: the standard deviation, of normal errors
+  double least = 0;
+  double largest = 0;
+};
+
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+Measured measured(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  const double median = median_of(values);
+  std::vector<double> apart;
+  for (const double value : values) apart.push_back(std::abs(value - median));
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  return {.n = values.size(), .median = median, .spread = 1.4826 * median_of(apart), .least = *least, .largest = *largest};
+}
+
+std::vector<std::string> cells_of(const Measured& m) {
+  if (m.n == 0) return {"0", "-", "-", "-", "-"};
+  return {std::to_string(m.n), fmt::format("{:.1f}", m.median), m.n < 2 ? "-" : fmt::format("{:.1f}", m.spread),
+          fmt::format("{:.1f}", m.least), fmt::format("{:.1f}", m.largest)};
+}
+
+void add_measured(nlohmann::json& object, const Measured& m) {
+  object["n"] = m.n;
+  const auto told = [&](double value, std::size_t least_n) {
+    return m.n >= least_n ? nlohmann::json(value) : nlohmann::json(nullptr);
+  };
+  object["median_ms"] = told(m.median, 1);
+  object["spread_ms"] = told(m.spread, 2);
+  object["least_ms"] = told(m.least, 1);
+  object["largest_ms"] = told(m.largest, 1);
+}
+
+struct ObjectSummary {
+  std::size_t runs = 0, flagged = 0;
+  std::vector<double> lags_ms;
+};
+
+std::map<std::string, ObjectSummary> objects_of(const std::vector<LabelledRun>& runs) {
+  std::map<std::string, ObjectSummary> objects;
+  for (const LabelledRun& labelled : runs) {
+    ObjectSummary& object = objects[labelled.run.object];
+    ++object.runs;
+    object.flagged += is_flagged(labelled) ? 1 : 0;
+    if (const auto lag = lag_of(labelled.labels)) object.lags_ms.push_back(ms_of(*lag));
+  }
+  return objects;
+}
+
+/// Differences of one kind: onsets of a class by one source less those by another, the robot's through clocks of one method.
+struct DifferenceKind {
+  Touch touch = Touch::none;
+  int of = 0, less = 0;  ///< indices of sources
+  std::optional<std::string> clock_method;
+
+  friend auto operator<=>(const DifferenceKind&, const DifferenceKind&) = default;
+};
+
+constexpr std::array<const char*, 4> source_names{"events", "robot", "video", "IMU"};
+constexpr std::array<const char*, 4> source_keys{"events", "robot", "video", "imu"};
+constexpr int robot_source = 1;
+
+std::map<DifferenceKind, std::vector<double>> differences_of(const std::vector<LabelledRun>& runs) {
+  std::map<DifferenceKind, std::vector<double>> differences;
+  for (const LabelledRun& labelled : runs) {
+    for (const LabelledInterval& interval : labelled.labels.intervals) {
+      const Evidence& evidence = interval.evidence;
+      const std::array<std::optional<CameraTime>, 4> by{evidence.events, evidence.robot, evidence.video, evidence.imu};
+      for (int of = 0; of < 4; ++of) {
+        for (int less = of + 1; less < 4; ++less) {
+          const auto &a = by[static_cast<std::size_t>(of)], &b = by[static_cast<std::size_t>(less)];
+          if (!a || !b) continue;
+          DifferenceKind kind{.touch = interval.touch, .of = of, .less = less, .clock_method = std::nullopt};
+          if (of == robot_source || less == robot_source) {
+            const FittedClock* clock = labelled.labels.robot_clock_at(interval.start.at);
+            kind.clock_method = clock == nullptr ? "" : clock->method;
+          }
+          differences[kind].push_back(ms_of(between(*b, *a)));
+        }
+      }
+    }
+  }
+  return differences;
+}
+
+std::size_t presses_of(const Labels& labels) {
+  return static_cast<std::size_t>(std::count_if(labels.intervals.begin(), labels.intervals.end(),
+                                                [](const LabelledInterval& interval) { return interval.touch == Touch::press; }));
+}
+
+}  // namespace
+
+bool is_flagged(const LabelledRun& labelled) { return standing_flags(labelled.labels) > 0; }
+
+std::string runs_table(const std::vector<LabelledRun>& runs) {
+  const ClockMethods methods(runs);
+  std::vector<std::vector<std::string>> rows;
+  for (const LabelledRun& labelled : runs) {
+    const FittedClock* clock = robot_clock_of(labelled.labels);
+    const std::string clock_text =
+        clock == nullptr ? "-"
+                         : fmt::format("{} ±{}", methods.letter_of(clock->method),
+                                       ms(microseconds{saturating_subtract(clock->offset_high_us, clock->offset_low_us)} / 2));
+    const std::size_t standing = standing_flags(labelled.labels);
+    rows.push_back({labelled.run.run, onset_text(labelled, Touch::press), length_text(labelled.labels, Touch::press),
+                    onset_text(labelled, Touch::slip), length_text(labelled.labels, Touch::slip), ms(lag_of(labelled.labels)),
+                    clock_text, standing == 0 ? "" : std::to_string(standing)});
+  }
+  // An object's name on a line of its own leaves the width to what was measured.
+  const std::string table = text_table({"run", "press at", "lasts", "slip at", "lasts", "lift to slip", "clock", "flags"}, rows);
+  std::size_t begin = table.find('\n') + 1;
+  std::string text = table.substr(0, begin), object;
+  for (const LabelledRun& labelled : runs) {
+    if (labelled.run.object != object) text += (object = labelled.run.object) + "\n";
+    const std::size_t end = table.find('\n', begin) + 1;
+    text += table.substr(begin, end - begin);
+    begin = end;
+  }
+  for (const LabelledRun& labelled : runs) {
+    if (const std::size_t presses = presses_of(labelled.labels); presses > 1)
+      text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
+    for (const LabelFlag& flag : labelled.labels.flags) {
+      text += wrapped(fmt::format("{}: {}{}", labelled.run.name(), flag.reason, flag.confirmed ? " (confirmed by a person)" : ""),
+                      2) +
+              "\n";
+    }
+  }
+  return text +
+         wrapped(
+             "Times in ms; onsets count from a run's first event, ± is half of their 95 % interval, or of the robot clock's "
+             "offset's. "
+             "Lift to slip holds the robot clock's error.") +
+         "\n" + methods.legend();
+}
+
+nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const LabelledRun& labelled : runs) {
+    nlohmann::json intervals = nlohmann::json::array();
+    for (const LabelledInterval& interval : labelled.labels.intervals) {
+      intervals.push_back({{"id", interval.id},
+                           {"class", name_of(interval.touch)},
+                           {"start_us", us_of(interval.start.at)},
+                           {"start_low_us", us_of(interval.start.low)},
+                           {"start_high_us", us_of(interval.start.high)},
+                           {"end_us", us_of(interval.end.at)},
+                           {"confirmed", interval.confirmed}});
+    }
+    nlohmann::json flags = nlohmann::json::array();
+    for (const LabelFlag& flag : labelled.labels.flags) flags.push_back(flag.reason);
+    const FittedClock* clock = robot_clock_of(labelled.labels);
+    result.push_back({{"run", labelled.run.name()},
+                      {"first_event_us", us_of(labelled.first_event)},
+                      {"intervals", intervals},
+                      {"lift_to_slip_us", us_or_null(lag_of(labelled.labels))},
+                      {"robot_clock", clock == nullptr ? nlohmann::json(nullptr)
+                                                       : nlohmann::json{{"method", clock->method},
+                                                                        {"anchors", clock->anchors},
+                                                                        {"offset_us", clock->relation.offset_us},
+                                                                        {"offset_low_us", clock->offset_low_us},
+                                                                        {"offset_high_us", clock->offset_high_us},
+                                                                        {"residual_us", clock->residual_us}}},
+                      {"flags", flags},
+                      {"standing_flags", standing_flags(labelled.labels)}});
+  }
+  return result;
+}
+
+std::string objects_table(const std::vector<LabelledRun>& runs) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, object] : objects_of(runs)) {
+    std::vector<std::string> row{name, std::to_string(object.runs), std::to_string(object.flagged)};
+    for (std::string& cell : cells_of(measured(object.lags_ms))) row.push_back(std::move(cell));
+    rows.push_back(std::move(row));
+  }
+  return text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows) +
+         wrapped(
+             "Lift to slip is measured: slip onset less lift start, through the robot's clock, whose error it holds. Spread is "
+             "1.48 "
+             "times the median distance from the median.") +
+         "\n";
+}
+
+nlohmann::json objects_json(const std::vector<LabelledRun>& runs) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const auto& [name, object] : objects_of(runs)) {
+    nlohmann::json lag = nlohmann::json::object();
+    add_measured(lag, measured(object.lags_ms));
+    result.push_back({{"object", name}, {"runs", object.runs}, {"flagged", object.flagged}, {"lift_to_slip", lag}});
+  }
+  return result;
+}
+
+std::string differences_table(const std::vector<LabelledRun>& runs) {
+  const auto differences = differences_of(runs);
+  if (differences.empty()) return wrapped("No onset is told by more than one source, so that none can be compared.") + "\n";
+  const ClockMethods methods(runs);
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [kind, values] : differences) {
+    const std::string name = fmt::format("{}, {} - {}", name_of(kind.touch), source_names[static_cast<std::size_t>(kind.of)],
+                                         source_names[static_cast<std::size_t>(kind.less)]);
+    std::vector<std::string> row{name, kind.clock_method ? methods.letter_of(*kind.clock_method) : ""};
+    for (std::string& cell : cells_of(measured(values))) row.push_back(std::move(cell));
+    rows.push_back(std::move(row));
+  }
+  return text_table({"onsets apart [ms]", "clock", "n", "median", "spread", "least", "largest"}, rows) +
+         wrapped(
+             "Robot says when a stage command (press) or the lift (slip) began, so that its differences hold the lag of what "
+             "follows. A "
+             "clock that was fitted to events, as its method tells, makes its source follow the events: that they agree then "
+             "proves "
+             "little.") +
+         "\n";
+}
+
+nlohmann::json differences_json(const std::vector<LabelledRun>& runs) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const auto& [kind, values] : differences_of(runs)) {
+    nlohmann::json entry = {{"class", name_of(kind.touch)},
+                            {"of", source_keys[static_cast<std::size_t>(kind.of)]},
+                            {"less", source_keys[static_cast<std::size_t>(kind.less)]},
+                            {"clock_method", kind.clock_method ? nlohmann::json(*kind.clock_method) : nlohmann::json(nullptr)}};
+    add_measured(entry, measured(values));
+    result.push_back(std::move(entry));
+  }
+  return result;
+}
+
+}  // namespace tactile

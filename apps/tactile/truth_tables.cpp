@@ -1,0 +1,306 @@
+#include "truth_tables.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_files.hpp"
+#include "tactile/labels/truth_comparison.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr microseconds far_off{20'000};  ///< an unflagged error beyond this is named
+
+/// A run beside its truth, and what its labels could be taken from.
+struct ComparedRun {
+  const LabelledRun* labelled = nullptr;
+  TruthComparison comparison;
+  bool has_stage_command = false, has_imu = false, shares_session = false;
+  bool has_both = false;  ///< truly a press and a slip
+  bool damaged = false;   ///< unfinished, or a file is missing or of another size than run.json says
+};
+
+struct Quantity {
+  const char* key;
+  const char* name;
+};
+constexpr std::array<Quantity, 8> quantities{{{"press_onset", "press onset"},
+                                              {"press_onset_to_first_event", "press onset to first event"},
+                                              {"press_end", "press end"},
+                                              {"slip_onset", "slip onset"},
+                                              {"slip_onset_to_first_event", "slip onset to first event"},
+                                              {"slip_end", "slip end"},
+                                              {"robot_clock", "robot clock's offset"},
+                                              {"video_clock", "video clock's offset"}}};
+
+bool plan_says(const nlohmann::json& parameters, const char* key) {
+  const auto plan = parameters.find("plan");
+  if (plan == parameters.end() || !plan->is_object()) return false;
+  const auto value = plan->find(key);
+  return value != plan->end() && value->is_boolean() && value->get<bool>();
+}
+
+bool is_damaged(const RunFolder& run) {
+  if (!std::filesystem::exists(run.info())) return true;
+  const RunInfo info = read_run_info(run);
+  if (!info.complete) return true;
+  const RunFiles files = check_files(run, info, FileComparison::size);
+  return files.told && !(files.missing.empty() && files.changed.empty());
+}
+
+std::string session_of(const RunFolder& run) {
+  return std::filesystem::exists(run.info()) ? read_run_info(run).session : std::string();
+}
+
+std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs) {
+  std::map<std::string, std::size_t> sessions;
+  for (const LabelledRun& labelled : runs) ++sessions[session_of(labelled.run)];
+  std::vector<ComparedRun> compared;
+  for (const LabelledRun& labelled : runs) {
+    if (!std::filesystem::exists(labelled.run.truth())) continue;
+    const Truth truth = read_truth(labelled.run.truth());
+    ComparedRun run;
+    run.labelled = &labelled;
+    run.comparison = compare_with_truth(labelled.labels, truth);
+    run.has_stage_command = plan_says(truth.parameters, "stage_on_robot_output");
+    run.has_imu = plan_says(truth.parameters, "has_imu");
+    const std::string session = session_of(labelled.run);
+    run.shares_session = !session.empty() && sessions[session] > 1;
+    const auto has = [&](Touch touch) {
+      return std::any_of(run.comparison.intervals.begin(), run.comparison.intervals.end(),
+                         [&](const IntervalComparison& interval) { return interval.touch == touch; });
+    };
+    run.has_both = has(Touch::press) && has(Touch::slip);
+    run.damaged = is_damaged(labelled.run);
+    compared.push_back(std::move(run));
+  }
+  return compared;
+}
+
+/// Errors of one quantity over some runs.
+class Errors {
+ public:
+  void add(const Deviation& deviation, bool flagged) {
+    errors_ms_.push_back(std::abs(static_cast<double>(deviation.error.count())) / 1000);
+    widths_ms_.push_back(static_cast<double>(deviation.width.count()) / 1000);
+    covered_ += deviation.covered ? 1 : 0;
+    flagged_ += flagged ? 1 : 0;
+  }
+  std::size_t n() const { return errors_ms_.size(); }
+
+  nlohmann::json json(bool with_interval) const {
+    nlohmann::json object = {{"n", n()},
+                             {"flagged", flagged_},
+                             {"median", quantile(errors_ms_, 0.5)},
+                             {"p95", quantile(errors_ms_, 0.95)},
+                             {"max", quantile(errors_ms_, 1)}};
+    if (with_interval) {
+      object["covered"] = covered_;
+      object["median_width"] = quantile(widths_ms_, 0.5);
+    }
+    return object;
+  }
+
+  std::vector<std::string> cells(const std::string& name, bool with_interval) const {
+    return {"  " + name,
+            std::to_string(n()),
+            std::to_string(flagged_),
+            fmt::format("{:.2f}", quantile(errors_ms_, 0.5)),
+            fmt::format("{:.2f}", quantile(errors_ms_, 0.95)),
+            fmt::format("{:.2f}", quantile(errors_ms_, 1)),
+            with_interval ? fmt::format("{:.0f} %", 100 * static_cast<double>(covered_) / static_cast<double>(n())) : "",
+            with_interval ? fmt::format("{:.2f}", quantile(widths_ms_, 0.5)) : ""};
+  }
+
+ private:
+  /// The least value that so large a share of them does not exceed.
+  static double quantile(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    const auto index = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    return values[index > 0 ? index - 1 : 0];
+  }
+
+  std::vector<double> errors_ms_, widths_ms_;
+  std::size_t covered_ = 0, flagged_ = 0;
+};
+
+/// The 95 % interval is that of the onset by its definition, not of the first event.
+bool has_interval(const Quantity& quantity) {
+  return std::string_view(quantity.key).find("first_event") == std::string_view::npos;
+}
+
+void add_errors(const ComparedRun& run, const std::optional<bool>& flagged, std::map<std::string, Errors>& errors) {
+  const auto add = [&](const std::string& key, const std::optional<Deviation>& deviation, bool is_flagged) {
+    if (deviation && (!flagged || *flagged == is_flagged)) errors[key].add(*deviation, is_flagged);
+  };
+  for (const IntervalComparison& interval : run.comparison.intervals) {
+    const std::string touch(name_of(interval.touch));
+    add(touch + "_onset", interval.start, interval.flagged);
+    add(touch + "_onset_to_first_event", interval.first_event, interval.flagged);
+    add(touch + "_end", interval.end, interval.flagged);
+  }
+  add("robot_clock", run.comparison.robot_clock, run.comparison.clocks_flagged);
+  add("video_clock", run.comparison.video_clock, run.comparison.clocks_flagged);
+}
+
+/// Of every quantity that was compared at all.
+nlohmann::json json_of(const std::map<std::string, Errors>& errors) {
+  nlohmann::json object = nlohmann::json::object();
+  for (const Quantity& quantity : quantities) {
+    if (const auto found = errors.find(quantity.key); found != errors.end())
+      object[quantity.key] = found->second.json(has_interval(quantity));
+  }
+  return object;
+}
+
+struct Group {
+  const char* key;
+  const char* name;
+  std::function<bool(const ComparedRun&)> holds;
+  std::optional<bool> flagged = {};  ///< only what is flagged, or only what is not
+};
+
+std::vector<Group> all_groups() {
+  const auto any = [](const ComparedRun&) { return true; };
+  return {{"all", "all", any},
+          {"unflagged", "unflagged", any, false},
+          {"flagged", "flagged", any, true},
+          {"stage_command", "stage command", [](const ComparedRun& r) { return r.has_stage_command; }},
+          {"no_stage_command", "no stage command", [](const ComparedRun& r) { return !r.has_stage_command; }},
+          {"imu", "IMU", [](const ComparedRun& r) { return r.has_imu; }},
+          {"no_imu", "no IMU", [](const ComparedRun& r) { return !r.has_imu; }},
+          {"shared_session", "shared session", [](const ComparedRun& r) { return r.shares_session; }},
+          {"own_clocks", "clocks of its own", [](const ComparedRun& r) { return !r.shares_session; }}};
+}
+
+/// What is wrong without a flag that says so, one sentence each.
+std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
+  std::vector<std::string> named;
+  for (const ComparedRun& run : runs) {
+    const std::string name = run.labelled->run.name();
+    const auto at_s = [&](CameraTime t) { return 1e-6 * static_cast<double>(between(run.labelled->first_event, t).count()); };
+    for (const IntervalComparison& interval : run.comparison.intervals) {
+      if (interval.flagged) continue;
+      if (!interval.start) {
+        named.push_back(
+            fmt::format("{}: {} at {:.3f} s was not found", name, name_of(interval.touch), at_s(interval.true_start)));
+      } else if (std::chrono::abs(interval.start->error) > far_off) {
+        named.push_back(fmt::format("{}: {} onset is off by {:+.1f} ms", name, name_of(interval.touch),
+                                    static_cast<double>(interval.start->error.count()) / 1000));
+      }
+    }
+    for (const SpuriousLabel& label : run.comparison.spurious) {
+      if (!label.flagged)
+        named.push_back(
+            fmt::format("{}: {} at {:.3f} s is none", name, name_of(label.interval.touch), at_s(label.interval.start)));
+    }
+  }
+  return named;
+}
+
+std::string of_count(std::size_t part, std::size_t whole, const std::string& what) {
+  return fmt::format("{} of {} {}", part, whole, what);
+}
+
+}  // namespace
+
+TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
+  const std::vector<ComparedRun> runs = compare(labelled);
+  if (runs.empty()) throw Error("--compare-truth: none of the runs has a truth.json; expected simulated runs");
+  const auto count = [&](const std::function<bool(const ComparedRun&)>& holds) {
+    return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), holds));
+  };
+  const std::size_t damaged = count([](const ComparedRun& r) { return r.damaged; });
+  const std::size_t damaged_flagged = count([](const ComparedRun& r) { return r.damaged && r.comparison.flagged; });
+  const std::size_t undamaged_flagged = count([](const ComparedRun& r) { return !r.damaged && r.comparison.flagged; });
+  const std::size_t plain = count([](const ComparedRun& r) { return !r.damaged && r.has_both; });
+  const std::size_t plain_flagged = count([](const ComparedRun& r) { return !r.damaged && r.has_both && r.comparison.flagged; });
+  std::size_t intervals = 0, covered = 0, missed = 0, spurious = 0, robot_clocks_missed = 0, video_clocks_missed = 0;
+  for (const ComparedRun& run : runs) {
+    const TruthComparison& comparison = run.comparison;
+    intervals += comparison.intervals.size();
+    spurious += comparison.spurious.size();
+    robot_clocks_missed += comparison.robot_clock_sought && !comparison.robot_clock ? 1 : 0;
+    video_clocks_missed += comparison.video_clock_sought && !comparison.video_clock ? 1 : 0;
+    for (const IntervalComparison& interval : comparison.intervals) {
+      covered += interval.start && interval.start->covered ? 1 : 0;
+      missed += interval.start ? 0 : 1;
+    }
+  }
+
+  nlohmann::json groups = nlohmann::json::object();
+  std::map<std::string, std::vector<std::vector<std::string>>> rows_of;
+  const std::vector<Group> all = all_groups();
+  std::map<std::string, std::map<std::string, Errors>> errors_in;
+  for (const Group& group : all) {
+    for (const ComparedRun& run : runs) {
+      if (group.holds(run)) add_errors(run, group.flagged, errors_in[group.key]);
+    }
+    groups[group.key] = {{"errors_ms", json_of(errors_in[group.key])}};
+    if (!group.flagged) groups[group.key]["runs"] = count(group.holds);
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const Quantity& quantity : quantities) {
+    const std::size_t whole = errors_in["all"][quantity.key].n();
+    if (whole == 0) continue;
+    rows.push_back({quantity.name});
+    for (const Group& group : all) {
+      const Errors& errors = errors_in[group.key][quantity.key];
+      // A group that holds all, or none, says nothing of its own.
+      if (errors.n() == 0 || (errors.n() == whole && std::string_view(group.key) != "all")) continue;
+      rows.push_back(errors.cells(group.name, has_interval(quantity)));
+    }
+  }
+
+  const std::vector<std::string> silent = silent_errors(runs);
+  TruthTables tables;
+  tables.json = {{"runs", runs.size()},
+                 {"intervals", intervals},
+                 {"missed", missed},
+                 {"spurious", spurious},
+                 {"onsets_covered", covered},
+                 {"robot_clocks_missed", robot_clocks_missed},
+                 {"video_clocks_missed", video_clocks_missed},
+                 {"flagged",
+                  {{"damaged", {{"runs", damaged}, {"flagged", damaged_flagged}}},
+                   {"undamaged", {{"runs", runs.size() - damaged}, {"flagged", undamaged_flagged}}},
+                   {"undamaged_with_press_and_slip", {{"runs", plain}, {"flagged", plain_flagged}}}}},
+                 {"unflagged_errors", silent},
+                 {"errors_ms", json_of(errors_in["all"])},
+                 {"groups", groups}};
+  std::string text =
+      "\n" +
+      wrapped(fmt::format("Against the truth of {} simulated {}: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
+                          "their 95 % interval; {} robot clocks and {} video clocks not found.",
+                          runs.size(), runs.size() == 1 ? "run" : "runs", intervals, missed, spurious, covered, intervals,
+                          robot_clocks_missed, video_clocks_missed)) +
+      "\n";
+  text += text_table({"absolute error [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width"}, rows);
+  text += wrapped(
+              "Covered: truths inside the 95 % interval; width: the median of these intervals. A clock's offset is compared "
+              "where the "
+              "lift starts.") +
+          "\n";
+  text += wrapped(fmt::format("Flagged: {}; {}{}.", of_count(undamaged_flagged, runs.size() - damaged, "undamaged runs"),
+                              of_count(plain_flagged, plain, "of them that hold press and slip"),
+                              damaged == 0 ? "" : "; " + of_count(damaged_flagged, damaged, "damaged runs"))) +
+          "\n";
+  if (silent.empty())
+    text +=
+        wrapped(fmt::format("Nothing unflagged is missed, spurious or off by more than {} ms.", far_off.count() / 1000)) + "\n";
+  else
+    text += wrapped(fmt::format("Not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) + "\n";
+  for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
+  tables.text = std::move(text);
+  return tables;
+}
+
+}  // namespace tactile

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace tactile {
+
+/// Characters of UTF-8, not bytes: "µs" is two wide.
+std::size_t characters_in(std::string_view text);
+
+/// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.
+std::string wrapped(const std::string& text, std::size_t indent = 0, std::size_t width = 80);
+
+}  // namespace tactile

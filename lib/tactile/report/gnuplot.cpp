@@ -1,0 +1,279 @@
+#include "tactile/report/gnuplot.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::size_t largest_picture = std::size_t{256} << 20;  // [B]
+constexpr std::size_t kept_words = 8192;                         // [B] of what gnuplot complains of
+
+/// A file descriptor, closed when it goes. It is not handed down to other programs.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  int number() const { return number_; }
+  bool is_open() const { return number_ >= 0; }
+  void close() {
+    if (is_open()) ::close(std::exchange(number_, -1));
+  }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void fail_to_run(int error) {
+  throw Error(fmt::format("gnuplot: cannot be run ({}); expected a system with processes and files to spare",
+                          std::error_code(error, std::generic_category()).message()));
+}
+
+/// {ours, the child's}. A socket rather than a pipe, so that writing to a child that has died is an error, not a signal.
+std::pair<Descriptor, Descriptor> make_sockets() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) fail_to_run(errno);
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+/// {ours, the child's}.
+std::pair<Descriptor, Descriptor> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail_to_run(errno);
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+/// A running gnuplot; ended when it goes.
+class Gnuplot {
+ public:
+  Gnuplot() {
+    auto [to_child, child_in] = make_sockets();
+    auto [from_child, child_out] = make_pipe();
+    auto [words, child_err] = make_pipe();
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, child_in.number(), STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, child_out.number(), STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, child_err.number(), STDERR_FILENO);
+    // In a group of its own Ctrl-C does not reach it, so that the picture at hand is finished; signals mean to it what they
+    // usually do.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t none, usual;
+    sigemptyset(&none);
+    sigemptyset(&usual);
+    for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGHUP}) sigaddset(&usual, signal);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &usual);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    std::string name = "gnuplot", plain = "-d";  // -d: no settings of the user's
+    std::array<char*, 3> arguments{name.data(), plain.data(), nullptr};
+    const int failed = ::posix_spawnp(&process_, "gnuplot", &files, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    if (failed == ENOENT)
+      throw Error("gnuplot: is not installed; expected it for pictures, as 'apt install gnuplot-nox' puts it in place");
+    if (failed != 0) fail_to_run(failed);
+    to_child_ = std::move(to_child);
+    from_child_ = std::move(from_child);
+    words_ = std::move(words);
+  }
+  ~Gnuplot() {
+    if (process_ <= 0) return;
+    ::kill(process_, SIGKILL);
+    wait();
+  }
+  Gnuplot(const Gnuplot&) = delete;
+  Gnuplot& operator=(const Gnuplot&) = delete;
+
+  struct Answer {
+    std::string picture;
+    std::string words;
+    int status = 0;  ///< as `waitpid` tells it
+  };
+
+  /// Hands over what is to be drawn and takes what comes back, all at once: neither side waits for the other.
+  Answer ask(std::string_view script) {
+    Answer answer;
+    while (from_child_.is_open() || words_.is_open()) {
+      // poll passes over those that are closed, whose number is -1.
+      std::array<pollfd, 3> ends{
+          {{to_child_.number(), POLLOUT, 0}, {from_child_.number(), POLLIN, 0}, {words_.number(), POLLIN, 0}}};
+      if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) fail_to_run(errno);
+      if (ends[0].revents != 0) send_some(script);
+      if (ends[1].revents != 0) take_some(from_child_, answer.picture, largest_picture);
+      if (ends[2].revents != 0) take_some(words_, answer.words, kept_words);
+      if (answer.picture.size() == largest_picture)
+        throw Error(fmt::format("gnuplot: the picture is larger than {} MB; expected a smaller one", largest_picture >> 20));
+    }
+    to_child_.close();
+    answer.status = wait();
+    return answer;
+  }
+
+ private:
+  void send_some(std::string_view& script) {
+    const ssize_t sent = ::send(to_child_.number(), script.data(), script.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent > 0) script.remove_prefix(static_cast<std::size_t>(sent));
+    const bool later = sent < 0 && (errno == EAGAIN || errno == EINTR);
+    if (script.empty() || (sent < 0 && !later)) to_child_.close();
+  }
+
+  static void take_some(Descriptor& from, std::string& text, std::size_t most) {
+    std::array<char, 65536> part{};
+    const ssize_t taken = ::read(from.number(), part.data(), part.size());
+    if (taken > 0)
+      text.append(part.data(), std::min(static_cast<std::size_t>(taken), most - text.size()));
+    else if (taken == 0 || errno != EINTR)
+      from.close();
+  }
+
+  int wait() {
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = 0;
+    return status;
+  }
+
+  Descriptor to_child_, from_child_, words_;
+  pid_t process_ = 0;
+};
+
+/// Its last line: gnuplot shows the command, points at the place, and says what it expected there.
+std::string complaint_in(const std::string& words) {
+  std::string last;
+  for (std::size_t begin = 0; begin < words.size();) {
+    const std::size_t end = std::min(words.find('\n', begin), words.size());
+    std::string line = words.substr(begin, end - begin);
+    line.erase(0, line.find_first_not_of(" \t\""));
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    if (!line.empty()) last = line;
+    begin = end + 1;
+  }
+  return last;
+}
+
+std::string terminal_for(const std::filesystem::path& file) {
+  if (file.extension() == ".png") return "pngcairo noenhanced";
+  if (file.extension() == ".svg") return "svg noenhanced background rgb 'white'";
+  throw Error(fmt::format("{}: is no picture that can be drawn; expected .png or .svg", file.string()));
+}
+
+void check(const Plot& plot) {
+  constexpr int least = 100, most = 10'000;
+  for (const int side : {plot.width_px, plot.height_px}) {
+    if (side < least || side > most)
+      throw Error(fmt::format("figure: {} x {} pixels; expected {} to {} each way", plot.width_px, plot.height_px, least, most));
+  }
+  for (const PlotTable& table : plot.tables) {
+    const auto fits = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    if (table.name.empty() || std::isalpha(static_cast<unsigned char>(table.name[0])) == 0 ||
+        !std::all_of(table.name.begin(), table.name.end(), fits))
+      throw Error(
+          fmt::format("figure: a table is called '{}'; expected a letter, then letters, digits and underscores", table.name));
+    if (table.columns == 0 || table.values.size() % table.columns != 0) {
+      throw Error(fmt::format("figure: table {} has {} values in rows of {}; expected whole rows", table.name,
+                              table.values.size(), table.columns));
+    }
+  }
+}
+
+void add_table(std::string& script, const PlotTable& table) {
+  fmt::format_to(std::back_inserter(script), "${} << end_of_table\n", table.name);
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    const char behind = (i + 1) % table.columns == 0 ? '\n' : ' ';
+    if (std::isfinite(table.values[i]))
+      fmt::format_to(std::back_inserter(script), "{:.9g}{}", table.values[i], behind);
+    else
+      fmt::format_to(std::back_inserter(script), "NaN{}", behind);
+  }
+  script += "end_of_table\n";
+}
+
+/// How many bytes the UTF-8 character at the text's begin has; 0 if there is none.
+std::size_t character_at(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80                   ? 1
+                             : lead >= 0xC2 && lead < 0xE0 ? 2
+                             : lead >= 0xE0 && lead < 0xF0 ? 3
+                             : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                           : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80U) return 0;
+  }
+  const bool too_long = (lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xF0 && byte(1) < 0x90);
+  const bool no_character = (lead == 0xED && byte(1) >= 0xA0) || (lead == 0xF4 && byte(1) >= 0x90);
+  return too_long || no_character ? 0 : length;
+}
+
+}  // namespace
+
+std::string plot_text(std::string_view text) {
+  // Within single quotes gnuplot replaces nothing, and a quote is written twice.
+  std::string quoted = "'";
+  while (!text.empty()) {
+    const std::size_t length = character_at(text);
+    const auto first = static_cast<unsigned char>(text[0]);
+    if (length == 0)
+      quoted += '?';
+    else if (first < 0x20 || first == 0x7F)
+      quoted += ' ';
+    else if (first == '\'')
+      quoted += "''";
+    else
+      quoted += text.substr(0, length);
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return quoted + "'";
+}
+
+void draw(const Plot& plot, const std::filesystem::path& file) {
+  check(plot);
+  std::string script = fmt::format("set encoding utf8\nset terminal {} size {},{} font 'DejaVu Sans,10'\n", terminal_for(file),
+                                   plot.width_px, plot.height_px);
+  for (const PlotTable& table : plot.tables) add_table(script, table);
+  script += plot.script;
+  script += "\nunset multiplot\nunset output\n";
+  const Gnuplot::Answer answer = Gnuplot().ask(script);
+  if (!WIFEXITED(answer.status)) {
+    throw Error(fmt::format("{}: gnuplot was ended by signal {}; expected it to draw the picture", file.string(),
+                            WTERMSIG(answer.status)));
+  }
+  if (WEXITSTATUS(answer.status) != 0 || answer.picture.empty()) {
+    const std::string complaint = complaint_in(answer.words);
+    throw Error(fmt::format("{}: gnuplot could not draw it ({}); expected a script that it knows, and numbers within its axes",
+                            file.string(), complaint.empty() ? "it said nothing" : complaint));
+  }
+  write_whole(file, answer.picture);
+}
+
+}  // namespace tactile
