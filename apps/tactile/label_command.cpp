@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <mutex>
 #include <opencv2/core/types.hpp>
+#include <set>
 
 #include "command.hpp"
 #include "commands.hpp"
@@ -14,8 +14,7 @@
 #include "labelled_run.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/core/parallel.hpp"
-#include "tactile/labels/label_run.hpp"
+#include "tactile/labels/label_runs.hpp"
 #include "tactile/report/run_picture.hpp"
 #include "truth_tables.hpp"
 
@@ -75,46 +74,29 @@ std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
       throw Error(place + ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
     runs.insert(runs.end(), found.begin(), found.end());
   }
+  std::set<fs::path> seen;
+  std::erase_if(runs, [&](const RunFolder& run) { return !seen.insert(fs::weakly_canonical(run.folder)).second; });
   return runs;
-}
-
-bool somebody_confirmed(const RunFolder& run) {
-  if (!fs::exists(run.labels())) return false;
-  const Labels labels = read_labels(run.labels());
-  return std::any_of(labels.intervals.begin(), labels.intervals.end(),
-                     [](const LabelledInterval& interval) { return interval.confirmed; }) ||
-         std::any_of(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return flag.confirmed; });
-}
-
-CameraTime first_event_of(const RunFolder& run) {
-  const RecordingReader recording(run.events());
-  CameraTime first = CameraTime::max();
-  for (const PacketRecord& packet : recording.packets()) {
-    if (packet.elements > 0 && recording.stream(packet.stream_id).type == StreamType::events)
-      first = std::min(first, packet.first);
-  }
-  return first;
 }
 
 /// What came of the runs, told and checked.
 struct Outcome {
   std::vector<LabelledRun> labelled;
-  std::vector<std::string> kept;      ///< names of runs whose labels were left as they were
+  std::vector<std::string> kept;      ///< names of runs whose labels were left as they were: nothing has changed
   std::vector<std::string> failures;  ///< errors, one a run
 };
 
-/// Draws what was labelled beside the labels. Without gnuplot all runs go without, for the labels are what counts.
+fs::path picture_file_of(const RunFolder& run) { return run.folder / "labels.png"; }
+
+/// Draws what was labelled beside the labels. Where one cannot be drawn the run goes without, for the labels are what counts.
 class Pictures {
  public:
-  explicit Pictures(bool wanted) : wanted_(wanted) {}
-
-  void draw(const LabelledRun& labelled) {
-    if (!wanted_) return;
+  void draw(const RunSignals& signals, const Labels& labels) {
     try {
-      draw_label_picture(picture_of(labelled.run, labelled.labels), labelled.run.folder / "labels.png");
+      draw_label_picture(picture_of(signals, labels), picture_file_of(signals.run));
     } catch (const Error& e) {
       const std::scoped_lock lock(guard_);
-      if (failures_.empty()) first_ = labelled.run.name();
+      if (failures_.empty()) first_ = signals.run.name();
       failures_.emplace_back(e.what());
     }
   }
@@ -127,61 +109,54 @@ class Pictures {
   }
 
  private:
-  bool wanted_;
   std::mutex guard_;
   std::vector<std::string> failures_;
   std::string first_;
 };
 
-/// Tells one run after the other to `use`, on several threads; one run that cannot be read does not keep it from the others.
-Outcome for_runs(const CommonArguments& common, const std::vector<RunFolder>& runs,
-                 const std::function<LabelledRun(const RunFolder&, bool& kept)>& use) {
-  const ProgressCallback progress = progress_line(common);
-  std::vector<std::optional<LabelledRun>> labelled(runs.size());
-  std::vector<std::string> failures(runs.size());
-  std::vector<char> kept(runs.size());
-  std::mutex guard;
-  std::size_t done = 0;
-  parallel_for(runs.size(), common.threads, [&](std::size_t i) {
-    try {
-      bool is_kept = false;
-      labelled[i] = use(runs[i], is_kept);
-      kept[i] = is_kept ? 1 : 0;
-    } catch (const std::exception& e) {
-      failures[i] = e.what();
-    }
-    const std::scoped_lock lock(guard);
-    tell(progress, ++done, runs.size(), runs[i].name());
-  });
-  Outcome outcome;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (kept[i] != 0) outcome.kept.push_back(runs[i].name());
-    if (labelled[i]) outcome.labelled.push_back(std::move(*labelled[i]));
-    if (!failures[i].empty()) outcome.failures.push_back(std::move(failures[i]));
+CameraTime first_event_of(const Labels& labels, const RunFolder& run) {
+  if (const auto us = labels.provenance.find("first_event_us"); us != labels.provenance.end() && us->is_number_integer())
+    return camera_time(us->get<std::int64_t>());
+  // Labels that were not made here: their times still count from the recording's begin.
+  const RecordingReader recording(run.events());
+  CameraTime first = CameraTime::max();
+  for (const PacketRecord& packet : recording.packets()) {
+    if (packet.elements > 0 && recording.stream(packet.stream_id).type == StreamType::events)
+      first = std::min(first, packet.first);
   }
-  return outcome;
+  return first;
 }
 
-Outcome label_runs(const CommonArguments& common, const LabelArguments& arguments) {
-  Pictures pictures(!arguments.no_pictures);
-  Outcome outcome = for_runs(common, runs_in(arguments.places), [&](const RunFolder& run, bool& kept) {
-    kept = !arguments.force && somebody_confirmed(run);
-    LabelledRun labelled{run, kept ? read_labels(run.labels()) : label_run(run), first_event_of(run)};
-    if (!kept) write_labels(run.labels(), labelled.labels);
-    pictures.draw(labelled);
-    return labelled;
-  });
+Outcome label_places(const CommonArguments& common, const LabelArguments& arguments) {
+  LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
+  if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
+  Pictures pictures;
+  if (!arguments.no_pictures) {
+    options.has_companions = [](const RunFolder& run) { return fs::exists(picture_file_of(run)); };
+    options.make_companions = [&](const RunSignals& signals, const Labels& labels) { pictures.draw(signals, labels); };
+  }
+  Outcome outcome;
+  std::size_t labelled = 0;
+  for (RunOutcome& run : label_runs(runs_in(arguments.places), options, progress_line(common))) {
+    if (!run.error.empty()) {
+      outcome.failures.push_back(std::move(run.error));
+      continue;
+    }
+    (run.unchanged ? outcome.kept.emplace_back(run.run.name()), labelled : ++labelled);
+    const CameraTime first = first_event_of(run.labels, run.run);
+    outcome.labelled.push_back({std::move(run.run), std::move(run.labels), first});
+  }
   pictures.tell();
+  const auto runs = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
   if (!outcome.kept.empty())
-    spdlog::warn("kept as a person confirmed them, --force replaces them: {}", fmt::join(outcome.kept, ", "));
-  const std::size_t count = outcome.labelled.size();
-  spdlog::info("{} labelled, {} of them flagged", count == 1 ? "1 run" : fmt::format("{} runs", count),
-               std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged));
+    spdlog::info("{} unchanged since they were labelled; --force labels them again", runs(outcome.kept.size()));
+  spdlog::info("{} labelled, {} of all {} flagged", runs(labelled),
+               std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged), outcome.labelled.size());
   return outcome;
 }
 
 /// Of the labels that are there.
-Outcome read_runs(const CommonArguments& common, const LabelArguments& arguments) {
+Outcome read_runs(const LabelArguments& arguments) {
   std::vector<RunFolder> runs = runs_in(arguments.places);
   std::vector<std::string> without;
   std::erase_if(runs, [&](const RunFolder& run) {
@@ -191,13 +166,21 @@ Outcome read_runs(const CommonArguments& common, const LabelArguments& arguments
   });
   if (runs.empty()) throw Error("--summary: none of the runs has labels; expected 'tactile label' to have made them");
   if (!without.empty()) spdlog::warn("without labels, and left out: {}", fmt::join(without, ", "));
-  return for_runs(common, runs, [](const RunFolder& run, bool&) {
-    return LabelledRun{run, read_labels(run.labels()), first_event_of(run)};
-  });
+  Outcome outcome;
+  for (const RunFolder& run : runs) {
+    try {
+      Labels labels = read_labels(run.labels());
+      const CameraTime first = first_event_of(labels, run);
+      outcome.labelled.push_back({run, std::move(labels), first});
+    } catch (const Error& e) {
+      outcome.failures.emplace_back(e.what());
+    }
+  }
+  return outcome;
 }
 
 void run_label(const CommonArguments& common, const LabelArguments& arguments) {
-  const Outcome outcome = arguments.summary ? read_runs(common, arguments) : label_runs(common, arguments);
+  const Outcome outcome = arguments.summary ? read_runs(arguments) : label_places(common, arguments);
   const std::vector<LabelledRun>& labelled = outcome.labelled;
   nlohmann::json json = {{"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}};
   std::string text = labelled.empty() ? "" : runs_table(labelled);
@@ -234,7 +217,8 @@ void add_label_command(CLI::App& app) {
       ->type_name("X,Y,W,H")
       ->check(is_region())
       ->excludes(summary);
-  command->add_flag("--force", arguments->force, "Replace labels that a person confirmed, too")->excludes(summary);
+  command->add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
+      ->excludes(summary);
 }
 
 }  // namespace tactile

@@ -49,7 +49,7 @@ TEST(LabelRuns, LeavesAloneWhatHasNotChanged) {
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   EXPECT_FALSE(label_runs(runs)[0].unchanged);
   const auto written = std::filesystem::last_write_time(runs[0].labels());
-  const std::vector<LabelledRun> again = label_runs(runs);
+  const std::vector<RunOutcome> again = label_runs(runs);
   EXPECT_TRUE(again[0].unchanged && again[1].unchanged);
   EXPECT_EQ(again[0].labels.intervals.size(), 2U);
   EXPECT_EQ(std::filesystem::last_write_time(runs[0].labels()), written);
@@ -60,7 +60,7 @@ TEST(LabelRuns, LeavesAloneWhatHasNotChanged) {
   EXPECT_FALSE(label_runs(runs, {.force = true})[0].unchanged);
   EXPECT_TRUE(label_runs(runs)[0].unchanged);
   test::write_made_events(runs[0].events(), {.bursts = press_and_slip.bursts, .seed = 5});
-  const std::vector<LabelledRun> changed = label_runs(runs);
+  const std::vector<RunOutcome> changed = label_runs(runs);
   EXPECT_FALSE(changed[0].unchanged) << "other events";
   EXPECT_TRUE(changed[1].unchanged);
 }
@@ -79,7 +79,7 @@ TEST(LabelRuns, SharesTheClockOfASessionAlsoWithARunThatHasNothingToTellIt) {
   test::write_made_events(runs[1].events(), {.bursts = {{800'000, 1'000'000}}});
   std::filesystem::remove(runs[1].robot());
   write_robot_log(runs[1].robot(), made_lift(9e9, 1, 0.06, -123'456'789));
-  const std::vector<LabelledRun> labelled = label_runs({runs[1]});
+  const std::vector<RunOutcome> labelled = label_runs({runs[1]});
   ASSERT_EQ(labelled[0].labels.robot_clocks.size(), 1U);
   EXPECT_NEAR(static_cast<double>(labelled[0].labels.robot_clocks[0].relation.offset_us), -123'456'789, 12'000);
   EXPECT_FALSE(std::filesystem::exists(runs[0].labels())) << "only what was asked for is labelled";
@@ -90,7 +90,7 @@ TEST(LabelRuns, GoesOnWithTheOthersWhenOneCannotBeRead) {
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   std::filesystem::remove(runs[0].events());
   write_whole(runs[0].events(), "no recording");
-  const std::vector<LabelledRun> labelled = label_runs(runs);
+  const std::vector<RunOutcome> labelled = label_runs(runs);
   EXPECT_NE(labelled[0].error, "");
   EXPECT_EQ(labelled[1].error, "");
   EXPECT_TRUE(std::filesystem::exists(runs[1].labels()));

@@ -21,8 +21,8 @@ double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); 
 /// What the arm does, in camera time.
 struct ArmMoves {
   std::vector<ArmMove> lifts, taps;
-  bool rises = false;        ///< there is a lift in the log
-  bool all_placed = true;    ///< the clock of every piece that has one is known
+  bool rises = false;      ///< there is a lift in the log
+  bool all_placed = true;  ///< the clock of every piece that has one is known
 };
 
 ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
@@ -66,7 +66,8 @@ std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std:
   return bursts;
 }
 
-std::vector<BrightnessChange> changes_of(RecordingReader& recording, const RunSignals& signals, const std::vector<Burst>& bursts) {
+std::vector<BrightnessChange> changes_of(RecordingReader& recording, const RunSignals& signals,
+                                         const std::vector<Burst>& bursts) {
   std::vector<CameraSpan> spans;
   for (const Burst& burst : bursts) spans.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
   return brightness_changes(recording, signals.event_stream, spans, signals.rate.hot);
@@ -80,7 +81,8 @@ std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotCl
     if (!clocks.pieces[i]) continue;
     for (const OutputChange& change : signals.robot[i].log.output_changes) {
       const CameraTime at = clocks.pieces[i]->relation.camera_from(change.at);
-      if (change.to > change.from && at <= press && at >= before(press, longest_way)) command = std::max(command.value_or(at), at);
+      if (change.to > change.from && at <= press && at >= before(press, longest_way))
+        command = std::max(command.value_or(at), at);
     }
   }
   return command;
@@ -146,8 +148,7 @@ class Labeller {
                           {"settings", settings_of(options_)},
                           {"first_event_us", us_of(signals_.rate.begin)},
                           {"hot_pixels", signals_.rate.hot_pixels},
-                          {"quiet_events_per_s",
-                           signals_.quiet.mean * 1e6 / static_cast<double>(signals_.rate.bin.count())}};
+                          {"quiet_events_per_s", signals_.quiet.mean * 1e6 / static_cast<double>(signals_.rate.bin.count())}};
     return std::move(labels_);
   }
 
@@ -166,9 +167,11 @@ class Labeller {
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] == BurstKind::press) {
-        add(Touch::press, press_onset(lit[i], options_.onset), press_end(lit[i], options_.onset));
+        const FoundTime onset = press_onset(lit[i], options_.onset);
+        add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
       } else if (kinds[i] == BurstKind::slip) {
-        add(Touch::slip, slip_onset(lit[i], options_.onset, earliest_slip(bursts[i])), slip_end(lit[i], options_.onset));
+        const FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]));
+        add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end));
       }
     }
   }
@@ -242,8 +245,8 @@ class Labeller {
     const LabelledInterval& slip = labels_.intervals[index];
     const microseconds lag = between(lift.start, slip.start.at);
     if (lag < -(lift.uncertainty + options_.earliest_slip) || lag > lift.uncertainty + options_.latest_slip) {
-      flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after", std::abs(ms(lag)),
-                       lag < 0us ? "before" : "after", ms(lift.uncertainty + options_.earliest_slip),
+      flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after",
+                       std::abs(ms(lag)), lag < 0us ? "before" : "after", ms(lift.uncertainty + options_.earliest_slip),
                        ms(lift.uncertainty + options_.latest_slip)),
            index);
     }
@@ -262,8 +265,8 @@ class Labeller {
     };
     const auto slips = static_cast<std::size_t>(count(Touch::slip));
     if (moves_.all_placed && slips < moves_.lifts.size()) {
-      flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it", moves_.lifts.size() - slips,
-                       moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
+      flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
+                       moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
     } else if (slips == 0 && signals_.has_robot && !moves_.rises) {
       labels_.remarks.emplace_back("no slip, and the robot log has no lift");
     } else if (slips == 0) {

@@ -7,6 +7,7 @@
 #include "tactile/labels/onset.hpp"
 #include "tactile/labels/run_signals.hpp"
 #include "tactile/labels/session_clocks.hpp"
+#include "tactile/labels/touch_end.hpp"
 #include "tactile/labels/touches.hpp"
 #include "tactile/labels/video_clock.hpp"
 
@@ -17,11 +18,12 @@ struct LabelOptions {
   RobotClocksOptions clocks{};
   TouchesOptions touches{};
   OnsetOptions onset{};
+  EndOptions end{};
   VideoClockOptions video_clock{};
-  microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more than this in length, or film and events in
-                                               ///< an onset
-  microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
-  microseconds earliest_slip{5'000};           ///< flagged if it starts so long before, the clock's uncertainty taken off
+  microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more than this in length, or film and
+                                               ///< events in an onset
+  microseconds latest_slip{250'000};  ///< flagged if the slip starts so long after the lift
+  microseconds earliest_slip{5'000};  ///< flagged if it starts so long before, the clock's uncertainty taken off
 };
 
 nlohmann::json settings_of(const LabelOptions& options);
@@ -33,8 +35,8 @@ nlohmann::json settings_of(const LabelOptions& options);
 /// 2. Onsets and ends by maximum likelihood on the events alone, so that no error of the clocks enters them.
 /// 3. Robot, film and inertial sensor are witnesses: what each says of an onset is its evidence.
 ///
-/// What cannot be relied on is flagged, in words: problems of the files, a lift without slip, a press that nothing witnesses to be
-/// missing, onsets that the events do not decide, sources that disagree, clocks that could not be related.
+/// What cannot be relied on is flagged, in words: problems of the files, a lift without slip, a press that nothing witnesses to
+/// be missing, onsets that the events do not decide, sources that disagree, clocks that could not be related.
 /// @param clocks  of this run, by `robot_clocks_of`
 /// @throws Error  if the events cannot be read
 /// Source: Faris et al., arXiv:2403.10120, section IV.

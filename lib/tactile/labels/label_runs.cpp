@@ -24,8 +24,8 @@ constexpr int method_version = 2;
 
 /// Runs that are labelled together, since they share their clocks: those of a session, or one alone.
 struct Group {
-  std::vector<RunFolder> runs;          ///< by name; those that were asked for and the rest of their session
-  std::vector<std::size_t> asked_for;   ///< indices into `runs`
+  std::vector<RunFolder> runs;            ///< by name; those that were asked for and the rest of their session
+  std::vector<std::size_t> asked_for;     ///< indices into `runs`
   std::vector<std::size_t> result_index;  ///< of each that was asked for
 };
 
@@ -100,7 +100,7 @@ class GroupLabeller {
   GroupLabeller(const LabelRunsOptions& options, unsigned threads) : options_(options), threads_(threads) {}
 
   /// Puts what became of each run that was asked for to its place in `results`.
-  void label(const Group& group, std::vector<LabelledRun>& results, const std::function<void(const RunFolder&)>& tell_done) const {
+  void label(const Group& group, std::vector<RunOutcome>& results, const std::function<void(const RunFolder&)>& tell_done) const {
     std::vector<nlohmann::json> inputs(group.runs.size());
     std::vector<std::string> errors(group.runs.size());
     parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
@@ -114,7 +114,7 @@ class GroupLabeller {
     std::vector<std::size_t> to_label;  // places in `asked_for`
     for (std::size_t k = 0; k < group.asked_for.size(); ++k) {
       const RunFolder& run = group.runs[group.asked_for[k]];
-      LabelledRun& result = results[group.result_index[k]];
+      RunOutcome& result = results[group.result_index[k]];
       result.run = run;
       result.error = errors[group.asked_for[k]];
       if (result.error.empty()) take_standing(run, key_of(group, inputs, run, options_.label), result);
@@ -143,7 +143,7 @@ class GroupLabeller {
     parallel_for(to_label.size(), threads_, [&](std::size_t n) {
       const std::size_t k = to_label[n];
       const std::size_t i = group.asked_for[k];
-      LabelledRun& result = results[group.result_index[k]];
+      RunOutcome& result = results[group.result_index[k]];
       try {
         if (!read[i].signals) throw Error(read[i].error);
         const RunSignals& signals = *read[i].signals;
@@ -165,7 +165,7 @@ class GroupLabeller {
 
  private:
   /// The labels that are there, if they follow from the same files and settings.
-  void take_standing(const RunFolder& run, const std::string& key, LabelledRun& result) const {
+  void take_standing(const RunFolder& run, const std::string& key, RunOutcome& result) const {
     if (options_.force || !fs::exists(run.labels())) return;
     if (options_.has_companions && !options_.has_companions(run)) return;
     try {
@@ -184,9 +184,9 @@ class GroupLabeller {
 
 }  // namespace
 
-std::vector<LabelledRun> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options,
-                                    const ProgressCallback& progress) {
-  std::vector<LabelledRun> results(runs.size());
+std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options,
+                                   const ProgressCallback& progress) {
+  std::vector<RunOutcome> results(runs.size());
   std::vector<Group> groups = groups_of(runs);
   // The largest first, so that no thread is left with it alone at the end.
   std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.runs.size() > b.runs.size(); });

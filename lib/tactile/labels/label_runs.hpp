@@ -19,13 +19,13 @@ struct LabelRunsOptions {
 
   /// Whether all that is made beside `labels.json` is there; a run that lacks some of it is labelled again. Empty: nothing is.
   std::function<bool(const RunFolder&)> has_companions = {};
-  /// Told of each run that was labelled, before its `labels.json` is written; from several threads at once. What it throws becomes
-  /// the run's error.
+  /// Told of each run that was labelled, before its `labels.json` is written; from several threads at once. What it throws
+  /// becomes the run's error.
   std::function<void(const RunSignals&, const Labels&)> make_companions = {};
 };
 
 /// What became of one run.
-struct LabelledRun {
+struct RunOutcome {
   RunFolder run;
   Labels labels;           ///< as `labels.json` has them now; empty if there was an error
   bool unchanged = false;  ///< its files, its session's and the settings are those of its labels: they were left alone
@@ -36,7 +36,7 @@ struct LabelledRun {
 /// fitted to all of its runs in the data folder, be they asked for or not. What a person made, moved, confirmed or took away
 /// stays. The result does not depend on the number of threads.
 /// @return in the order of `runs`
-std::vector<LabelledRun> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options = {},
-                                    const ProgressCallback& progress = {});
+std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options = {},
+                                   const ProgressCallback& progress = {});
 
 }  // namespace tactile

@@ -75,9 +75,9 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   if (const auto unread = problems.broken_packets + problems.mismatched_packets; unread > 0)
     signals.problems.push_back(fmt::format("{} packets of the recording cannot be read", unread));
   if (const auto gap = gap_in(signals.rate, signals.quiet, options.shortest_gap)) {
-    signals.problems.push_back(fmt::format(
-        "the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",
-        gap->second.count() / 1000, s_behind(between(signals.rate.begin, gap->first).count()), us_of(gap->first)));
+    signals.problems.push_back(
+        fmt::format("the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",
+                    gap->second.count() / 1000, s_behind(between(signals.rate.begin, gap->first).count()), us_of(gap->first)));
   }
 }
 

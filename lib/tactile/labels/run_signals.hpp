@@ -41,7 +41,7 @@ struct RunSignals {
   bool has_robot = false;  ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
-  std::vector<ImuSample> imu;  ///< by time; empty if the recording has none
+  std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none
   std::optional<MotionEnergy> video;
   std::vector<std::string> problems;  ///< of the files, in words: what a person should look at
   std::vector<std::string> remarks;   ///< what is missing or odd, but harms nothing

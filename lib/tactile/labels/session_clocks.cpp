@@ -36,12 +36,9 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
     const RunSignals& run = *runs[r];
     clocks[r].pieces.resize(run.robot.size());
     for (std::size_t i = 0; i < run.robot.size(); ++i) {
-      FoundAnchors found = clock_anchors({.robot = run.robot[i].log,
-                                          .rate = run.rate,
-                                          .quiet = run.quiet,
-                                          .imu = run.imu,
-                                          .coarse = run.coarse_offsets[i]},
-                                         options.anchors);
+      FoundAnchors found = clock_anchors(
+          {.robot = run.robot[i].log, .rate = run.rate, .quiet = run.quiet, .imu = run.imu, .coarse = run.coarse_offsets[i]},
+          options.anchors);
       if (run.robot.size() == 1 && !found.anchors.empty()) {
         shared.insert(shared.end(), found.anchors.begin(), found.anchors.end());
         ++tellers;

@@ -33,7 +33,8 @@ struct TouchesOptions {
 
 /// Tells bursts apart, in order of time:
 ///
-/// - Of each lift the burst that has the most events in it is the slip. Where nobody knows of a lift the last burst is, unless the
+/// - Of each lift the burst that has the most events in it is the slip. Where nobody knows of a lift the last burst is, unless
+/// the
 ///   arm is known not to have risen.
 /// - What lies in a tap of the arm is the tap.
 /// - What is short and small is brief; what follows the last slip is `after`.

@@ -3,23 +3,39 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <span>
-
-#include "tactile/core/error.hpp"
-#include "tactile/robot/robot_log.hpp"
+#include <set>
+#include <string>
 
 namespace tactile {
 namespace {
 
+/// An output's value over time: from its first change on, and what it was before that.
+Trace trace_of(const std::string& output, const RobotLog& log, const ClockRelation& clock) {
+  Trace trace{.kind = TraceKind::stage_output, .name = output};
+  const auto add = [&](RobotTime t, std::int64_t value) {
+    trace.t.push_back(clock.camera_from(t));
+    trace.values.push_back(static_cast<double>(value));
+  };
+  for (const OutputChange& change : log.output_changes) {
+    if (change.output != output) continue;
+    if (trace.t.empty()) add(log.states.front().t, change.from);
+    add(change.at, change.to);
+  }
+  add(log.states.back().t, static_cast<std::int64_t>(trace.values.back()));
+  return trace;
+}
+
 void add_robot(LabelPicture& picture, const RobotLog& log) {
-  const std::vector<FittedClock>& clocks = picture.labels.robot_clocks;
-  if (clocks.empty() || log.states.empty()) return;
   // Each piece of the log has a clock of its own, which counts from the piece's first stamp.
-  const auto own = std::find_if(clocks.begin(), clocks.end(), [&](const FittedClock& clock) {
-    return clock.relation.reference_us == us_of(log.states.front().t);
-  });
-  const ClockRelation& clock = own != clocks.end() ? own->relation : clocks.front().relation;
+  const auto own =
+      std::find_if(picture.labels.robot_clocks.begin(), picture.labels.robot_clocks.end(),
+                   [&](const FittedClock& clock) { return clock.relation.reference_us == us_of(log.states.front().t); });
+  if (own == picture.labels.robot_clocks.end()) return;
+  const ClockRelation& clock = own->relation;
+  std::set<std::string> outputs;
+  for (const OutputChange& change : log.output_changes) outputs.insert(change.output);
+  for (const std::string& output : outputs) picture.traces.push_back(trace_of(output, log, clock));
+
   Trace speed{.kind = TraceKind::tcp_speed, .name = "speed"}, height{.kind = TraceKind::tcp_height, .name = "height"};
   for (const RobotState& state : log.states) {
     speed.t.push_back(clock.camera_from(state.t));
@@ -27,42 +43,20 @@ void add_robot(LabelPicture& picture, const RobotLog& log) {
     height.values.push_back(1e3 * (state.tcp_pose[2] - log.states.front().tcp_pose[2]));
   }
   height.t = speed.t;
-  std::uint64_t changing = 0;
-  for (const RobotState& state : log.states)
-    changing |= state.digital_output_bits.value_or(0) ^ log.states.front().digital_output_bits.value_or(0);
-  for (int bit = 0; bit < 64; ++bit) {
-    if ((changing >> bit & 1U) == 0) continue;
-    Trace output{.kind = TraceKind::stage_output, .name = "digital output " + std::to_string(bit)};
-    for (const RobotState& state : log.states) {
-      output.t.push_back(clock.camera_from(state.t));
-      output.values.push_back(static_cast<double>(state.digital_output_bits.value_or(0) >> bit & 1U));
-    }
-    picture.traces.push_back(std::move(output));
-  }
   picture.traces.push_back(std::move(speed));
   picture.traces.push_back(std::move(height));
 }
 
 /// What the IMU feels beyond its rest, which is gravity and its bias.
-void add_imu(LabelPicture& picture, RecordingReader& recording) {
-  const auto stream = std::find_if(recording.streams().begin(), recording.streams().end(),
-                                   [](const Stream& s) { return s.type == StreamType::imu; });
-  if (stream == recording.streams().end()) return;
-  std::array<Trace, 3> axes;
-  const std::array<const char*, 3> names{"x", "y", "z"};
-  for (std::size_t k = 0; k < axes.size(); ++k) axes[k] = {.kind = TraceKind::acceleration, .name = names[k]};
-  for (const PacketRecord& packet : recording.packets()) {
-    if (packet.stream_id != stream->id) continue;
-    for (const ImuSample& sample : recording.read_imu(packet)) {
-      if (!axes[0].t.empty() && sample.t <= axes[0].t.back()) continue;
-      for (std::size_t k = 0; k < axes.size(); ++k) {
-        axes[k].t.push_back(sample.t);
-        axes[k].values.push_back(static_cast<double>(sample.acceleration_g[k]));
-      }
+void add_imu(LabelPicture& picture, const std::vector<ImuSample>& samples) {
+  constexpr std::array<const char*, 3> names{"x", "y", "z"};
+  for (std::size_t k = 0; k < names.size() && !samples.empty(); ++k) {
+    Trace axis{.kind = TraceKind::acceleration, .name = names[k]};
+    for (const ImuSample& sample : samples) {
+      if (!axis.t.empty() && sample.t <= axis.t.back()) continue;
+      axis.t.push_back(sample.t);
+      axis.values.push_back(static_cast<double>(sample.acceleration_g[k]));
     }
-  }
-  for (Trace& axis : axes) {
-    if (axis.values.empty()) return;
     std::vector<double> sorted = axis.values;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
     for (double& value : axis.values) value -= sorted[sorted.size() / 2];
@@ -70,28 +64,30 @@ void add_imu(LabelPicture& picture, RecordingReader& recording) {
   }
 }
 
+void add_video(LabelPicture& picture, const MotionEnergy& energy) {
+  if (!picture.labels.video_clock) return;
+  const ClockRelation& clock = picture.labels.video_clock->relation;
+  Trace trace{.kind = TraceKind::video_energy, .name = "film"};
+  for (const MotionStep& step : energy.steps) {
+    trace.t.push_back(clock.camera_from(step.middle()));
+    trace.values.push_back(step.energy);
+  }
+  picture.traces.push_back(std::move(trace));
+}
+
 }  // namespace
 
-LabelPicture picture_of(const RunFolder& run, const Labels& labels, const EventRateOptions& options) {
+LabelPicture picture_of(const RunSignals& signals, const Labels& labels) {
   LabelPicture picture;
-  picture.title = run.name();
+  picture.title = signals.run.name() + (signals.info.simulated ? " (simulated)" : "");
+  picture.rate = signals.rate;
   picture.labels = labels;
-  RecordingReader recording(run.events());
-  picture.rate = event_rate(recording, event_stream(recording).id, options);
-  picture.begin = picture.rate.begin;
-  picture.end = picture.rate.last;
-  add_imu(picture, recording);
-  if (std::filesystem::exists(run.info())) {
-    const RunInfo info = read_run_info(run);
-    if (info.simulated) picture.title += " (simulated)";
-  }
-  if (std::filesystem::exists(run.robot())) {
-    try {
-      add_robot(picture, read_robot_log(run.robot()));
-    } catch (const Error& e) {
-      picture.remarks.push_back(e.what());
-    }
-  }
+  picture.begin = signals.rate.begin;
+  picture.end = signals.rate.last;
+  picture.remarks = labels.remarks;
+  for (const RobotPiece& piece : signals.robot) add_robot(picture, piece.log);
+  add_imu(picture, signals.imu);
+  if (signals.video) add_video(picture, *signals.video);
   return picture;
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 
-#include "tactile/core/run_folder.hpp"
+#include "tactile/labels/run_signals.hpp"
 #include "tactile/report/label_picture.hpp"
 
 namespace tactile {
 
-/// What the files of a run show of its labels: the event rate, the robot through its clock, and the IMU. What cannot be read is
-/// left out, and told in a remark.
-/// @throws Error  if the events cannot be read
-LabelPicture picture_of(const RunFolder& run, const Labels& labels, const EventRateOptions& options = {});
+/// What the signals of a run show of its labels: the event rate, the robot and the film through their clocks, and the IMU. What
+/// has no clock is left out.
+LabelPicture picture_of(const RunSignals& signals, const Labels& labels);
 
 }  // namespace tactile
