@@ -257,6 +257,28 @@ const RobotLog& RobotLogFile::longest() const {
   return found == pieces.end() ? none : *found;
 }
 
+double rate_hz(const RobotLog& log) {
+  if (log.states.size() < 2) return 0.0;
+  std::vector<std::int64_t> steps;
+  steps.reserve(log.states.size() - 1);
+  for (std::size_t i = 1; i < log.states.size(); ++i)
+    steps.push_back(saturating_subtract(us_of(log.states[i].t), us_of(log.states[i - 1].t)));
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return 1e6 / static_cast<double>(*middle);
+}
+
+std::uint64_t lost_packages(const RobotLog& log) {
+  const double rate = rate_hz(log);
+  std::uint64_t lost = 0;
+  for (std::size_t i = 1; i < log.states.size(); ++i) {
+    const double periods =
+        1e-6 * rate * static_cast<double>(saturating_subtract(us_of(log.states[i].t), us_of(log.states[i - 1].t)));
+    if (periods > 1.5) lost += static_cast<std::uint64_t>(std::llround(periods)) - 1;
+  }
+  return lost;
+}
+
 std::size_t RobotLogFile::restarts() const { return pieces.empty() ? 0 : pieces.size() - 1; }
 
 std::size_t RobotLogFile::rows_elsewhere() const {

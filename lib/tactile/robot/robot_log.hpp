@@ -60,6 +60,12 @@ struct RobotLogFile {
   std::size_t rows_elsewhere() const;  ///< than in the longest piece
 };
 
+/// Rows a second, from the median step; 125 of a CB controller, 500 of an e-Series one. 0 with less than two rows.
+double rate_hz(const RobotLog& log);
+
+/// Packages that never came: steps of more than 1.5 periods miss one or more, gaps included.
+std::uint64_t lost_packages(const RobotLog& log);
+
 /// Reads a log with a header row and columns by name; needs `timestamp`, `actual_TCP_pose_0..5` and `actual_TCP_speed_0..5`.
 /// Separated by commas, spaces, tabs or semicolons, as its header is. An empty line in a log with `host_time_us` is a lost
 /// connection, in any other it means nothing. The clock has started anew where `timestamp` falls, and where it and the host's

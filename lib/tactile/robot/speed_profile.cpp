@@ -1,0 +1,623 @@
+#include "tactile/robot/speed_profile.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace tactile {
+namespace {
+
+using Speed = SpeedProfile::Speed;
+using Vector = std::vector<double>;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double least_spacing_s = 5e-4;  // of knots
+constexpr double faded = 12.0;            // decays after which nothing of a ringing is left
+
+// What is known of arms before one has been seen: they ring at some 5 to 50 Hz, for 20 to 300 ms, with a part of what they are
+// driven with. Only an arm whose rows do not tell is taken for such.
+constexpr double slowest_ringing_hz = 3.0, fastest_ringing_hz = 60.0;  // what is slower, faster or lasts longer is something else
+constexpr double shortest_decay_s = 0.01, longest_decay_s = 0.5;
+constexpr double fastest_seen = 0.45;               // periods from row to row
+constexpr double usual_hz = 18.0, hz_spread = 0.7;  // of the logarithm
+constexpr double usual_decay_s = 0.08, decay_spread = 0.7;
+constexpr double usual_share = 0.2, share_spread = 1.2;  // of its log-odds: no mass swings with more than it is driven with
+
+/// A symmetric matrix, row by row, and what is asked of it.
+class Symmetric {
+ public:
+  explicit Symmetric(std::size_t size) : size_(size), values_(size * size, 0.0) {}
+  double& at(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
+  double at(std::size_t row, std::size_t column) const { return values_[row * size_ + column]; }
+  std::size_t size() const { return size_; }
+
+  /// Turns it into its Cholesky factor, in the lower half. @return whether it is positive definite
+  bool factorise() {
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        double sum = at(i, j);
+        for (std::size_t k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
+        if (i != j) {
+          at(i, j) = sum / at(j, j);
+        } else if (!(sum > 0) || !std::isfinite(sum)) {
+          return false;
+        } else {
+          at(i, i) = std::sqrt(sum);
+        }
+      }
+    }
+    return true;
+  }
+
+  /// Of the matrix whose factor this is now.
+  void solve(std::span<double> b) const {
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t k = 0; k < i; ++k) b[i] -= at(i, k) * b[k];
+      b[i] /= at(i, i);
+    }
+    for (std::size_t i = size_; i-- > 0;) {
+      for (std::size_t k = i + 1; k < size_; ++k) b[i] -= at(k, i) * b[k];
+      b[i] /= at(i, i);
+    }
+  }
+
+ private:
+  std::size_t size_;
+  Vector values_;
+};
+
+double log_odds(double share) { return std::log(share / (1.0 - share)); }
+double share_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+/// x' of ArmRinging for a change of 1, without its share.
+double swing(double since_s, double w, double decay_s) {
+  if (since_s <= 0 || since_s > faded * decay_s) return 0.0;
+  return -std::exp(-since_s / decay_s) * std::sin(w * since_s) / w;
+}
+
+double usual_step_s(const Vector& times) {
+  return times.size() < 2 ? 0.008 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+}
+
+/// Which knots have a speed of their own: all but the ends that are at rest.
+bool is_free(std::size_t knot, std::size_t knots, bool open_begin, bool open_end) {
+  return (knot > 0 || open_begin) && (knot + 1 < knots || open_end);
+}
+
+/// The profile without its speeds, and how it is fitted. Parameters: the knots, then log w, log decay, log-odds of the share.
+class Fit {
+ public:
+  /// @param axes  1 or 3: values of a row
+  Fit(const Vector& times, const Vector& values, std::size_t axes, double noise, bool open_begin, bool open_end)
+      : times_(times),
+        values_(values),
+        axes_(axes),
+        noise_(noise),
+        open_begin_(open_begin),
+        open_end_(open_end),
+        most_log_w_(std::log(2.0 * std::numbers::pi * std::min(fastest_ringing_hz, fastest_seen / usual_step_s(times)))),
+        weights_(times.size(), 1.0) {}
+
+  void set_knots(std::size_t knots) {
+    knots_ = knots;
+    free_.clear();
+    for (std::size_t k = 0; k < knots; ++k) {
+      if (is_free(k, knots, open_begin_, open_end_)) free_.push_back(k);
+    }
+    speeds_.assign(free_.size() * axes_, 0.0);
+    basis_.assign(times_.size() * free_.size(), 0.0);
+    swings_.assign(knots, Swings{.of_rows = Vector(times_.size(), 0.0)});
+  }
+
+  std::size_t parameters() const { return knots_ + 3; }
+  std::size_t residuals() const { return times_.size() * axes_ + 3; }
+  std::size_t degrees_of_freedom() const {
+    const std::size_t used = parameters() + speeds_.size();
+    return times_.size() * axes_ > used ? times_.size() * axes_ - used : 1;
+  }
+
+  /// Weighted residuals in units of the noise, for the best speeds. @return their sum of squares; infinite if it cannot be
+  double residuals_of(const Vector& parameters, Vector& residuals) {
+    for (std::size_t k = 1; k < knots_; ++k) {
+      if (!(parameters[k] - parameters[k - 1] >= least_spacing_s)) return infinite;
+    }
+    const double log_w = parameters[knots_], log_decay = parameters[knots_ + 1], odds = parameters[knots_ + 2];
+    if (!(std::abs(odds) < 20.0 && log_w < most_log_w_)) return infinite;
+    const double w = std::exp(log_w), decay_s = std::exp(log_decay);
+    if (!(w >= 2.0 * std::numbers::pi * slowest_ringing_hz && decay_s >= shortest_decay_s && decay_s <= longest_decay_s))
+      return infinite;
+    fill_basis(parameters, w, decay_s, share_of(odds));
+    if (!solve_speeds()) return infinite;
+
+    residuals.resize(this->residuals());
+    double sum = 0;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const double factor = std::sqrt(weights_[i]) / noise_;
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        double& residual = residuals[i * axes_ + axis];
+        residual = factor * (values_[i * axes_ + axis] - predicted(i, axis));
+        sum += residual * residual;
+      }
+    }
+    double* priors = residuals.data() + times_.size() * axes_;
+    priors[0] = (log_w - std::log(2.0 * std::numbers::pi * usual_hz)) / hz_spread;
+    priors[1] = (log_decay - std::log(usual_decay_s)) / decay_spread;
+    priors[2] = (odds - log_odds(usual_share)) / share_spread;
+    for (std::size_t i = 0; i < 3; ++i) sum += priors[i] * priors[i];
+    return sum;
+  }
+
+  /// Levenberg and Marquardt's way down. @return the sum of squares reached
+  double descend(Vector& parameters, int steps) {
+    Vector residuals, tried;
+    double cost = residuals_of(parameters, residuals), damping = 1e-3;
+    if (!(cost < infinite)) return cost;
+    for (int step = 0; step < steps; ++step) {
+      const Vector jacobian = jacobian_at(parameters, residuals);
+      const std::size_t n = this->parameters();
+      Symmetric curvature(n);
+      Vector gradient(n, 0.0);
+      for (std::size_t a = 0; a < n; ++a) {
+        const double* ja = jacobian.data() + a * residuals.size();
+        for (std::size_t i = 0; i < residuals.size(); ++i) gradient[a] += ja[i] * residuals[i];
+        for (std::size_t b = 0; b <= a; ++b) {
+          const double* jb = jacobian.data() + b * residuals.size();
+          double sum = 0;
+          for (std::size_t i = 0; i < residuals.size(); ++i) sum += ja[i] * jb[i];
+          curvature.at(a, b) = sum;
+        }
+      }
+      bool moved = false;
+      double before = cost;
+      for (; !moved && damping < 1e8; damping *= 4.0) {
+        Symmetric damped = curvature;
+        for (std::size_t a = 0; a < n; ++a) damped.at(a, a) += damping * curvature.at(a, a) + 1e-12;
+        Vector change = gradient;
+        if (!damped.factorise()) continue;
+        damped.solve(change);
+        Vector there = parameters;
+        for (std::size_t a = 0; a < n; ++a) there[a] -= change[a];
+        const double reached = residuals_of(there, tried);
+        if (!(reached < cost)) continue;
+        parameters = std::move(there);
+        residuals.swap(tried);
+        cost = reached;
+        damping = std::max(damping / 40.0, 1e-9);  // the loop takes a step of 4 back
+        moved = true;
+      }
+      if (!moved || before - cost < 1e-6 * cost) break;
+    }
+    residuals_of(parameters, residuals);  // leaves the best speeds behind
+    return cost;
+  }
+
+  /// Counts rows the less, the farther they lie beyond three times the usual distance.
+  void weigh_rows() {
+    Vector distances(times_.size());
+    for (std::size_t i = 0; i < times_.size(); ++i) distances[i] = distance(i);
+    Vector sorted = distances;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double usual = std::max(*middle * (axes_ == 1 ? 1.48 : 0.65), noise_) * std::sqrt(static_cast<double>(axes_));
+    for (std::size_t i = 0; i < times_.size(); ++i) weights_[i] = std::min(1.0, 3.0 * usual / std::max(distances[i], 1e-12));
+  }
+
+  /// Mean square of a row and axis over the noise's, at the last parameters.
+  double misfit() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const double d = distance(i) / noise_;
+      sum += weights_[i] * d * d;
+    }
+    return sum / static_cast<double>(degrees_of_freedom());
+  }
+
+  double misfit_at(const Vector& parameters) {
+    Vector residuals;
+    return residuals_of(parameters, residuals) < infinite ? misfit() : infinite;
+  }
+
+  /// By which neighbours that err alike widen a variance: (1 + r) / (1 - r) of the correlation r from row to row.
+  double likeness_factor() const {
+    double products = 0, squares = 0;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double here = std::sqrt(weights_[i]) * (values_[i * axes_ + axis] - predicted(i, axis));
+        squares += here * here;
+        if (i > 0) products += here * std::sqrt(weights_[i - 1]) * (values_[(i - 1) * axes_ + axis] - predicted(i - 1, axis));
+      }
+    }
+    const double r = squares > 0 ? std::clamp(products / squares, 0.0, 0.95) : 0.0;
+    return (1.0 + r) / (1.0 - r);
+  }
+
+  /// Of the knots, from the curvature at the parameters; empty if it is singular.
+  Vector covariance_at(const Vector& parameters) {
+    Vector residuals;
+    if (!(residuals_of(parameters, residuals) < infinite)) return {};
+    const Vector jacobian = jacobian_at(parameters, residuals);
+    residuals_of(parameters, residuals);
+    const std::size_t n = this->parameters();
+    Symmetric curvature(n);
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const double* ja = jacobian.data() + a * residuals.size();
+        const double* jb = jacobian.data() + b * residuals.size();
+        for (std::size_t i = 0; i < residuals.size(); ++i) curvature.at(a, b) += ja[i] * jb[i];
+      }
+      curvature.at(a, a) += 1e-9 * curvature.at(a, a) + (a < knots_ ? 1.0 : 0.0);  // no knot is worse than a second
+    }
+    if (!curvature.factorise()) return {};
+    Vector covariance(knots_ * knots_, 0.0);
+    for (std::size_t a = 0; a < knots_; ++a) {
+      if (is_held(a)) continue;
+      Vector column(n, 0.0);
+      column[a] = 1.0;
+      curvature.solve(column);
+      for (std::size_t b = 0; b < knots_; ++b) covariance[b * knots_ + a] = is_held(b) ? 0.0 : column[b];
+    }
+    return covariance;
+  }
+
+  double speed(std::size_t knot, std::size_t axis) const {
+    const auto found = std::find(free_.begin(), free_.end(), knot);
+    return found == free_.end() ? 0.0 : speeds_[static_cast<std::size_t>(found - free_.begin()) * axes_ + axis];
+  }
+
+ private:
+  /// An open end's knot is where the rows begin or end.
+  bool is_held(std::size_t knot) const { return (knot == 0 && open_begin_) || (knot + 1 == knots_ && open_end_); }
+
+  double predicted(std::size_t row, std::size_t axis) const {
+    double sum = 0;
+    for (std::size_t m = 0; m < free_.size(); ++m) sum += basis_[row * free_.size() + m] * speeds_[m * axes_ + axis];
+    return sum;
+  }
+
+  double distance(std::size_t row) const {
+    double sum = 0;
+    for (std::size_t axis = 0; axis < axes_; ++axis) {
+      const double off = values_[row * axes_ + axis] - predicted(row, axis);
+      sum += off * off;
+    }
+    return std::sqrt(sum);
+  }
+
+  /// How the rows swing after a change of 1 at each knot. Most steps change few of the knots.
+  void fill_swings(const Vector& knots, double w, double decay_s) {
+    for (std::size_t k = 0; k < knots_; ++k) {
+      Swings& swings = swings_[k];
+      if (is_held(k) || (swings.at_s == knots[k] && swings.w == w && swings.decay_s == decay_s)) continue;
+      swings.at_s = knots[k];
+      swings.w = w;
+      swings.decay_s = decay_s;
+      for (std::size_t i = 0; i < times_.size(); ++i) swings.of_rows[i] = swing(times_[i] - knots[k], w, decay_s);
+    }
+  }
+
+  void fill_basis(const Vector& knots, double w, double decay_s, double share) {
+    fill_swings(knots, w, decay_s);
+    const std::size_t n = free_.size();
+    for (std::size_t m = 0; m < n; ++m) {
+      const std::size_t k = free_[m];
+      const double rise = k > 0 ? 1.0 / (knots[k] - knots[k - 1]) : 0.0;
+      const double fall = k + 1 < knots_ ? 1.0 / (knots[k + 1] - knots[k]) : 0.0;
+      const double* before = swings_[k > 0 ? k - 1 : k].of_rows.data();
+      const double* here = swings_[k].of_rows.data();
+      const double* after = swings_[k + 1 < knots_ ? k + 1 : k].of_rows.data();
+      for (std::size_t i = 0; i < times_.size(); ++i) {
+        const double t = times_[i];
+        double value = share * (rise * (before[i] - here[i]) + fall * (after[i] - here[i]));
+        if (k > 0 && t > knots[k - 1] && t <= knots[k]) value += rise * (t - knots[k - 1]);
+        if (k + 1 < knots_ && t > knots[k] && t < knots[k + 1]) value += fall * (knots[k + 1] - t);
+        if (k == 0 && t <= knots[0]) value += 1.0;
+        if (k + 1 == knots_ && t > knots[k]) value += 1.0;
+        basis_[i * n + m] = value;
+      }
+    }
+  }
+
+  bool solve_speeds() {
+    const std::size_t n = free_.size();
+    Symmetric gram(n);
+    std::fill(speeds_.begin(), speeds_.end(), 0.0);
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const double* row = basis_.data() + i * n;
+      for (std::size_t a = 0; a < n; ++a) {
+        const double weighed = weights_[i] * row[a];
+        if (weighed == 0.0) continue;
+        for (std::size_t b = 0; b <= a; ++b) gram.at(a, b) += weighed * row[b];
+        for (std::size_t axis = 0; axis < axes_; ++axis) speeds_[a * axes_ + axis] += weighed * values_[i * axes_ + axis];
+      }
+    }
+    for (std::size_t a = 0; a < n; ++a) gram.at(a, a) = gram.at(a, a) * (1.0 + 1e-9) + 1e-9;
+    if (!gram.factorise()) return false;
+    Vector column(n);
+    for (std::size_t axis = 0; axis < axes_; ++axis) {
+      for (std::size_t a = 0; a < n; ++a) column[a] = speeds_[a * axes_ + axis];
+      gram.solve(column);
+      for (std::size_t a = 0; a < n; ++a) speeds_[a * axes_ + axis] = column[a];
+    }
+    return true;
+  }
+
+  /// One column after the other.
+  Vector jacobian_at(const Vector& parameters, const Vector& residuals) {
+    Vector jacobian(this->parameters() * residuals.size(), 0.0), there, moved = parameters;
+    for (std::size_t a = 0; a < this->parameters(); ++a) {
+      if (a < knots_ && is_held(a)) continue;
+      double change = a < knots_ ? 2e-5 : 1e-3;
+      moved[a] = parameters[a] + change;
+      if (!(residuals_of(moved, there) < infinite)) {
+        change = -change;
+        moved[a] = parameters[a] + change;
+        if (!(residuals_of(moved, there) < infinite)) there = residuals;
+      }
+      moved[a] = parameters[a];
+      for (std::size_t i = 0; i < residuals.size(); ++i) jacobian[a * residuals.size() + i] = (there[i] - residuals[i]) / change;
+    }
+    return jacobian;
+  }
+
+  const Vector& times_;
+  const Vector& values_;  // row by row
+  std::size_t axes_;
+  double noise_;
+  bool open_begin_, open_end_;
+  double most_log_w_;
+  std::size_t knots_ = 0;
+  std::vector<std::size_t> free_;
+  Vector weights_, speeds_, basis_;
+  struct Swings {
+    double at_s = infinite, w = 0, decay_s = 0;  ///< what they were worked out for
+    Vector of_rows;
+  };
+  std::vector<Swings> swings_;
+};
+
+/// The one axis that the rows move along, if they move along one.
+std::optional<Speed> common_axis(std::span<const SpeedRow> rows, double noise) {
+  std::array<std::array<double, 3>, 3> squares{};
+  double all = 0;
+  for (const SpeedRow& row : rows) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      all += row.speed[a] * row.speed[a];
+      for (std::size_t b = 0; b < 3; ++b) squares[a][b] += row.speed[a] * row.speed[b];
+    }
+  }
+  Speed axis{1, 1, 1};
+  const auto fastest = std::max_element(rows.begin(), rows.end(), [](const SpeedRow& a, const SpeedRow& b) {
+    return std::hypot(a.speed[0], a.speed[1], a.speed[2]) < std::hypot(b.speed[0], b.speed[1], b.speed[2]);
+  });
+  if (fastest != rows.end()) axis = fastest->speed;
+  double along = 0;
+  for (int turn = 0; turn < 50; ++turn) {
+    Speed next{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) next[a] += squares[a][b] * axis[b];
+    }
+    const double length = std::hypot(next[0], next[1], next[2]), size = std::hypot(axis[0], axis[1], axis[2]);
+    if (!(length > 0) || !(size > 0)) return Speed{0, 0, 1};
+    along = length / size;
+    for (std::size_t a = 0; a < 3; ++a) axis[a] = next[a] / length;
+  }
+  const double across = all - along, by_chance = 2.0 * noise * noise * static_cast<double>(rows.size());
+  if (across > 2.0 * by_chance + 1e-4 * along) return std::nullopt;
+  return axis;
+}
+
+constexpr double well_fitted = 1.5;  // a row's mean square over the noise's: more asks for another knot
+constexpr double close_steps = 4.0;  // of rows: knots that are closer may be one
+
+/// Less is better: how far the rows lie off, and how much it took.
+double information_criterion(double cost, std::size_t values, std::size_t parameters) {
+  const auto n = static_cast<double>(values);
+  return n * std::log(std::max(cost, 1e-300) / n) + static_cast<double>(parameters) * std::log(n);
+}
+
+/// Where the ways down from some usual ringings led.
+struct Descent {
+  Vector best;
+  double cost = infinite;
+  std::vector<std::pair<double, Vector>> ways;  ///< the best few, if they had to be looked for
+};
+
+std::optional<Descent> descend_from(Fit& fit, const Vector& knots, const std::optional<ArmRinging>& known, double step_s) {
+  fit.set_knots(knots.size());
+  const auto from = [&](const ArmRinging& ringing) {
+    Vector parameters = knots;
+    parameters.insert(parameters.end(), {std::log(2.0 * std::numbers::pi * ringing.hz), std::log(ringing.decay_s),
+                                         log_odds(std::clamp(ringing.share, 0.01, 0.9))});
+    return parameters;
+  };
+  Descent descent;
+  if (known) {
+    descent.best = from(*known);
+    descent.cost = fit.descend(descent.best, 40);
+    if (descent.cost < infinite && fit.misfit_at(descent.best) <= well_fitted) return descent;
+  }
+  for (const double hz : {5.0, 8.0, 12.0, 18.0, 27.0, 40.0}) {
+    if (hz > 10.0 && hz * step_s > fastest_seen) continue;
+    Vector parameters = from({.hz = hz, .decay_s = usual_decay_s, .share = usual_share});
+    const double cost = fit.descend(parameters, 6);
+    descent.ways.emplace_back(cost, std::move(parameters));
+  }
+  std::sort(descent.ways.begin(), descent.ways.end());
+  descent.ways.resize(std::min<std::size_t>(descent.ways.size(), 3));
+  for (auto& [cost, parameters] : descent.ways) {
+    cost = fit.descend(parameters, 40);
+    if (!(cost < descent.cost)) continue;
+    descent.cost = cost;
+    descent.best = parameters;
+  }
+  if (!(descent.cost < infinite)) return std::nullopt;
+  return descent;
+}
+
+/// Other ways down that fit nearly as well say that a knot may be there as well: their spread, by their likelihoods, widens its
+/// variance.
+void add_rivals(SpeedProfile& profile, const std::vector<std::pair<double, Vector>>& ways, double misfit) {
+  const std::size_t knots = profile.knots_s.size();
+  double least = infinite, all = 0;
+  const auto has_same_knots = [&](const Vector& parameters) { return parameters.size() == knots + 3; };
+  for (const auto& [cost, parameters] : ways) {
+    if (has_same_knots(parameters)) least = std::min(least, cost);
+  }
+  for (const auto& [cost, parameters] : ways) all += has_same_knots(parameters) ? std::exp(-0.5 * (cost - least) / misfit) : 0.0;
+  for (const auto& [cost, parameters] : ways) {
+    if (!has_same_knots(parameters)) continue;
+    const double share = std::exp(-0.5 * (cost - least) / misfit) / all;
+    for (std::size_t k = 0; k < knots; ++k) {
+      const double off = parameters[k] - profile.knots_s[k];
+      profile.covariance[k * knots + k] += share * off * off;
+    }
+  }
+}
+
+}  // namespace
+
+Speed SpeedProfile::commanded_at(double t_s) const {
+  Speed speed{};
+  if (knots_s.empty() || t_s < knots_s.front() || t_s > knots_s.back()) return speed;
+  const auto after = std::upper_bound(knots_s.begin(), knots_s.end(), t_s);
+  if (after == knots_s.end()) return speeds.back();
+  const auto k = static_cast<std::size_t>(after - knots_s.begin());
+  const double share = (t_s - knots_s[k - 1]) / (knots_s[k] - knots_s[k - 1]);
+  for (std::size_t a = 0; a < 3; ++a) speed[a] = speeds[k - 1][a] + share * (speeds[k][a] - speeds[k - 1][a]);
+  return speed;
+}
+
+Speed SpeedProfile::ringing_at(double t_s) const {
+  Speed speed{};
+  const double w = 2.0 * std::numbers::pi * ringing.hz;
+  for (std::size_t k = 0; k < knots_s.size(); ++k) {
+    if ((k == 0 && open_begin) || (k + 1 == knots_s.size() && open_end)) continue;
+    const double swings = ringing.share * swing(t_s - knots_s[k], w, ringing.decay_s);
+    if (swings == 0.0) continue;
+    for (std::size_t a = 0; a < 3; ++a) {
+      double change = 0;
+      if (k > 0) change -= (speeds[k][a] - speeds[k - 1][a]) / (knots_s[k] - knots_s[k - 1]);
+      if (k + 1 < knots_s.size()) change += (speeds[k + 1][a] - speeds[k][a]) / (knots_s[k + 1] - knots_s[k]);
+      speed[a] += change * swings;
+    }
+  }
+  return speed;
+}
+
+double SpeedProfile::sigma_s(std::size_t knot) const { return std::sqrt(covariance[knot * knots_s.size() + knot]); }
+
+std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> rows, const SpeedProfileOptions& options) {
+  assert(options.knots_s.size() >= 3 && "a motion has a start, a middle and an end");
+  const std::optional<Speed> axis = common_axis(rows, options.noise);
+  const std::size_t axes = axis ? 1 : 3;
+  Vector times, values;
+  for (const SpeedRow& row : rows) {
+    times.push_back(row.t_s);
+    if (axis) {
+      values.push_back(row.speed[0] * (*axis)[0] + row.speed[1] * (*axis)[1] + row.speed[2] * (*axis)[2]);
+    } else {
+      values.insert(values.end(), row.speed.begin(), row.speed.end());
+    }
+  }
+  if (times.size() < options.knots_s.size() + 6) return std::nullopt;
+  const auto criterion = [&](double cost, std::size_t count) {
+    return information_criterion(cost, values.size(), count + 3 + axes * count);
+  };
+  Fit fit(times, values, axes, options.noise, options.open_begin, options.open_end);
+  std::optional<Descent> descent = descend_from(fit, options.knots_s, options.ringing, usual_step_s(times));
+  if (options.other_knots_s.size() >= 3 && times.size() >= options.other_knots_s.size() + 6 &&
+      (!descent || fit.misfit_at(descent->best) > well_fitted)) {
+    const std::optional<Descent> other = descend_from(fit, options.other_knots_s, options.ringing, usual_step_s(times));
+    if (other &&
+        (!descent || criterion(other->cost, options.other_knots_s.size()) < criterion(descent->cost, options.knots_s.size())))
+      descent = other;
+  }
+  if (!descent) return std::nullopt;
+  Vector best = descent->best;
+  double best_cost = descent->cost;
+  std::size_t knots = best.size() - 3;
+  fit.set_knots(knots);
+
+  // Straight lines that do not do get a knot more, where it does most.
+  while (knots < options.most_knots && times.size() > 2 * (knots + 1) && fit.misfit_at(best) > well_fitted) {
+    Fit more = fit;
+    more.set_knots(knots + 1);
+    Vector with_more;
+    double with_more_cost = infinite;
+    const auto try_with = [&](Vector parameters) {
+      const double cost = more.descend(parameters, 4);
+      if (!(cost < with_more_cost)) return;
+      with_more_cost = cost;
+      with_more = std::move(parameters);
+    };
+    for (std::size_t k = 0; k + 1 < knots; ++k) {  // between two, and one split in two
+      const auto place = static_cast<std::ptrdiff_t>(k) + 1;
+      Vector between = best, split = best;
+      between.insert(between.begin() + place, 0.5 * (best[k] + best[k + 1]));
+      try_with(std::move(between));
+      if (k == 0) continue;
+      const double apart = 0.2 * std::min(best[k] - best[k - 1], best[k + 1] - best[k]);
+      split[k] -= apart;
+      split.insert(split.begin() + place, best[k] + apart);
+      try_with(std::move(split));
+    }
+    if (!(with_more_cost < infinite)) break;
+    with_more_cost = more.descend(with_more, 40);
+    if (criterion(with_more_cost, knots + 1) > criterion(best_cost, knots) - 10.0) break;
+    fit.set_knots(++knots);
+    best = with_more;
+    best_cost = fit.descend(best, 1);
+  }
+  // Two that have come together are one.
+  for (std::size_t k = 0; knots > 3 && k + 1 < knots;) {
+    const bool close = best[k + 1] - best[k] < close_steps * usual_step_s(times);
+    if (!close) {
+      ++k;
+      continue;
+    }
+    Fit less = fit;
+    less.set_knots(knots - 1);
+    Vector parameters = best;
+    const bool keeps_first = k == 0, keeps_last = k + 2 == knots;
+    if (!keeps_first && !keeps_last) parameters[k] = 0.5 * (best[k] + best[k + 1]);
+    parameters.erase(parameters.begin() + static_cast<std::ptrdiff_t>(keeps_last ? k : k + 1));
+    const double cost = less.descend(parameters, 40);
+    if (!(criterion(cost, knots - 1) < criterion(best_cost, knots))) {
+      ++k;
+      continue;
+    }
+    fit.set_knots(--knots);
+    best = parameters;
+    best_cost = fit.descend(best, 1);
+    k = 0;
+  }
+  for (int round = 0; round < 2; ++round) {
+    fit.weigh_rows();
+    best_cost = fit.descend(best, 20);
+  }
+
+  SpeedProfile profile;
+  profile.knots_s.assign(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(knots));
+  profile.open_begin = options.open_begin;
+  profile.open_end = options.open_end;
+  profile.ringing = {.hz = std::exp(best[knots]) / (2.0 * std::numbers::pi),
+                     .decay_s = std::exp(best[knots + 1]),
+                     .share = share_of(best[knots + 2])};
+  profile.covariance = fit.covariance_at(best);
+  if (profile.covariance.empty()) return std::nullopt;
+  const double misfit = fit.misfit(), factor = std::max(1.0, misfit) * fit.likeness_factor();
+  for (double& value : profile.covariance) value *= factor;
+  add_rivals(profile, descent->ways, std::max(1.0, misfit));
+  profile.speed_sigma = options.noise * std::sqrt(misfit);
+  for (std::size_t k = 0; k < knots; ++k) {
+    Speed speed{};
+    for (std::size_t a = 0; a < 3; ++a) speed[a] = axis ? fit.speed(k, 0) * (*axis)[a] : fit.speed(k, a);
+    profile.speeds.push_back(speed);
+  }
+  return profile;
+}
+
+}  // namespace tactile
