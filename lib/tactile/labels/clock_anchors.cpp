@@ -520,7 +520,8 @@ double time_of_travel(const CommandedMotion& lift, double travel_m) {
 /// when the slack is used up to when the first tip lets go. Where that leads down to zero the arm started.
 std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion& lift, double begin_s, double shift_s) {
   constexpr double most_slack_m = 0.5e-3;  // of skin and object
-  constexpr double model_s = 1.5e-3;       // tips let go one after the other, and edges have a width
+  // Tips let go one after the other, and edges have a width: the gain may change by so much from the window's begin to its end.
+  constexpr double gain_changes = 0.07, least_model_s = 0.8e-3;
   const double start_ms = 1e3 * (begin_s + lift.change_s[0] + shift_s);
   if (!(std::abs(start_ms) < 1e9)) return std::nullopt;
   const auto from = static_cast<std::ptrdiff_t>(std::max(2.0, start_ms - 100));
@@ -578,6 +579,10 @@ std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion&
   const Minimum best = lowest(cost, latest_s - reach_s, reach_s + 1e-3, 1e-3);
   if (!(best.curvature > 0) || !(spread > 0)) return placed;
   const double dispersion = std::max({1.0, ms.dispersion, best.value / static_cast<double>(last - first)});
+  // A line that is led far down from a short window goes astray with its slope.
+  const double window_s = 1e-3 * static_cast<double>(last - first + 1);
+  const double led_s = 1e-3 * 0.5 * static_cast<double>(first + last + 1) - begin_s - lift.change_s[0] - best.at;
+  const double model_s = std::max(least_model_s, gain_changes * led_s * led_s / window_s);
   const double fit_s = std::hypot(1.5 * std::sqrt(2.0 * dispersion / best.curvature), model_s);
   // Both together.
   const double w_fit = 1.0 / (fit_s * fit_s), w_slack = 1.0 / (placed.sigma_s * placed.sigma_s);
@@ -913,7 +918,7 @@ class EventMatch {
       like += placed->likeness;
       if (lifts == 1 && placed->likeness > 0.5) candidate.shift_s = placed->shift_s;
     }
-    candidate.worth = candidate.score * (lifts > 0 ? 0.4 + 0.6 * like / lifts : 1.0);
+    candidate.worth = candidate.score * (lifts > 0 ? 0.75 + 0.25 * like / lifts : 1.0);
     // What happens after the last motion has nothing to make it but a stage's opening.
     double before = 0, behind = 0;
     for (std::size_t i = 0; i < activity_.size(); ++i)
