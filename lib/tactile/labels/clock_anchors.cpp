@@ -923,7 +923,7 @@ class EventMatch {
     double before = 0, behind = 0;
     for (std::size_t i = 0; i < activity_.size(); ++i)
       (seconds(options_.grid) * static_cast<double>(i) > last_s + rests_after_s ? behind : before) += activity_[i];
-    if (before + behind > 0) candidate.worth *= 0.5 + 0.5 * before / (before + behind);
+    if (before + behind > 0) candidate.worth *= 0.7 + 0.3 * before / (before + behind);
     for (const StageCommand& command : commands_) {
       const double at_s = command.at_s + candidate.shift_s;
       if (at_s < 0 || at_s + most_travel_s > length_s_) continue;
