@@ -521,7 +521,7 @@ double time_of_travel(const CommandedMotion& lift, double travel_m) {
 std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion& lift, double begin_s, double shift_s) {
   constexpr double most_slack_m = 0.5e-3;  // of skin and object
   // Tips let go one after the other, and edges have a width: the gain may change by so much from the window's begin to its end.
-  constexpr double gain_changes = 0.07, least_model_s = 0.8e-3;
+  constexpr double gain_changes = 0.05, least_model_s = 0.8e-3;
   const double start_ms = 1e3 * (begin_s + lift.change_s[0] + shift_s);
   if (!(std::abs(start_ms) < 1e9)) return std::nullopt;
   const auto from = static_cast<std::ptrdiff_t>(std::max(2.0, start_ms - 100));
@@ -565,10 +565,11 @@ std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion&
   }
   mean /= weights;
   for (std::ptrdiff_t i = first; i <= last; ++i) spread += weight(i) * (count_at(i) - mean) * (count_at(i) - mean);
-  const auto cost = [&](double shift) {
+  const auto unlike = [&](double shift, bool rings) {
     double rv = 0, vv = 0, rr = 0;
     for (std::ptrdiff_t i = first; i <= last; ++i) {
-      const double v = std::abs(lift.told_m_s(1e-3 * (static_cast<double>(i) + 0.5) - shift - begin_s)), r = count_at(i);
+      const double since_s = 1e-3 * (static_cast<double>(i) + 0.5) - shift - begin_s, r = count_at(i);
+      const double v = std::abs(rings ? lift.speed_m_s(since_s) : lift.told_m_s(since_s));
       rv += weight(i) * r * v;
       vv += weight(i) * v * v;
       rr += weight(i) * r * r;
@@ -576,14 +577,18 @@ std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion&
     return vv > 0 ? rr - rv * rv / vv : rr;
   };
   const double reach_s = 0.5 * std::max(longest_lag_s, 0.045);
-  const Minimum best = lowest(cost, latest_s - reach_s, reach_s + 1e-3, 1e-3);
+  const auto as_told = [&](double shift) { return unlike(shift, false); };
+  const auto as_it_rings = [&](double shift) { return unlike(shift, true); };
+  const Minimum best = lowest(as_told, latest_s - reach_s, reach_s + 1e-3, 1e-3);
   if (!(best.curvature > 0) || !(spread > 0)) return placed;
+  // Whether the tips follow what the arm was told or how it rings at the flange is not known.
+  const double ringing_s = lift.ringing_share > 0 ? 0.5 * std::abs(lowest(as_it_rings, best.at, 0.006, 1e-3).at - best.at) : 0.0;
   const double dispersion = std::max({1.0, ms.dispersion, best.value / static_cast<double>(last - first)});
   // A line that is led far down from a short window goes astray with its slope.
   const double window_s = 1e-3 * static_cast<double>(last - first + 1);
   const double led_s = 1e-3 * 0.5 * static_cast<double>(first + last + 1) - begin_s - lift.change_s[0] - best.at;
   const double model_s = std::max(least_model_s, gain_changes * led_s * led_s / window_s);
-  const double fit_s = std::hypot(1.5 * std::sqrt(2.0 * dispersion / best.curvature), model_s);
+  const double fit_s = std::hypot(std::sqrt(2.0 * dispersion / best.curvature), model_s, ringing_s);
   // Both together.
   const double w_fit = 1.0 / (fit_s * fit_s), w_slack = 1.0 / (placed.sigma_s * placed.sigma_s);
   placed.shift_s = (w_fit * best.at + w_slack * placed.shift_s) / (w_fit + w_slack);
