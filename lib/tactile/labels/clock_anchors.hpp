@@ -20,12 +20,20 @@ struct CoarseOffset {
   microseconds within{};
 };
 
+/// When something of the camera came to the host.
+struct CameraArrival {
+  CameraTime camera{};
+  HostTime host{};
+};
+
 /// What one piece of the robot's clock and one recording hold together.
 struct AnchorInputs {
   const RobotLog& robot;
   const EventRate& rate;
   const QuietRate& quiet;
-  std::span<const ImuSample> imu = {};      ///< none where the camera has no such sensor
+  std::span<const ImuSample> imu = {};  ///< none where the camera has no such sensor
+  std::span<const CameraArrival> host_from_camera =
+      {};                                   ///< run.json's `host_from_camera`, if it has it; with the log's host times
   std::optional<CoarseOffset> coarse = {};  ///< nothing: all lags at which log and recording overlap are looked at
 };
 

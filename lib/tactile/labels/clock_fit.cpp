@@ -168,23 +168,29 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
 
   const std::int64_t middle_us = options.middle_us.value_or(reference_us);
   std::vector<Point> points;
-  std::int64_t earliest = anchors.front().clock_us, latest = earliest;
   for (const ClockAnchor& anchor : anchors) {
-    earliest = std::min(earliest, anchor.clock_us);
-    latest = std::max(latest, anchor.clock_us);
     const std::int64_t in_camera = between(anchors.front().camera, anchor.camera).count();
     const std::int64_t in_clock = saturating_subtract(anchor.clock_us, anchors.front().clock_us);
     points.push_back({.x = static_cast<double>(saturating_subtract(anchor.clock_us, middle_us)),
                       .y = static_cast<double>(saturating_subtract(in_camera, in_clock)),
                       .sigma = std::max(1.0, std::hypot(anchor.sigma_us, anchor.bias_us))});
   }
-  const double span_us = static_cast<double>(saturating_subtract(latest, earliest));
-  bool with_slope =
-      anchors.size() >= options.drift_needs_anchors && span_us >= static_cast<double>(options.drift_needs_span.count());
-  std::string why_no_drift = anchors.size() < options.drift_needs_anchors
-                                 ? fmt::format("{} of {} anchors", anchors.size(), options.drift_needs_anchors)
-                                 : fmt::format("anchors over {:.0f} of {:.0f} s", 1e-6 * span_us,
-                                               1e-6 * static_cast<double>(options.drift_needs_span.count()));
+  // A witness that is ten times as uncertain as the best says nothing of a drift.
+  const double best_sigma =
+      std::min_element(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.sigma < b.sigma; })->sigma;
+  std::size_t telling = 0;
+  double first_x = 0, last_x = 0;
+  for (const Point& p : points) {
+    if (p.sigma > 10.0 * best_sigma) continue;
+    first_x = telling == 0 ? p.x : std::min(first_x, p.x);
+    last_x = telling == 0 ? p.x : std::max(last_x, p.x);
+    ++telling;
+  }
+  const double span_us = last_x - first_x, least_span_us = static_cast<double>(options.drift_needs_span.count());
+  bool with_slope = telling >= options.drift_needs_anchors && span_us >= least_span_us;
+  std::string why_no_drift = telling < options.drift_needs_anchors
+                                 ? fmt::format("{} of {} anchors", telling, options.drift_needs_anchors)
+                                 : fmt::format("anchors over {:.0f} of {:.0f} s", 1e-6 * span_us, 1e-6 * least_span_us);
   Line line;
   double scatter = 1;
   const double usual = 1e-6 * options.usual_drift_ppm;
