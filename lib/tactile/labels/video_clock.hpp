@@ -64,10 +64,10 @@ struct SeenBurst {
   CameraTime start{}, end{};
 };
 
-/// Likewise from the events alone, less well: every motion that the film shows ends when a burst does, and starts with it or
-/// before it (a stage moves before it touches); the offset at which most do is taken. Slack, ringing and slow ends move a burst
-/// against the film's motion by some tens of ms either way, so that each has a standard deviation of 15 ms, and all of them
-/// together 10 ms.
+/// Likewise from the events alone, less well: a motion that the film shows ends when a burst does, and starts with it or before
+/// it (a stage moves before it touches). The offset at which most do, and best, is taken. Slack, ringing and slow ends move a
+/// burst against the film's motion, so that each has a standard deviation of 15 ms beside the film's own, and all together one of
+/// 10 ms.
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts,
                               const VideoClockOptions& options = {});
 
