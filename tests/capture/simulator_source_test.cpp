@@ -109,7 +109,7 @@ TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {
   EXPECT_EQ(part.lift_start, read_truth(whole.truth()).lift_start);
   for (const TrueInterval& interval : part.intervals) EXPECT_LE(interval.interval.end, end) << interval.what;
 
-  const RobotLog robot = read_robot_log(cut.robot()), whole_robot = read_robot_log(whole.robot());
+  const RobotLog robot = read_robot_log(cut.robot()).longest(), whole_robot = read_robot_log(whole.robot()).longest();
   EXPECT_LT(robot.states.size(), whole_robot.states.size());
   const CameraTime last_state = part.robot_clock->camera_from(robot.states.back().t);
   EXPECT_GE(last_state, end);
@@ -152,7 +152,7 @@ TEST(SimulatorSource, RunsOneClockThroughASession) {
   const std::int64_t stamp = robot_two.reference_us;
   EXPECT_NEAR(static_cast<double>(us_of(robot_one.camera_from(stamp)) - us_of(robot_two.camera_from(stamp))), 0.0, 1.0)
       << "one controller, one clock";
-  EXPECT_EQ(us_of(read_robot_log(two.robot()).states.front().t), stamp);
+  EXPECT_EQ(us_of(read_robot_log(two.robot()).longest().states.front().t), stamp);
   const std::vector<TrueInterval> labelled = labelled_in(two);
   EXPECT_GT(labelled.at(0).interval.start, second.front().t);
   EXPECT_LT(labelled.at(1).interval.end, second.back().t);

@@ -18,12 +18,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (file < 0) return 0;
   if (write(file, data, size) == static_cast<ssize_t>(size)) {
     try {
-      const RobotLog log = read_robot_log("/proc/self/fd/" + std::to_string(file));
-      for (std::size_t i = 1; i < log.states.size(); ++i) {
-        if (log.states[i].t <= log.states[i - 1].t) std::abort();
+      const RobotLogFile log_file = read_robot_log("/proc/self/fd/" + std::to_string(file));
+      for (const RobotLog& log : log_file.pieces) {
+        if (log.states.empty()) std::abort();
+        for (std::size_t i = 1; i < log.states.size(); ++i) {
+          if (log.states[i].t <= log.states[i - 1].t) std::abort();
+        }
+        for (const OutputChange& change : log.output_changes) {
+          if (change.at <= change.last_before || change.from == change.to) std::abort();
+        }
+        motion_phases(log);
       }
-      motion_phases(log);
-      first_rising_edges(log);
     } catch (const Error&) {
     }
   }

@@ -55,19 +55,5 @@ TEST(MotionPhases, OfARestingArmAreNone) {
   EXPECT_TRUE(motion_phases({}).empty());
 }
 
-TEST(FirstRisingEdges, NameTheBitAndItsFirstRise) {
-  RobotLog log;
-  for (const std::uint64_t bits : {1U, 1U, 5U, 1U, 5U}) {
-    RobotState state;
-    state.t = RobotTime{microseconds{static_cast<std::int64_t>(log.states.size()) * 8'000}};
-    state.digital_output_bits = bits;
-    log.states.push_back(state);
-  }
-  const auto edges = first_rising_edges(log);
-  ASSERT_EQ(edges.size(), 1U) << "bit 0 is high from the first row on";
-  EXPECT_EQ(edges[0].bit, 2);
-  EXPECT_EQ(ms(edges[0].at), 16.0);
-}
-
 }  // namespace
 }  // namespace tactile

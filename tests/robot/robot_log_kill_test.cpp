@@ -38,8 +38,9 @@ TEST(RobotLogKilled, LeavesWholeRowsAtTwentyMoments) {
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
 
-    const RobotLog log = read_robot_log(file);
-    EXPECT_EQ(log.restarts, 0U);
+    const RobotLogFile log_file = read_robot_log(file);
+    EXPECT_LE(log_file.pieces.size(), 1U);
+    const RobotLog& log = log_file.longest();
     EXPECT_TRUE(log.gaps.empty());
     const std::vector<double> sent = controller.sent();
     auto at = sent.begin();

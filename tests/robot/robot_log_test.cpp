@@ -27,11 +27,13 @@ std::string row(const std::string& time, const std::string& separator, const std
   return text + (last.empty() ? "" : separator + last);
 }
 
-RobotLog read(const std::string& text) {
+RobotLogFile read_file(const std::string& text) {
   const test::TemporaryFolder folder;
   write_whole(folder / "robot.csv", text);
   return read_robot_log(folder / "robot.csv");
 }
+
+RobotLog read(const std::string& text) { return read_file(text).longest(); }
 
 std::string complaint_about(const std::string& text) {
   try {
@@ -56,7 +58,7 @@ TEST(RobotLog, ComesBackAsItWasWritten) {
   }
   const test::TemporaryFolder folder;
   write_robot_log(folder / "robot.csv", log);
-  const RobotLog back = read_robot_log(folder / "robot.csv");
+  const RobotLog back = read_robot_log(folder / "robot.csv").longest();
   ASSERT_EQ(back.states.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back.states[i].t, log.states[i].t);
@@ -122,16 +124,19 @@ TEST(RobotLog, RefusesARowOfAnotherLength) {
 std::string row_at(const std::string& time, const std::string& host_us) { return row(time, ",", host_us) + "\n"; }
 const std::string header_with_host_time = header(",", "host_time_us") + "\n";
 
-TEST(RobotLog, KeepsTheLongestPieceOfAClockThatStartsAnew) {
+TEST(RobotLog, IsInPiecesWhereItsClockStartsAnew) {
   const std::string rows = row("7", ",") + "\n" + row("7.002", ",") + "\n" + row("0.5", ",") + "\n" + row("0.502", ",") + "\n" +
                            row("0.504", ",") + "\n" + row("0.1", ",") + "\n";
-  const RobotLog log = read(header(",") + "\n" + rows);
-  ASSERT_EQ(log.states.size(), 3U);
-  EXPECT_EQ(us_of(log.states[0].t), 500'000);
-  EXPECT_EQ(us_of(log.states[2].t), 504'000);
-  EXPECT_EQ(log.restarts, 2U);
-  EXPECT_EQ(log.left_out_rows, 3U);
-  EXPECT_TRUE(log.gaps.empty());
+  const RobotLogFile file = read_file(header(",") + "\n" + rows);
+  ASSERT_EQ(file.pieces.size(), 3U);
+  EXPECT_EQ(us_of(file.pieces[0].states.at(1).t), 7'002'000);
+  EXPECT_EQ(us_of(file.pieces[1].states.at(0).t), 500'000);
+  EXPECT_EQ(us_of(file.pieces[1].states.at(2).t), 504'000);
+  EXPECT_EQ(us_of(file.pieces[2].states.at(0).t), 100'000);
+  EXPECT_EQ(&file.longest(), &file.pieces[1]);
+  EXPECT_EQ(file.restarts(), 2U);
+  EXPECT_EQ(file.rows_elsewhere(), 3U);
+  for (const RobotLog& piece : file.pieces) EXPECT_TRUE(piece.gaps.empty());
 }
 
 TEST(RobotLog, KnowsWhenItsRowsCameToTheHost) {
@@ -144,15 +149,16 @@ TEST(RobotLog, KnowsWhenItsRowsCameToTheHost) {
 
   const test::TemporaryFolder folder;
   write_robot_log(folder / "robot.csv", log);
-  EXPECT_EQ(read_robot_log(folder / "robot.csv").states[0].host_time, log.states[0].host_time);
+  EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states[0].host_time, log.states[0].host_time);
 }
 
 TEST(RobotLog, TakesAnEmptyLineOfALogWithHostTimesAsALostConnection) {
   const std::string rows =
       row_at("1", "100000") + row_at("1.008", "108000") + "\n" + row_at("4", "3100000") + row_at("4.008", "3108000");
-  const RobotLog log = read(header_with_host_time + rows);
+  const RobotLogFile file = read_file(header_with_host_time + rows);
+  const RobotLog& log = file.longest();
   EXPECT_EQ(log.states.size(), 4U);
-  EXPECT_EQ(log.restarts, 0U);
+  EXPECT_EQ(file.restarts(), 0U);
   ASSERT_EQ(log.gaps.size(), 1U);
   EXPECT_EQ(us_of(log.gaps[0].last_before), 1'008'000);
   EXPECT_EQ(us_of(log.gaps[0].first_after), 4'000'000);
@@ -165,12 +171,12 @@ TEST(RobotLog, TakesAnEmptyLineOfALogWithHostTimesAsALostConnection) {
 TEST(RobotLog, SeesARebootThatTheTimestampAloneDoesNotShow) {
   // Away for 60 s by the host's clock, but only 2 s by the controller's, which must have started anew.
   const std::string rows = row_at("10", "1000000") + row_at("10.008", "1008000") + "\n" + row_at("12", "61000000");
-  const RobotLog log = read(header_with_host_time + rows);
-  EXPECT_EQ(log.restarts, 1U);
-  EXPECT_EQ(log.states.size(), 2U);
-  EXPECT_EQ(log.left_out_rows, 1U);
+  const RobotLogFile file = read_file(header_with_host_time + rows);
+  EXPECT_EQ(file.restarts(), 1U);
+  EXPECT_EQ(file.longest().states.size(), 2U);
+  EXPECT_EQ(file.rows_elsewhere(), 1U);
   // Rows that only came late are of the same clock.
-  EXPECT_EQ(read(header_with_host_time + row_at("10", "1000000") + row_at("10.008", "9000000")).restarts, 0U);
+  EXPECT_EQ(read_file(header_with_host_time + row_at("10", "1000000") + row_at("10.008", "9000000")).restarts(), 0U);
 }
 
 TEST(RobotLog, NamesAStepOfMoreThanAHundredMillisecondsAGap) {
@@ -183,20 +189,49 @@ TEST(RobotLog, NamesAStepOfMoreThanAHundredMillisecondsAGap) {
 
 TEST(RobotLog, LeavesOutALastRowThatIsNotWhole) {
   const std::string whole = header_with_host_time + row_at("1", "1000") + row_at("1.008", "9000");
-  EXPECT_FALSE(read(whole).cut_off);
+  EXPECT_FALSE(read_file(whole).cut_off);
   const std::size_t last_row = whole.rfind('\n', whole.size() - 2) + 1;
   for (std::size_t size = last_row + 1; size < whole.size(); ++size) {
-    const RobotLog log = read(whole.substr(0, size));
-    EXPECT_EQ(log.states.size(), 1U) << size;
-    EXPECT_TRUE(log.cut_off) << size;
+    const RobotLogFile file = read_file(whole.substr(0, size));
+    EXPECT_EQ(file.longest().states.size(), 1U) << size;
+    EXPECT_TRUE(file.cut_off) << size;
   }
   // Others do not end their last row; then it counts if it is whole as far as one can see.
-  const RobotLog unended = read(header(",") + "\n" + row("1", ",") + "\n" + row("2", ","));
-  EXPECT_EQ(unended.states.size(), 2U);
+  const RobotLogFile unended = read_file(header(",") + "\n" + row("1", ",") + "\n" + row("2", ","));
+  EXPECT_EQ(unended.longest().states.size(), 2U);
   EXPECT_FALSE(unended.cut_off);
-  const RobotLog cut = read(header(",") + "\n" + row("1", ",") + "\n2,0.5,1.");
-  EXPECT_EQ(cut.states.size(), 1U);
+  const RobotLogFile cut = read_file(header(",") + "\n" + row("1", ",") + "\n2,0.5,1.");
+  EXPECT_EQ(cut.longest().states.size(), 1U);
   EXPECT_TRUE(cut.cut_off);
+}
+
+TEST(RobotLog, HasNoPieceWithoutARow) {
+  const RobotLogFile file = read_file(header(",") + "\n");
+  EXPECT_TRUE(file.pieces.empty());
+  EXPECT_TRUE(file.longest().states.empty());
+  EXPECT_EQ(file.restarts(), 0U);
+  EXPECT_EQ(file.rows_elsewhere(), 0U);
+}
+
+TEST(RobotLog, TellsWhenItsOutputsChange) {
+  const std::string names =
+      "actual_digital_output_bits,output_bit_registers32_to_63,output_bit_register_127,output_int_register_0";
+  const std::string text = header(",", names) + "\n" + row("1", ",", "1,0,False,-7") + "\n" + row("1.008", ",", "1,0,False,-7") +
+                           "\n" + row("1.024", ",", "131072,4,True,12") + "\n" + row("1.032", ",", "131073,4,False,12") + "\n" +
+                           row("0.5", ",", "0,0,True,3") + "\n" + row("0.6", ",", "0,0,True,3") + "\n";
+  const RobotLogFile file = read_file(text);
+  ASSERT_EQ(file.pieces.size(), 2U);
+  std::string told;
+  for (const OutputChange& change : file.pieces[0].output_changes) {
+    told += change.output + " " + std::to_string(change.from) + ">" + std::to_string(change.to) + " " +
+            std::to_string(us_of(change.last_before)) + ".." + std::to_string(us_of(change.at)) + "\n";
+  }
+  EXPECT_EQ(told,
+            "digital output 0 1>0 1008000..1024000\ndigital output 17 0>1 1008000..1024000\n"
+            "output_bit_register_34 0>1 1008000..1024000\noutput_bit_register_127 0>1 1008000..1024000\n"
+            "output_int_register_0 -7>12 1008000..1024000\n"
+            "digital output 0 0>1 1024000..1032000\noutput_bit_register_127 1>0 1024000..1032000\n");
+  EXPECT_TRUE(file.pieces[1].output_changes.empty()) << "another clock's rows say nothing of when it changed";
 }
 
 TEST(RobotLog, RefusesAnEmptyFileAndOneThatIsNotThere) {

@@ -175,11 +175,12 @@ TEST(RobotMonitor, WritesWhatTheRobotSentByItsNames) {
     last_host_time = host_time;
   }
   // And the reader finds the same.
-  const RobotLog log = read_robot_log(folder / "robot.csv");
+  const RobotLogFile file = read_robot_log(folder / "robot.csv");
+  const RobotLog& log = file.longest();
   EXPECT_EQ(log.states.size(), rows);
   EXPECT_EQ(us_of(log.states.back().host_time.value()), last_host_time);
-  EXPECT_FALSE(log.cut_off);
-  EXPECT_TRUE(log.restarts == 0 && log.gaps.empty());
+  EXPECT_FALSE(file.cut_off);
+  EXPECT_TRUE(file.restarts() == 0 && log.gaps.empty());
 }
 
 TEST(RobotMonitor, CountsThePackagesThatTheControllerSkipped) {
@@ -229,10 +230,11 @@ TEST(RobotMonitor, MarksARestartOfTheControllersClock) {
 
   const std::string text = read_text(folder / "robot.csv");
   EXPECT_NE(text.find("\n\n0,"), std::string::npos) << "an empty line ahead of the new clock's first row";
-  const RobotLog log = read_robot_log(folder / "robot.csv");
-  EXPECT_EQ(log.restarts, 1U);
-  EXPECT_EQ(log.states.size() + log.left_out_rows, monitor.state().rows);
-  EXPECT_GE(log.states.size(), log.left_out_rows);
+  const RobotLogFile file = read_robot_log(folder / "robot.csv");
+  const RobotLog& log = file.longest();
+  EXPECT_EQ(file.restarts(), 1U);
+  EXPECT_EQ(log.states.size() + file.rows_elsewhere(), monitor.state().rows);
+  EXPECT_GE(log.states.size(), file.rows_elsewhere());
   EXPECT_TRUE(std::is_sorted(log.states.begin(), log.states.end(), [](const auto& a, const auto& b) { return a.t < b.t; }));
 }
 
@@ -259,8 +261,9 @@ TEST(RobotMonitor, ConnectsAgainAndMarksTheGap) {
   EXPECT_TRUE(comes([&] { return told.has("robot is back after"); })) << told.all();
   EXPECT_EQ(monitor.state().reconnects, 1U);
   EXPECT_EQ(monitor.state().gaps, 1U);
-  const RobotLog log = read_robot_log(folder / "robot.csv");
-  EXPECT_EQ(log.restarts, 0U);
+  const RobotLogFile file = read_robot_log(folder / "robot.csv");
+  const RobotLog& log = file.longest();
+  EXPECT_EQ(file.restarts(), 0U);
   ASSERT_EQ(log.gaps.size(), 1U);
   const auto lost = std::llround(static_cast<double>((log.gaps[0].first_after - log.gaps[0].last_before).count()) / 2'000) - 1;
   EXPECT_EQ(monitor.state().missing, static_cast<std::uint64_t>(lost));
@@ -281,7 +284,7 @@ TEST(RobotMonitor, TellsARebootThatTheTimestampAloneDoesNotShow) {
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 100));
   monitor.stop_log();
   EXPECT_EQ(monitor.state().missing, 0U);
-  EXPECT_EQ(read_robot_log(folder / "robot.csv").restarts, 1U);
+  EXPECT_EQ(read_robot_log(folder / "robot.csv").restarts(), 1U);
 }
 
 TEST(RobotMonitor, LeavesAControllerThatSendsGarbageAndConnectsAgain) {
@@ -302,7 +305,7 @@ TEST(RobotMonitor, LeavesAControllerThatSendsGarbageAndConnectsAgain) {
     ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20)) << words;
     monitor.stop_log();
     EXPECT_TRUE(told.has(words)) << told.all();
-    EXPECT_EQ(read_robot_log(folder / "robot.csv").states.size(), monitor.state().rows) << words;
+    EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), monitor.state().rows) << words;
   }
 }
 
@@ -323,7 +326,7 @@ TEST(RobotMonitor, TakesAShortSilenceAsAGapAndALongOneAsALoss) {
   monitor.stop_log();
   EXPECT_GE(monitor.state().reconnects, 1U);
   EXPECT_GE(monitor.state().missing, 800U) << "two seconds of packages, less what a busy machine sent late";
-  EXPECT_GE(read_robot_log(folder / "robot.csv").gaps.size(), 1U);
+  EXPECT_GE(read_robot_log(folder / "robot.csv").longest().gaps.size(), 1U);
 }
 
 TEST(RobotMonitor, AsksForTheControllersHighestFrequency) {
@@ -409,7 +412,7 @@ TEST(RobotMonitor, LeavesOutRowsThatAreNoNumbers) {
   ASSERT_TRUE(has_rows(monitor, 100));
   monitor.stop_log();
   EXPECT_TRUE(told.has("no numbers")) << told.all();
-  EXPECT_EQ(read_robot_log(folder / "robot.csv").states.size(), monitor.state().rows);
+  EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), monitor.state().rows);
   EXPECT_GE(monitor.state().missing, 9U);
 }
 
@@ -430,7 +433,7 @@ TEST(RobotMonitor, WritesOneLogAfterTheOther) {
   ASSERT_TRUE(has_rows(monitor, 10));
   monitor.stop_log();
   EXPECT_EQ(read_text(folder / "first.csv"), first);
-  EXPECT_EQ(read_robot_log(folder / "second.csv").states.size(), monitor.state().rows);
+  EXPECT_EQ(read_robot_log(folder / "second.csv").longest().states.size(), monitor.state().rows);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2) << "no temporary file stays";
 }
 
@@ -463,9 +466,10 @@ TEST(RobotMonitor, CountsAGapWhereALogBeginsOrEndsWithoutTheRobot) {
   monitor.stop_log();
   EXPECT_EQ(monitor.state().gaps, 2U);
   EXPECT_GE(monitor.state().missing, missing + 50);
-  const RobotLog log = read_robot_log(folder / "late.csv");
+  const RobotLogFile file = read_robot_log(folder / "late.csv");
+  const RobotLog& log = file.longest();
   EXPECT_EQ(log.states.size(), monitor.state().rows);
-  EXPECT_TRUE(log.restarts == 0 && log.gaps.empty());
+  EXPECT_TRUE(file.restarts() == 0 && log.gaps.empty());
 }
 
 TEST(RobotMonitor, CountsStartsOfTheClockBetweenLogsToo) {
@@ -554,7 +558,7 @@ TEST(RobotMonitor, EndsTheLogAndListensOnWhenTheDiskIsFull) {
   const std::string text = read_text(file);
   EXPECT_TRUE(text.ends_with("\n")) << "half a row stayed";
   EXPECT_GT(text.size(), 99'000U);
-  EXPECT_GT(read_robot_log(file).states.size(), 100U);
+  EXPECT_GT(read_robot_log(file).longest().states.size(), 100U);
   EXPECT_TRUE(has_all_that_was_sent(file, controller));
 }
 

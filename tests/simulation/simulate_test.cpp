@@ -117,7 +117,7 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "default");
 
-  const RobotLog robot = read_robot_log(runs[0].robot());
+  const RobotLog robot = read_robot_log(runs[0].robot()).longest();
   const auto moving =
       std::find_if(robot.states.begin(), robot.states.end(), [](const RobotState& s) { return s.tcp_speed[2] > 0.003; });
   ASSERT_NE(moving, robot.states.end());

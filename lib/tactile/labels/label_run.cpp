@@ -234,10 +234,11 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
   RobotLog log;
   std::optional<MotionPhase> lift;
   if (std::filesystem::exists(run.robot())) {
-    log = read_robot_log(run.robot());
-    if (log.restarts > 0) {
+    const RobotLogFile file = read_robot_log(run.robot());
+    log = file.longest();
+    if (file.restarts() > 0) {
       flag(fmt::format("the robot's clock starts anew {} times within its log: {} rows of other clocks are not used",
-                       log.restarts, log.left_out_rows));
+                       file.restarts(), file.rows_elsewhere()));
     }
     if (!log.gaps.empty()) {
       const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
@@ -249,7 +250,7 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
           log.gaps.size(), log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000, at_s,
           1e-6 * static_cast<double>(us_of(longest->last_before))));
     }
-    if (log.cut_off) flag("the robot log is cut off in its last row");
+    if (file.cut_off) flag("the robot log is cut off in its last row");
     lift = lift_in(log);
     if (!lift) flag("the robot log has no lift: its TCP never moves upwards");
   } else {
@@ -289,8 +290,9 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
              labels.intervals.size());
       }
       // The last command ahead of the first press is the one that made it.
-      for (const OutputEdge& edge : first_rising_edges(log)) {
-        const CameraTime command = labels.robot_clocks.front().relation.camera_from(edge.at);
+      for (const OutputChange& change : log.output_changes) {
+        if (!(change.output.starts_with("digital output") && change.to == 1)) continue;
+        const CameraTime command = labels.robot_clocks.front().relation.camera_from(change.at);
         if (!labels.intervals.empty() && command <= labels.intervals.front().start.at)
           labels.intervals.front().evidence.robot = command;
       }

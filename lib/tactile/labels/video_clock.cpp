@@ -308,40 +308,6 @@ std::optional<MotionFit> fit_motion(const std::vector<Step>& steps, const Speed&
   return fit;
 }
 
-/// The weighted mean of the anchors' offsets; the drift as 0.
-FittedClock clock_from(std::span<const VideoAnchor> anchors, const MotionEnergy& energy, double common_sigma_us,
-                       std::string method) {
-  constexpr double usual_drift = 60e-6;
-  const auto offset_of = [&](const VideoAnchor& anchor) {
-    return saturating_subtract(us_of(anchor.camera), us_of(anchor.video));
-  };
-  const std::int64_t base = offset_of(anchors.front());
-  const VideoTime middle = energy.begin() + (energy.end() - energy.begin()) / 2;
-  double weights = 0, sum = 0, squares = 0, far = 0;
-  for (const VideoAnchor& anchor : anchors) {
-    const double weight = 1 / (anchor.sigma_us * anchor.sigma_us);
-    weights += weight;
-    sum += weight * static_cast<double>(offset_of(anchor) - base);
-    far += weight * static_cast<double>((anchor.video - middle).count());
-  }
-  const double mean = sum / weights;
-  for (const VideoAnchor& anchor : anchors) {
-    const double residual = static_cast<double>(offset_of(anchor) - base) - mean;
-    squares += residual * residual / (anchor.sigma_us * anchor.sigma_us);
-  }
-  const auto n = static_cast<double>(anchors.size());
-  const double scatter = anchors.size() > 1 ? std::max(1.0, std::sqrt(squares / (n - 1))) : 1.0;
-  const double sigma = std::hypot(scatter / std::sqrt(weights), common_sigma_us, usual_drift * far / weights);
-  FittedClock clock;
-  clock.relation = {.offset_us = saturating_add(base, std::llround(mean)), .drift_ppm = 0, .reference_us = us_of(energy.begin())};
-  clock.residual_us = scatter * std::sqrt(n / weights);
-  clock.offset_low_us = saturating_subtract(clock.relation.offset_us, std::llround(normal_95 * sigma));
-  clock.offset_high_us = saturating_add(clock.relation.offset_us, std::llround(normal_95 * sigma));
-  clock.anchors = static_cast<int>(anchors.size());
-  clock.method = std::move(method);
-  return clock;
-}
-
 /// Steps [first, last] of a film in which something moves.
 struct Stretch {
   std::size_t first = 0, last = 0;
@@ -591,7 +557,52 @@ double share_in_both(const std::vector<FilmedMotion>& filmed, const std::vector<
   return firing > 0 && moving > 0 ? firing_both / firing * moving_both / moving : 0.0;
 }
 
+/// With the line through its anchors.
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
+  const VideoTime middle = energy.begin() + (energy.end() - energy.begin()) / 2;
+  ClockFitOptions options;
+  options.middle_us = us_of(middle);
+  ClockFit line = fit_clock(fit.anchors, us_of(energy.begin()), options);
+  fit.clock = std::move(line.clock);
+  fit.refused = std::move(line.refused);
+  return fit;
+}
+
 }  // namespace
+
+SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock) {
+  SeenMotion seen;
+  if (motion.velocity.size() < 2) return seen;
+  std::vector<double> speeds, known;
+  for (std::size_t i = 0; i < motion.velocity.size(); ++i) {
+    const auto& v = motion.velocity[i];
+    speeds.push_back(std::hypot(v[0], v[1], v[2]));
+    if (motion.known[i]) known.push_back(speeds.back());
+  }
+  if (known.empty()) return seen;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  // The magnitude of three noisy components has a median of 1.54 of their standard deviations; the arm rests mostly.
+  constexpr double median_of_noise = 1.54, beyond_noise = 5;
+  const double limit = *middle * (median_of_noise + beyond_noise) / median_of_noise;
+
+  const ClockRelation& clock = robot_clock.relation;
+  seen.begin = clock.camera_from(motion.begin);
+  seen.step = motion.step;
+  seen.sigma_us =
+      0.5 / normal_95 * static_cast<double>(saturating_subtract(robot_clock.offset_high_us, robot_clock.offset_low_us));
+  const CameraTime end = clock.camera_from(motion.time_of(motion.velocity.size() - 1));
+  const auto step_us = static_cast<double>(motion.step.count());
+  for (CameraTime t = seen.begin; t <= end && seen.speed.size() < motion.velocity.size() + motion.velocity.size() / 1000;
+       t = after(t, seen.step)) {
+    const double place = static_cast<double>(saturating_subtract(clock.clock_us_from(t), us_of(motion.begin))) / step_us;
+    const std::size_t i = std::min(static_cast<std::size_t>(std::max(place, 0.0)), speeds.size() - 2);
+    const double share = std::clamp(place - static_cast<double>(i), 0.0, 1.0);
+    const double speed = motion.known[i] ? speeds[i] + share * (speeds[i + 1] - speeds[i]) : 0.0;
+    seen.speed.push_back(speed > limit ? speed : 0.0);
+  }
+  return seen;
+}
 
 VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options) {
   VideoClockFit fit;
@@ -658,19 +669,15 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen
     return refuse(fmt::format("starts and stops of motion place the film {:.0f} ms apart; expected {:.0f} ms at most",
                               1e-3 * (highest - lowest), 1e-3 * options.most_disagreement_us));
   }
-  const auto less_mean = [&](const std::optional<double>& offset) {
-    return offset ? std::optional(*offset - mean) : std::nullopt;
-  };
   for (const MotionFit& motion : motions) {
     const std::int64_t at_us = std::llround(motion.speed_time);
-    fit.anchors.push_back({.video = energy.begin() + microseconds{at_us - std::llround(motion.offset)},
+    fit.anchors.push_back({.clock_us = saturating_add(us_of(energy.begin()), at_us - std::llround(motion.offset)),
                            .camera = after(seen.begin, microseconds{at_us}),
                            .sigma_us = motion.sigma,
-                           .start_us = less_mean(motion.start),
-                           .stop_us = less_mean(motion.stop)});
+                           .kind = AnchorKind::film_of_arm,
+                           .bias_us = seen.sigma_us});
   }
-  fit.clock = clock_from(fit.anchors, energy, seen.sigma_us, "film's motion and arm's speed");
-  return fit;
+  return with_clock(std::move(fit), energy);
 }
 
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts, const VideoClockOptions& options) {
@@ -725,19 +732,21 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
         "the film matches the bursts of events at two places: the better is only {:.2f} times as good; expected {:.2f}",
         fit.ambiguity, options.least_ambiguity));
   }
+  constexpr double common_sigma_us = 10'000;
   for (const FilmedMotion& motion : filmed) {
     const BurstFit found = fit_of(motion, seen, best->offset);
     if (found.burst == nullptr) continue;
     const auto add = [&](const VideoSpan& video, CameraTime camera) {
-      fit.anchors.push_back(
-          {.video = video.at, .camera = camera, .sigma_us = sigma_against_burst(video), .start_us = {}, .stop_us = {}});
+      fit.anchors.push_back({.clock_us = us_of(video.at),
+                             .camera = camera,
+                             .sigma_us = sigma_against_burst(video),
+                             .kind = AnchorKind::film_of_skin,
+                             .bias_us = common_sigma_us});
     };
     if (found.starts_too) add(motion.start, found.burst->start);
     add(motion.end, found.burst->end);
   }
-  constexpr double common_sigma_us = 10'000;
-  fit.clock = clock_from(fit.anchors, energy, common_sigma_us, "ends of the film's motions and of bursts of events");
-  return fit;
+  return with_clock(std::move(fit), energy);
 }
 
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock) {

@@ -69,17 +69,4 @@ std::vector<MotionPhase> motion_phases(const RobotLog& log, const MotionPhaseOpt
   return phases;
 }
 
-std::vector<OutputEdge> first_rising_edges(const RobotLog& log) {
-  std::vector<OutputEdge> edges;
-  std::uint64_t seen = log.states.empty() ? 0 : log.states.front().digital_output_bits.value_or(0);
-  for (const RobotState& state : log.states) {
-    const std::uint64_t risen = state.digital_output_bits.value_or(0) & ~seen;
-    for (int bit = 0; bit < 64; ++bit) {
-      if ((risen >> bit & 1U) != 0) edges.push_back({bit, state.t});
-    }
-    seen |= risen;
-  }
-  return edges;
-}
-
 }  // namespace tactile

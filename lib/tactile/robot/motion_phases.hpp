@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "tactile/robot/robot_log.hpp"
@@ -24,12 +23,5 @@ struct MotionPhaseOptions {
 /// start to about a millisecond, since the rise of a trapezoidal profile is a straight line. Source: UR's RTDE guide,
 /// `actual_TCP_speed`.
 std::vector<MotionPhase> motion_phases(const RobotLog& log, const MotionPhaseOptions& options = {});
-
-/// The moment each digital output bit that changes in the log rises for the first time: what a stage or gripper was told.
-struct OutputEdge {
-  int bit = 0;
-  RobotTime at{};
-};
-std::vector<OutputEdge> first_rising_edges(const RobotLog& log);
 
 }  // namespace tactile

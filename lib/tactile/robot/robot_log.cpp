@@ -78,9 +78,9 @@ class Row {
     return static_cast<std::uint64_t>(*value);
   }
 
-  std::int64_t whole_number_at(std::size_t column) const {
+  std::int64_t whole_number_at(std::size_t column, std::string_view expected) const {
     const std::optional<std::int64_t> value = whole_number_in(cells_[column]);
-    if (!value) refuse(column, "whole microseconds");
+    if (!value) refuse(column, expected);
     return *value;
   }
 
@@ -96,10 +96,19 @@ class Row {
   const std::vector<std::string_view>& cells_;
 };
 
+/// An output and the column that tells of it.
+struct OutputColumn {
+  std::string name;  ///< of the output, or of its first bit without the number
+  std::size_t column = 0;
+  int bits = 0;       ///< 0: a number
+  int first_bit = 0;  ///< its number in its name
+};
+
 struct Columns {
   std::size_t time = 0;
   std::array<std::size_t, 6> pose{}, speed{};
   std::optional<std::size_t> bits, host_time;
+  std::vector<OutputColumn> outputs;
 };
 
 Columns columns_of(const std::string& file, const std::vector<std::string>& names) {
@@ -124,6 +133,18 @@ Columns columns_of(const std::string& file, const std::vector<std::string>& name
   }
   columns.bits = find(std::string(bits_name));
   columns.host_time = find(std::string(host_time_name));
+  const auto add_output = [&](const std::string& column, std::string name, int bits, int first_bit) {
+    if (const auto found = find(column))
+      columns.outputs.push_back({.name = std::move(name), .column = *found, .bits = bits, .first_bit = first_bit});
+  };
+  add_output(std::string(bits_name), "digital output ", 64, 0);
+  add_output("output_bit_registers0_to_31", "output_bit_register_", 32, 0);
+  add_output("output_bit_registers32_to_63", "output_bit_register_", 32, 32);
+  for (int i = 64; i < 128; ++i) add_output(fmt::format("output_bit_register_{}", i), "output_bit_register_", 1, i);
+  for (int i = 0; i < 48; ++i) {
+    const std::string name = fmt::format("output_int_register_{}", i);
+    add_output(name, name, 0, 0);
+  }
   return columns;
 }
 
@@ -137,54 +158,72 @@ RobotState state_in(const Row& row, const Columns& columns) {
     state.tcp_speed[i] = row.number_at(columns.speed[i]);
   }
   if (columns.bits) state.digital_output_bits = row.bits_at(*columns.bits);
-  if (columns.host_time) state.host_time = HostTime{microseconds{row.whole_number_at(*columns.host_time)}};
+  if (columns.host_time) state.host_time = HostTime{microseconds{row.whole_number_at(*columns.host_time, "whole microseconds")}};
   return state;
 }
 
-/// Rows that one clock counts.
-struct Piece {
-  std::vector<RobotState> states;
-  std::vector<RobotGap> gaps;
-};
+std::vector<std::int64_t> outputs_in(const Row& row, const Columns& columns) {
+  std::vector<std::int64_t> values;
+  for (const OutputColumn& output : columns.outputs) {
+    values.push_back(output.bits == 0 ? row.whole_number_at(output.column, "a whole number")
+                                      : static_cast<std::int64_t>(row.bits_at(output.column)));
+  }
+  return values;
+}
 
 /// Sorts the rows of a log into the pieces of its clocks.
 class Pieces {
  public:
-  Pieces() : pieces_(1) {}
-
   void connection_lost() { lost_ = true; }
 
-  void add(const RobotState& state) {
+  /// @return whether the row counts; else it repeats the one before
+  bool add(const RobotState& state) {
     const bool was_lost = std::exchange(lost_, false);
-    std::vector<RobotState>& states = pieces_.back().states;
-    if (!states.empty()) {
-      const RobotState& before = states.back();
-      if (state.t == before.t) {  // a recorder that samples on its own clock writes some packages twice
-        lost_ = was_lost;
-        return;
-      }
-      if (state.t < before.t || (was_lost && clocks_disagree(before, state))) {
-        pieces_.emplace_back().states.push_back(state);
-        return;
-      }
-      if (was_lost || state.t - before.t > longest_step) pieces_.back().gaps.push_back({before.t, state.t});
+    if (pieces_.empty() || starts_anew(state, was_lost)) {
+      pieces_.emplace_back().states.push_back(state);
+      outputs_.clear();
+      return true;
     }
-    states.push_back(state);
+    RobotLog& piece = pieces_.back();
+    const RobotState& before = piece.states.back();
+    if (state.t == before.t) {  // a recorder that samples on its own clock writes some packages twice
+      lost_ = was_lost;
+      return false;
+    }
+    if (was_lost || state.t - before.t > longest_step) piece.gaps.push_back({before.t, state.t});
+    piece.states.push_back(state);
+    return true;
   }
 
-  /// The longest piece, and what the others were.
-  RobotLog log() {
-    const auto longest = std::max_element(pieces_.begin(), pieces_.end(),
-                                          [](const Piece& a, const Piece& b) { return a.states.size() < b.states.size(); });
-    RobotLog log;
-    log.restarts = pieces_.size() - 1;
-    for (const Piece& piece : pieces_) log.left_out_rows += &piece == &*longest ? 0 : piece.states.size();
-    log.states = std::move(longest->states);
-    log.gaps = std::move(longest->gaps);
-    return log;
+  /// What the outputs are in the row that was added last.
+  void add_outputs(const std::vector<OutputColumn>& columns, const std::vector<std::int64_t>& values) {
+    RobotLog& piece = pieces_.back();
+    for (std::size_t i = 0; i < outputs_.size() && i < values.size(); ++i) {
+      if (values[i] == outputs_[i]) continue;
+      const RobotTime at = piece.states.back().t, last_before = piece.states[piece.states.size() - 2].t;
+      const OutputColumn& column = columns[i];
+      if (column.bits == 0) {
+        piece.output_changes.push_back({column.name, outputs_[i], values[i], last_before, at});
+        continue;
+      }
+      const auto changed = static_cast<std::uint64_t>(values[i]) ^ static_cast<std::uint64_t>(outputs_[i]);
+      for (int bit = 0; bit < column.bits; ++bit) {
+        if ((changed >> bit & 1U) == 0) continue;
+        const auto is = static_cast<std::int64_t>(static_cast<std::uint64_t>(values[i]) >> bit & 1U);
+        piece.output_changes.push_back({fmt::format("{}{}", column.name, column.first_bit + bit), 1 - is, is, last_before, at});
+      }
+    }
+    outputs_ = values;
   }
+
+  std::vector<RobotLog> take() { return std::move(pieces_); }
 
  private:
+  bool starts_anew(const RobotState& state, bool was_lost) const {
+    const RobotState& before = pieces_.back().states.back();
+    return state.t < before.t || (was_lost && clocks_disagree(before, state));
+  }
+
   static bool clocks_disagree(const RobotState& before, const RobotState& after) {
     if (!before.host_time || !after.host_time) return false;
     const std::int64_t host = saturating_subtract(us_of(*after.host_time), us_of(*before.host_time));
@@ -192,13 +231,41 @@ class Pieces {
     return difference > longest_clock_disagreement.count() || difference < -longest_clock_disagreement.count();
   }
 
-  std::vector<Piece> pieces_;
+  std::vector<RobotLog> pieces_;
+  std::vector<std::int64_t> outputs_;  ///< in the last row
   bool lost_ = false;
 };
 
 }  // namespace
 
-RobotLog read_robot_log(const std::filesystem::path& path) {
+std::string_view name_of(RobotSpeedSource source) {
+  switch (source) {
+    case RobotSpeedSource::actual_tcp_speed:
+      return "actual_TCP_speed";
+    case RobotSpeedSource::actual_tcp_pose:
+      return "actual_TCP_pose";
+    case RobotSpeedSource::actual_q:
+      return "actual_q";
+  }
+  return "";
+}
+
+const RobotLog& RobotLogFile::longest() const {
+  static const RobotLog none;
+  const auto found = std::max_element(pieces.begin(), pieces.end(),
+                                      [](const RobotLog& a, const RobotLog& b) { return a.states.size() < b.states.size(); });
+  return found == pieces.end() ? none : *found;
+}
+
+std::size_t RobotLogFile::restarts() const { return pieces.empty() ? 0 : pieces.size() - 1; }
+
+std::size_t RobotLogFile::rows_elsewhere() const {
+  std::size_t rows = 0;
+  for (const RobotLog& piece : pieces) rows += piece.states.size();
+  return rows - longest().states.size();
+}
+
+RobotLogFile read_robot_log(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected a robot log");
@@ -233,7 +300,10 @@ RobotLog read_robot_log(const std::filesystem::path& path) {
       break;
     }
     try {
-      pieces.add(state_in(Row(file, number, names, cells), columns));
+      const Row row(file, number, names, cells);
+      const RobotState state = state_in(row, columns);
+      const std::vector<std::int64_t> outputs = outputs_in(row, columns);
+      if (pieces.add(state)) pieces.add_outputs(columns.outputs, outputs);
     } catch (const Error&) {
       if (is_ended) throw;
       cut_off = true;
@@ -241,9 +311,7 @@ RobotLog read_robot_log(const std::filesystem::path& path) {
   }
   if (in.bad()) throw Error(file + ": reading it failed half-way; expected a readable file");
   if (names.empty()) throw Error(file + ": is empty; expected a header row with RTDE's names");
-  RobotLog log = pieces.log();
-  log.cut_off = cut_off;
-  return log;
+  return {.pieces = pieces.take(), .cut_off = cut_off};
 }
 
 void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/labels/labels.hpp"
+
+namespace tactile {
+
+/// What two clocks were related by, in the order of trust.
+enum class AnchorKind : std::uint8_t {
+  stage_output,  ///< the command to a stage in the robot's outputs, and what it did to the skin
+  sync_tap,     ///< the arm sets the sensor down for an instant: contact and release lie alike on either side of the lowest point
+  imu,          ///< the TCP's speed against what the camera's inertial sensor felt
+  ring_down,    ///< the arm rings after its stop, and the tips with it
+  first_shear,  ///< events of the first shear, whose rate grows as the arm's speed does
+  host_time,    ///< when elements of both devices came to one host
+  film_of_arm,  ///< a motion in a film, and the arm's by its log
+  film_of_skin,  ///< likewise, and the skin's by its events
+};
+
+std::string_view name_of(AnchorKind kind);  ///< "stage output", "sync tap", "IMU", …
+
+/// One moment on both clocks.
+struct ClockAnchor {
+  std::int64_t clock_us = 0;
+  CameraTime camera{};
+  double sigma_us = 0;  ///< standard deviation of their difference, of this anchor alone, > 0
+  AnchorKind kind = AnchorKind::first_shear;
+  double bias_us = 0;  ///< standard deviation of what all anchors of this kind are off by together: more of them do not help
+};
+
+struct ClockFitOptions {
+  std::optional<std::int64_t> middle_us;  ///< on the clock: where the 95 % interval holds; the reference if nothing is said
+  double most_drift_ppm = 200;            ///< crystals keep within 100; twice as much is no clock
+  double usual_drift_ppm = 60;            ///< standard deviation of a drift that is not measured
+  std::size_t drift_needs_anchors = 4;
+  microseconds drift_needs_span{60'000'000};
+  double reject_beyond = 3.0;  ///< robust standard deviations
+};
+
+/// A clock that was fitted, or why there is none.
+struct ClockFit {
+  std::optional<FittedClock> clock;
+  std::string refused;     ///< in words, empty if there is a clock
+  std::vector<bool> used;  ///< by anchor: not left out as too far off
+};
+
+/// Relates a clock to the camera's by a robust line through its anchors:
+///
+///   camera_us = clock_us + offset_us + drift_ppm * 1e-6 * (clock_us - reference_us)
+///
+/// Each anchor weighs 1 / (sigma^2 + bias^2). Theil and Sen's slope, then Huber's weights; anchors beyond three robust standard
+/// deviations are left out. Where the anchors are too few or too near to each other for a slope, drift is 0, anchors far from the
+/// middle weigh less by what a usual drift would have done to them, and `method` says so. The interval holds what the anchors'
+/// own standard deviations (or their scatter, if larger), their common bias, and a drift that is not measured leave open.
+///
+/// Runs that share both clocks are one call with the anchors of all.
+///
+/// Refused: no anchor, a drift beyond `most_drift_ppm`, clocks further apart than int64 holds, fewer than half of the weight in
+/// agreement.
+ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_us, const ClockFitOptions& options = {});
+
+}  // namespace tactile

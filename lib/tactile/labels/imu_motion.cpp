@@ -1,0 +1,111 @@
+#include "tactile/labels/imu_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+using Vector3 = std::array<double, 3>;
+
+constexpr double gravity_m_s2 = 9.80665;
+constexpr double median_over_s = 2.0, median_every_s = 0.5;
+constexpr double longest_gap_s = 0.020;
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Medians of one axis over `median_over_s` round every `median_every_s`, and the time of each.
+struct Medians {
+  std::vector<double> at_s, value;
+
+  double value_at(double t_s) const {
+    const auto above = std::upper_bound(at_s.begin(), at_s.end(), t_s);
+    if (above == at_s.begin()) return value.front();
+    if (above == at_s.end()) return value.back();
+    const auto i = static_cast<std::size_t>(above - at_s.begin());
+    const double share = (t_s - at_s[i - 1]) / (at_s[i] - at_s[i - 1]);
+    return (1.0 - share) * value[i - 1] + share * value[i];
+  }
+};
+
+Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& felt, std::size_t axis) {
+  Medians medians;
+  std::vector<double> values;
+  std::size_t begin = 0, end = 0;
+  for (double at = 0; at <= t_s.back() + median_every_s; at += median_every_s) {
+    // At the ends the window is as long as elsewhere, so that a motion there does not fill it.
+    const double from = std::clamp(at - 0.5 * median_over_s, 0.0, std::max(0.0, t_s.back() - median_over_s));
+    while (begin < t_s.size() && t_s[begin] < from) ++begin;
+    end = std::max(end, begin);
+    while (end < t_s.size() && t_s[end] <= from + median_over_s) ++end;
+    if (begin == end) {  // a gap: to the next sample at once, for a recording may lack hours
+      if (begin == t_s.size()) break;
+      at = std::max(at, std::floor(t_s[begin] / median_every_s) * median_every_s - median_every_s);
+      continue;
+    }
+    values.clear();
+    for (std::size_t i = begin; i < end; ++i) values.push_back(felt[i][axis]);
+    medians.at_s.push_back(at);
+    medians.value.push_back(median_of(values));
+  }
+  return medians;
+}
+
+}  // namespace
+
+FeltMotion felt_motion(std::span<const ImuSample> samples) {
+  FeltMotion felt;
+  std::vector<double> t_s;
+  for (const ImuSample& sample : samples) {
+    const bool finite = std::all_of(std::begin(sample.acceleration_g), std::end(sample.acceleration_g),
+                                    [](float value) { return std::isfinite(value); });
+    if (!finite || (!felt.t.empty() && sample.t <= felt.t.back())) continue;
+    felt.t.push_back(sample.t);
+    t_s.push_back(felt.seconds(felt.t.size() - 1));
+    Vector3 acceleration;
+    for (std::size_t k = 0; k < 3; ++k) acceleration[k] = gravity_m_s2 * static_cast<double>(sample.acceleration_g[k]);
+    felt.acceleration.push_back(acceleration);
+  }
+  if (felt.t.empty()) return felt;
+  const std::size_t n = felt.t.size();
+
+  std::vector<double> sizes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Medians medians = medians_of(t_s, felt.acceleration, axis);
+    for (std::size_t i = 0; i < n; ++i) felt.acceleration[i][axis] -= medians.value_at(t_s[i]);
+    for (std::size_t i = 0; i < n; ++i) sizes.push_back(std::abs(felt.acceleration[i][axis]));
+  }
+  felt.noise_m_s2 = 1.4826 * median_of(sizes);
+
+  felt.velocity.resize(n);
+  std::array<Vector3, 3> moments{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector3& a = felt.acceleration[i];
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) moments[j][k] += a[j] * a[k];
+    }
+    if (i == 0) continue;
+    const double step_s = t_s[i] - t_s[i - 1];
+    for (std::size_t k = 0; k < 3; ++k) {
+      felt.velocity[i][k] =
+          felt.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + felt.acceleration[i - 1][k]));
+    }
+  }
+  felt.axis = {1, 1, 1};
+  for (int round = 0; round < 50; ++round) {
+    Vector3 next{};
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) next[j] += moments[j][k] * felt.axis[k];
+    }
+    const double length = std::sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2]);
+    if (!(length > 0)) return felt;
+    for (std::size_t j = 0; j < 3; ++j) felt.axis[j] = next[j] / length;
+  }
+  return felt;
+}
+
+}  // namespace tactile
