@@ -11,8 +11,9 @@ namespace tactile {
 namespace {
 
 constexpr double normal_95 = 1.96;
-constexpr std::array<AnchorKind, 6> all_kinds{AnchorKind::stage_output, AnchorKind::sync_tap,    AnchorKind::imu,
-                                              AnchorKind::ring_down,    AnchorKind::first_shear, AnchorKind::host_time};
+constexpr std::array<AnchorKind, 8> all_kinds{AnchorKind::stage_output, AnchorKind::sync_tap,    AnchorKind::imu,
+                                              AnchorKind::ring_down,    AnchorKind::first_shear, AnchorKind::host_time,
+                                              AnchorKind::film_of_arm,  AnchorKind::film_of_skin};
 
 /// An anchor in numbers of ordinary size: microseconds from the middle, and offset less that of the first anchor.
 struct Point {
@@ -151,6 +152,10 @@ std::string_view name_of(AnchorKind kind) {
       return "first shear";
     case AnchorKind::host_time:
       return "host times";
+    case AnchorKind::film_of_arm:
+      return "film of the arm";
+    case AnchorKind::film_of_skin:
+      return "film against events";
   }
   return "";
 }

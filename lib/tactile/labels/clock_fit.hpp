@@ -19,9 +19,11 @@ enum class AnchorKind : std::uint8_t {
   ring_down,    ///< the arm rings after its stop, and the tips with it
   first_shear,  ///< events of the first shear, whose rate grows as the arm's speed does
   host_time,    ///< when elements of both devices came to one host
+  film_of_arm,  ///< a motion in a film, and the arm's by its log
+  film_of_skin,  ///< likewise, and the skin's by its events
 };
 
-std::string_view name_of(AnchorKind kind);  ///< "stage output", "sync tap", "IMU", "ring-down", "first shear", "host times"
+std::string_view name_of(AnchorKind kind);  ///< "stage output", "sync tap", "IMU", …
 
 /// One moment on both clocks.
 struct ClockAnchor {

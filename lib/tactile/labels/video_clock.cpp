@@ -308,40 +308,6 @@ std::optional<MotionFit> fit_motion(const std::vector<Step>& steps, const Speed&
   return fit;
 }
 
-/// The weighted mean of the anchors' offsets; the drift as 0.
-FittedClock clock_from(std::span<const VideoAnchor> anchors, const MotionEnergy& energy, double common_sigma_us,
-                       std::string method) {
-  constexpr double usual_drift = 60e-6;
-  const auto offset_of = [&](const VideoAnchor& anchor) {
-    return saturating_subtract(us_of(anchor.camera), us_of(anchor.video));
-  };
-  const std::int64_t base = offset_of(anchors.front());
-  const VideoTime middle = energy.begin() + (energy.end() - energy.begin()) / 2;
-  double weights = 0, sum = 0, squares = 0, far = 0;
-  for (const VideoAnchor& anchor : anchors) {
-    const double weight = 1 / (anchor.sigma_us * anchor.sigma_us);
-    weights += weight;
-    sum += weight * static_cast<double>(offset_of(anchor) - base);
-    far += weight * static_cast<double>((anchor.video - middle).count());
-  }
-  const double mean = sum / weights;
-  for (const VideoAnchor& anchor : anchors) {
-    const double residual = static_cast<double>(offset_of(anchor) - base) - mean;
-    squares += residual * residual / (anchor.sigma_us * anchor.sigma_us);
-  }
-  const auto n = static_cast<double>(anchors.size());
-  const double scatter = anchors.size() > 1 ? std::max(1.0, std::sqrt(squares / (n - 1))) : 1.0;
-  const double sigma = std::hypot(scatter / std::sqrt(weights), common_sigma_us, usual_drift * far / weights);
-  FittedClock clock;
-  clock.relation = {.offset_us = saturating_add(base, std::llround(mean)), .drift_ppm = 0, .reference_us = us_of(energy.begin())};
-  clock.residual_us = scatter * std::sqrt(n / weights);
-  clock.offset_low_us = saturating_subtract(clock.relation.offset_us, std::llround(normal_95 * sigma));
-  clock.offset_high_us = saturating_add(clock.relation.offset_us, std::llround(normal_95 * sigma));
-  clock.anchors = static_cast<int>(anchors.size());
-  clock.method = std::move(method);
-  return clock;
-}
-
 /// Steps [first, last] of a film in which something moves.
 struct Stretch {
   std::size_t first = 0, last = 0;
@@ -494,7 +460,149 @@ VideoSpan span_of(const MotionEnergy& energy, const Stretch& stretch, bool is_st
 VideoSpan start_of(const MotionEnergy& energy, const Stretch& stretch) { return span_of(energy, stretch, true); }
 VideoSpan end_of(const MotionEnergy& energy, const Stretch& stretch) { return span_of(energy, stretch, false); }
 
+/// A stretch whose ends are known.
+struct FilmedMotion {
+  VideoSpan start, end;
+  double energy = 0;  ///< mean
+  bool start_cut = false, end_cut = false;
+};
+
+FilmedMotion filmed_motion(const MotionEnergy& energy, const Stretch& stretch) {
+  double sum = 0;
+  for (std::size_t i = stretch.first; i <= stretch.last; ++i) sum += energy.steps[i].energy;
+  return {.start = start_of(energy, stretch),
+          .end = end_of(energy, stretch),
+          .energy = sum / static_cast<double>(stretch.last - stretch.first + 1),
+          .start_cut = stretch.first == 0,
+          .end_cut = stretch.last + 1 == energy.steps.size()};
+}
+
+/// Of a motion's start or end in the film against a burst's.
+double sigma_against_burst(const VideoSpan& span) {
+  constexpr double of_burst = 15'000;
+  return std::hypot(of_burst, 0.5 / normal_95 * static_cast<double>((span.high - span.low).count()));
+}
+
+double saturating_distance(std::int64_t a, std::int64_t b) {
+  return std::abs(static_cast<double>(a > b ? saturating_subtract(a, b) : saturating_subtract(b, a)));
+}
+
+/// The burst that ends with a motion of the film, and may have started with it.
+struct BurstFit {
+  const SeenBurst* burst = nullptr;
+  bool starts_too = false;
+  double score = 0;  ///< 0 to 1 for its end, as much again for its start
+};
+
+/// @param bursts  by their ends
+BurstFit fit_of(const FilmedMotion& motion, const std::vector<SeenBurst>& bursts, std::int64_t offset) {
+  constexpr double farthest = 3;  // standard deviations
+  if (motion.end_cut) return {};
+  const auto camera_of = [&](const VideoSpan& span) { return CameraTime{microseconds{saturating_add(us_of(span.at), offset)}}; };
+  const auto apart = [](CameraTime one, CameraTime other, double sigma) {
+    return static_cast<double>(between(one, other).count()) / sigma;
+  };
+  const CameraTime end = camera_of(motion.end);
+  auto burst = std::lower_bound(bursts.begin(), bursts.end(), end, [](const SeenBurst& b, CameraTime t) { return b.end < t; });
+  if (burst != bursts.begin() && (burst == bursts.end() || between(end, burst->end) > between((burst - 1)->end, end))) --burst;
+  const double end_apart = apart(end, burst->end, sigma_against_burst(motion.end));
+  if (std::abs(end_apart) > farthest) return {};
+  // Whatever fires, moves.
+  const double start_late = apart(burst->start, camera_of(motion.start), sigma_against_burst(motion.start));
+  if (start_late > farthest && !motion.start_cut) return {};
+  const bool starts_too = std::abs(start_late) <= farthest && !motion.start_cut;
+  const auto likely = [](double x) { return std::exp(-0.5 * x * x); };
+  return {&*burst, starts_too, likely(end_apart) * (1 + (starts_too ? likely(start_late) : 0.0))};
+}
+
+/// The offset that the bursts found at `offset` want.
+std::int64_t settled_offset(const std::vector<FilmedMotion>& filmed, const std::vector<SeenBurst>& bursts, std::int64_t offset) {
+  double weights = 0, sum = 0;
+  const auto add = [&](CameraTime camera, const VideoSpan& video) {
+    const double weight = std::pow(sigma_against_burst(video), -2);
+    weights += weight;
+    sum += weight * static_cast<double>(saturating_subtract(saturating_subtract(us_of(camera), us_of(video.at)), offset));
+  };
+  for (const FilmedMotion& motion : filmed) {
+    const BurstFit found = fit_of(motion, bursts, offset);
+    if (found.burst == nullptr) continue;
+    add(found.burst->end, motion.end);
+    if (found.starts_too) add(found.burst->start, motion.start);
+  }
+  return weights > 0 ? saturating_add(offset, std::llround(sum / weights)) : offset;
+}
+
+/// The share of the bursts' time in which something moves in the film, times the share of the film's energy with which the skin
+/// fires.
+double share_in_both(const std::vector<FilmedMotion>& filmed, const std::vector<SeenBurst>& bursts, std::int64_t offset,
+                     const MotionEnergy& energy) {
+  const auto overlap = [](std::int64_t a_begin, std::int64_t a_end, std::int64_t b_begin, std::int64_t b_end) {
+    return static_cast<double>(
+        std::max<std::int64_t>(0, saturating_subtract(std::min(a_end, b_end), std::max(a_begin, b_begin))));
+  };
+  double firing = 0, firing_both = 0, moving = 0, moving_both = 0;
+  for (const FilmedMotion& motion : filmed) {
+    moving += motion.energy * static_cast<double>(saturating_subtract(us_of(motion.end.at), us_of(motion.start.at)));
+  }
+  for (const SeenBurst& burst : bursts) {
+    const std::int64_t begin = saturating_subtract(us_of(burst.start), offset),
+                       end = saturating_subtract(us_of(burst.end), offset);
+    firing += overlap(begin, end, us_of(energy.begin()), us_of(energy.end()));
+    for (const FilmedMotion& motion : filmed) {
+      const double both = overlap(begin, end, us_of(motion.start.at), us_of(motion.end.at));
+      firing_both += both;
+      moving_both += motion.energy * both;
+    }
+  }
+  return firing > 0 && moving > 0 ? firing_both / firing * moving_both / moving : 0.0;
+}
+
+/// With the line through its anchors.
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
+  const VideoTime middle = energy.begin() + (energy.end() - energy.begin()) / 2;
+  ClockFitOptions options;
+  options.middle_us = us_of(middle);
+  ClockFit line = fit_clock(fit.anchors, us_of(energy.begin()), options);
+  fit.clock = std::move(line.clock);
+  fit.refused = std::move(line.refused);
+  return fit;
+}
+
 }  // namespace
+
+SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock) {
+  SeenMotion seen;
+  if (motion.velocity.size() < 2) return seen;
+  std::vector<double> speeds, known;
+  for (std::size_t i = 0; i < motion.velocity.size(); ++i) {
+    const auto& v = motion.velocity[i];
+    speeds.push_back(std::hypot(v[0], v[1], v[2]));
+    if (motion.known[i]) known.push_back(speeds.back());
+  }
+  if (known.empty()) return seen;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  // The magnitude of three noisy components has a median of 1.54 of their standard deviations; the arm rests mostly.
+  constexpr double median_of_noise = 1.54, beyond_noise = 5;
+  const double limit = *middle * (median_of_noise + beyond_noise) / median_of_noise;
+
+  const ClockRelation& clock = robot_clock.relation;
+  seen.begin = clock.camera_from(motion.begin);
+  seen.step = motion.step;
+  seen.sigma_us =
+      0.5 / normal_95 * static_cast<double>(saturating_subtract(robot_clock.offset_high_us, robot_clock.offset_low_us));
+  const CameraTime end = clock.camera_from(motion.time_of(motion.velocity.size() - 1));
+  const auto step_us = static_cast<double>(motion.step.count());
+  for (CameraTime t = seen.begin; t <= end && seen.speed.size() < motion.velocity.size() + motion.velocity.size() / 1000;
+       t = after(t, seen.step)) {
+    const double place = static_cast<double>(saturating_subtract(clock.clock_us_from(t), us_of(motion.begin))) / step_us;
+    const std::size_t i = std::min(static_cast<std::size_t>(std::max(place, 0.0)), speeds.size() - 2);
+    const double share = std::clamp(place - static_cast<double>(i), 0.0, 1.0);
+    const double speed = motion.known[i] ? speeds[i] + share * (speeds[i + 1] - speeds[i]) : 0.0;
+    seen.speed.push_back(speed > limit ? speed : 0.0);
+  }
+  return seen;
+}
 
 VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options) {
   VideoClockFit fit;
@@ -561,19 +669,15 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen
     return refuse(fmt::format("starts and stops of motion place the film {:.0f} ms apart; expected {:.0f} ms at most",
                               1e-3 * (highest - lowest), 1e-3 * options.most_disagreement_us));
   }
-  const auto less_mean = [&](const std::optional<double>& offset) {
-    return offset ? std::optional(*offset - mean) : std::nullopt;
-  };
   for (const MotionFit& motion : motions) {
     const std::int64_t at_us = std::llround(motion.speed_time);
-    fit.anchors.push_back({.video = energy.begin() + microseconds{at_us - std::llround(motion.offset)},
+    fit.anchors.push_back({.clock_us = saturating_add(us_of(energy.begin()), at_us - std::llround(motion.offset)),
                            .camera = after(seen.begin, microseconds{at_us}),
                            .sigma_us = motion.sigma,
-                           .start_us = less_mean(motion.start),
-                           .stop_us = less_mean(motion.stop)});
+                           .kind = AnchorKind::film_of_arm,
+                           .bias_us = seen.sigma_us});
   }
-  fit.clock = clock_from(fit.anchors, energy, seen.sigma_us, "film's motion and arm's speed");
-  return fit;
+  return with_clock(std::move(fit), energy);
 }
 
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts, const VideoClockOptions& options) {
@@ -586,61 +690,63 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
   if (stretches.empty()) return refuse("nothing moves in the film");
   if (bursts.empty()) return refuse("the events show nothing that moves");
 
-  constexpr double anchor_sigma_us = 15'000, common_sigma_us = 10'000, apart_us = 60'000, not_same_us = 120'000;
+  // Of a film with hundreds of motions so many will do.
+  constexpr std::size_t most = 200;
+  std::vector<FilmedMotion> filmed;
+  for (const Stretch& stretch : stretches) {
+    if (filmed.size() < most) filmed.push_back(filmed_motion(energy, stretch));
+  }
+  std::vector<SeenBurst> seen(bursts.begin(), bursts.begin() + static_cast<std::ptrdiff_t>(std::min(bursts.size(), most)));
+  std::sort(seen.begin(), seen.end(), [](const SeenBurst& one, const SeenBurst& other) { return one.end < other.end; });
+
   struct Candidate {
     std::int64_t offset = 0;
-    std::size_t matched = 0;
-  };
-  // The burst that ends with a motion of the film, if there is one.
-  const auto burst_for = [&](const Stretch& stretch, std::int64_t offset) {
-    const SeenBurst* best = nullptr;
-    double best_apart = apart_us;
-    const double begin = static_cast<double>(us_of(start_of(energy, stretch).at)),
-                 end = static_cast<double>(us_of(end_of(energy, stretch).at));
-    for (const SeenBurst& burst : bursts) {
-      const double end_apart = std::abs(static_cast<double>(saturating_subtract(us_of(burst.end), offset)) - end);
-      const double late_start = begin - static_cast<double>(saturating_subtract(us_of(burst.start), offset));
-      if (end_apart > best_apart || late_start > apart_us) continue;
-      best = &burst;
-      best_apart = end_apart;
-    }
-    return best;
+    double score = 0;
   };
   std::vector<Candidate> candidates;
-  for (const Stretch& stretch : stretches) {
-    for (const SeenBurst& burst : bursts) {
-      Candidate candidate{saturating_subtract(us_of(burst.end), us_of(end_of(energy, stretch).at)), 0};
-      if (options.coarse_offset_us &&
-          std::abs(static_cast<double>(saturating_subtract(candidate.offset, *options.coarse_offset_us))) >
-              static_cast<double>(options.search.count()))
-        continue;
-      for (const Stretch& other : stretches) candidate.matched += burst_for(other, candidate.offset) != nullptr ? 1 : 0;
-      candidates.push_back(candidate);
-    }
+  const auto add_candidate = [&](CameraTime camera, VideoTime video) {
+    Candidate candidate{saturating_subtract(us_of(camera), us_of(video)), 0};
+    if (options.coarse_offset_us &&
+        saturating_distance(candidate.offset, *options.coarse_offset_us) > static_cast<double>(options.search.count()))
+      return;
+    candidate.offset = settled_offset(filmed, seen, candidate.offset);
+    for (const FilmedMotion& other : filmed) candidate.score += fit_of(other, seen, candidate.offset).score;
+    candidate.score *= share_in_both(filmed, seen, candidate.offset, energy);
+    candidates.push_back(candidate);
+  };
+  for (const FilmedMotion& motion : filmed) {
+    for (const SeenBurst& burst : seen) add_candidate(burst.end, motion.end.at);
   }
   const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                     [](const Candidate& a, const Candidate& b) { return a.matched < b.matched; });
-  if (best == candidates.end() || best->matched == 0) return refuse("no motion of the film ends as a burst of events does");
-  std::size_t second = 0;
+                                     [](const Candidate& one, const Candidate& other) { return one.score < other.score; });
+  if (best == candidates.end()) return refuse("by the hosts' times no motion of the film is near a burst of events");
+  constexpr double not_same_us = 120'000;
+  double second = 0;
   for (const Candidate& other : candidates) {
-    if (std::abs(static_cast<double>(saturating_subtract(other.offset, best->offset))) > not_same_us)
-      second = std::max(second, other.matched);
+    if (saturating_distance(other.offset, best->offset) > not_same_us) second = std::max(second, other.score);
   }
-  fit.likeness = static_cast<double>(best->matched) / static_cast<double>(stretches.size());
-  fit.ambiguity = second > 0 ? static_cast<double>(best->matched) / static_cast<double>(second) : no_other;
+  fit.likeness = 0.5 * best->score / static_cast<double>(filmed.size());
+  fit.ambiguity = second > 0 ? std::min(best->score / second, no_other) : no_other;
   if (fit.ambiguity < options.least_ambiguity) {
-    return refuse(
-        fmt::format("the film matches the bursts of events at two places: {} motions end with a burst at one, {} at another",
-                    best->matched, second));
+    return refuse(fmt::format(
+        "the film matches the bursts of events at two places: the better is only {:.2f} times as good; expected {:.2f}",
+        fit.ambiguity, options.least_ambiguity));
   }
-  for (const Stretch& stretch : stretches) {
-    const SeenBurst* burst = burst_for(stretch, best->offset);
-    if (burst == nullptr) continue;
-    fit.anchors.push_back(
-        {.video = end_of(energy, stretch).at, .camera = burst->end, .sigma_us = anchor_sigma_us, .start_us = {}, .stop_us = 0});
+  constexpr double common_sigma_us = 10'000;
+  for (const FilmedMotion& motion : filmed) {
+    const BurstFit found = fit_of(motion, seen, best->offset);
+    if (found.burst == nullptr) continue;
+    const auto add = [&](const VideoSpan& video, CameraTime camera) {
+      fit.anchors.push_back({.clock_us = us_of(video.at),
+                             .camera = camera,
+                             .sigma_us = sigma_against_burst(video),
+                             .kind = AnchorKind::film_of_skin,
+                             .bias_us = common_sigma_us});
+    };
+    if (found.starts_too) add(motion.start, found.burst->start);
+    add(motion.end, found.burst->end);
   }
-  fit.clock = clock_from(fit.anchors, energy, common_sigma_us, "ends of the film's motions and of bursts of events");
-  return fit;
+  return with_clock(std::move(fit), energy);
 }
 
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock) {
@@ -655,14 +761,12 @@ std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedC
   };
   std::vector<VideoMotion> motions;
   for (const Stretch& stretch : stretches_in(energy)) {
-    VideoMotion motion{.start = uncertain(start_of(energy, stretch)),
-                       .end = uncertain(end_of(energy, stretch)),
-                       .energy = 0,
-                       .start_cut = stretch.first == 0,
-                       .end_cut = stretch.last + 1 == energy.steps.size()};
-    for (std::size_t i = stretch.first; i <= stretch.last; ++i)
-      motion.energy += energy.steps[i].energy / static_cast<double>(stretch.last - stretch.first + 1);
-    motions.push_back(motion);
+    const FilmedMotion filmed = filmed_motion(energy, stretch);
+    motions.push_back({.start = uncertain(filmed.start),
+                       .end = uncertain(filmed.end),
+                       .energy = filmed.energy,
+                       .start_cut = filmed.start_cut,
+                       .end_cut = filmed.end_cut});
   }
   return motions;
 }

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "tactile/labels/clock_fit.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/robot/arm_motion.hpp"
 #include "tactile/video/motion_energy.hpp"
 
 namespace tactile {
@@ -19,6 +21,9 @@ struct SeenMotion {
   double sigma_us = 0;        ///< standard deviation of its place in camera time, all of it together, >= 0
 };
 
+/// The arm's, through its clock; what is within five standard deviations of the noise of a resting arm is 0.
+SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock);
+
 struct VideoClockOptions {
   std::optional<std::int64_t> coarse_offset_us;  ///< where it is known: camera time of the film's first frame less its own
   microseconds search{5'000'000};                ///< round that, else everywhere where the two overlap
@@ -27,21 +32,13 @@ struct VideoClockOptions {
   double most_disagreement_us = 60'000;          ///< refused if starts and stops of motions place the film further apart
 };
 
-/// A motion on both clocks: its middle, or its start or stop alone where the film does not show the other.
-struct VideoAnchor {
-  VideoTime video{};
-  CameraTime camera{};
-  double sigma_us = 0;                      ///< standard deviation of their difference
-  std::optional<double> start_us, stop_us;  ///< the offsets that start and stop each want [us], less the mean of all anchors
-};
-
 /// The video's clock, or why it could not be found.
 struct VideoClockFit {
   std::optional<FittedClock> clock;
   std::string refused;               ///< in words, empty if there is a clock
   double likeness = 0;               ///< at the best place, -1 to 1
   double ambiguity = 0;              ///< best likeness over the next best; 99 where there is no other
-  std::vector<VideoAnchor> anchors;  ///< by time
+  std::vector<ClockAnchor> anchors;  ///< the middle of each motion, or its start or end
 };
 
 /// Relates a film's clock to the camera's by what moves in both.
@@ -53,7 +50,8 @@ struct VideoClockFit {
 ///    A film that sees slow motion less than in proportion sees starts late and stops early by the same time, so that their mean
 ///    is right. What they differ by tells how far the model can be trusted: half of it, and a 32nd of a frame with twice the
 ///    weight, are taken as the standard deviation of that mean. A start or stop alone has a 16th of a frame.
-/// 3. Offset: the weighted mean. Drift is 0, unless four motions over 60 s and more allow a line; it is refused beyond 200 ppm.
+/// 3. `fit_clock` through the middles of the motions. One run's film allows no drift: it is 0, unless four motions over 60 s and
+///    more allow a line.
 ///
 /// @param energy  of the run's film
 /// @param seen    of the same run; what else moves in the film does not matter as long as it moves less or for another time
@@ -64,10 +62,10 @@ struct SeenBurst {
   CameraTime start{}, end{};
 };
 
-/// Likewise from the events alone, less well: every motion that the film shows ends when a burst does, and starts with it or
-/// before it (a stage moves before it touches); the offset at which most do is taken. Slack, ringing and slow ends move a burst
-/// against the film's motion by some tens of ms either way, so that each has a standard deviation of 15 ms, and all of them
-/// together 10 ms.
+/// Likewise from the events alone, less well: a motion that the film shows ends when a burst does, and starts with it or before
+/// it (a stage moves before it touches). The offset at which most do, and best, is taken. Slack, ringing and slow ends move a
+/// burst against the film's motion, so that each has a standard deviation of 15 ms beside the film's own, and all together one of
+/// 10 ms.
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts,
                               const VideoClockOptions& options = {});
 
