@@ -8,8 +8,10 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "label_exchange.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/labels/human_edits.hpp"
 #include "tactile/labels/label_run.hpp"
 #include "tactile/labels/truth_comparison.hpp"
 #include "text_table.hpp"
@@ -23,6 +25,7 @@ struct LabelArguments {
   std::vector<std::string> places{"data"};
   bool compare_truth = false;
   bool force = false;
+  LabelExchangeArguments exchange;
 };
 
 /// Runs, and data folders as all of their runs; each once.
@@ -41,13 +44,7 @@ std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
   return runs;
 }
 
-bool somebody_confirmed(const RunFolder& run) {
-  if (!fs::exists(run.labels())) return false;
-  const Labels labels = read_labels(run.labels());
-  return std::any_of(labels.intervals.begin(), labels.intervals.end(),
-                     [](const LabelledInterval& interval) { return interval.confirmed; }) ||
-         std::any_of(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return flag.confirmed; });
-}
+bool somebody_confirmed(const RunFolder& run) { return fs::exists(run.labels()) && has_human_edits(read_labels(run.labels())); }
 
 std::string ms(const std::optional<microseconds>& time) {
   return time ? fmt::format("{:.1f}", static_cast<double>(time->count()) / 1000.0) : "-";
@@ -216,6 +213,13 @@ CameraTime first_event_of(const RunFolder& run) {
 
 void label_runs(const CommonArguments& common, const LabelArguments& arguments) {
   const std::vector<RunFolder> runs = runs_in(arguments.places);
+  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, runs);
+  if (arguments.exchange.exports()) {
+    return export_labels(common, arguments.exchange, runs, arguments.force, [&](std::span<const RunFolder> unlabelled) {
+      parallel_for(unlabelled.size(), common.threads,
+                   [&](std::size_t i) { write_labels(unlabelled[i].labels(), label_run(unlabelled[i])); });
+    });
+  }
   const ProgressCallback progress = progress_line(common);
   std::vector<std::optional<LabelledRun>> outcomes(runs.size());
   std::vector<std::string> failures(runs.size()), kept(runs.size());
@@ -269,9 +273,11 @@ void add_label_command(CLI::App& app) {
   auto* command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
                               [arguments](const CommonArguments& common) { label_runs(common, *arguments); });
   command->add_option("data", arguments->places, "Folders of runs, or single runs")->capture_default_str();
-  command->add_flag("--compare-truth", arguments->compare_truth,
-                    "Print errors against truth.json, where simulated runs have one");
-  command->add_flag("--force", arguments->force, "Replace labels that a person confirmed, too");
+  CLI::Option* compare_truth = command->add_flag("--compare-truth", arguments->compare_truth,
+                                                 "Print errors against truth.json, where simulated runs have one");
+  CLI::Option* force = command->add_flag("--force", arguments->force,
+                                         "Replace labels that a person confirmed, too; with --export, files that are there");
+  add_label_exchange_options(*command, arguments->exchange, compare_truth, force);
 }
 
 }  // namespace tactile
