@@ -128,15 +128,14 @@ void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& argum
                       "for each run")
           ->type_name("FILE")
           ->excludes(compare_truth);
-  CLI::Option* from =
-      command
-          .add_option("--import", arguments.from,
-                      "Take edits made in another tool into labels.json; a file or a folder, several times for several")
-          ->type_name("FILE")
-          ->allow_extra_args(false)
-          ->excludes(to)
-          ->excludes(compare_truth)
-          ->excludes(force);
+  command
+      .add_option("--import", arguments.from,
+                  "Take edits made in another tool into labels.json; a file or a folder, several times for several")
+      ->type_name("FILE")
+      ->allow_extra_args(false)
+      ->excludes(to)
+      ->excludes(compare_truth)
+      ->excludes(force);
   command.add_option("--format", arguments.format, "Of --export and --import; as the file's ending if not given")
       ->check(one_of({"audacity", "elan", "label-studio", "csv"}));
   command
