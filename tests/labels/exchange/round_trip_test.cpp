@@ -92,8 +92,8 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair(ExchangeFormat::label_studio, TimeOrigin::camera), std::pair(ExchangeFormat::label_studio, TimeOrigin::video),
         std::pair(ExchangeFormat::csv, TimeOrigin::first_event), std::pair(ExchangeFormat::csv, TimeOrigin::camera),
         std::pair(ExchangeFormat::csv, TimeOrigin::video)),
-    [](const auto& info) {
-      std::string name = std::string(name_of(info.param.first)) + "_" + std::string(name_of(info.param.second));
+    [](const auto& parameters) {
+      std::string name = std::string(name_of(parameters.param.first)) + "_" + std::string(name_of(parameters.param.second));
       std::replace(name.begin(), name.end(), '-', '_');
       return name;
     });

@@ -99,33 +99,40 @@ std::vector<Annotation> doubts_of_all(const LabelsToExport& labels, const std::v
   return annotations;
 }
 
-/// Collects the time slots of all tiers, which stand ahead of them.
-class Tiers {
- public:
-  explicit Tiers(pugi::xml_node time_order) : time_order_(time_order) {}
+struct Tier {
+  const char* id;
+  const char* type;
+  std::vector<Annotation> annotations;
+};
 
-  void append_tier(pugi::xml_node& document, const char* id, const char* type, const std::vector<Annotation>& annotations) {
-    pugi::xml_node tier = append(document, "TIER", {{"LINGUISTIC_TYPE_REF", type}, {"TIER_ID", id}});
-    for (const Annotation& annotation : annotations) {
-      pugi::xml_node node = tier.append_child("ANNOTATION");
-      pugi::xml_node alignable = append(node, "ALIGNABLE_ANNOTATION",
-                                        {{"ANNOTATION_ID", annotation.id},
-                                         {"TIME_SLOT_REF1", slot_at(annotation.start_ms)},
-                                         {"TIME_SLOT_REF2", slot_at(annotation.end_ms)}});
-      alignable.append_child("ANNOTATION_VALUE").text() = annotation.value.c_str();
+/// The time slots of all tiers, which stand ahead of them in order of time; each annotation has two of its own.
+void append_tiers(pugi::xml_node& document, const std::vector<Tier>& tiers) {
+  std::multimap<std::int64_t, std::string*> ends;
+  std::vector<std::vector<std::pair<std::string, std::string>>> slots(tiers.size());
+  for (std::size_t i = 0; i < tiers.size(); ++i) {
+    slots[i].resize(tiers[i].annotations.size());
+    for (std::size_t k = 0; k < slots[i].size(); ++k) {
+      ends.emplace(tiers[i].annotations[k].start_ms, &slots[i][k].first);
+      ends.emplace(tiers[i].annotations[k].end_ms, &slots[i][k].second);
     }
   }
-
- private:
-  std::string slot_at(std::int64_t ms) {
-    const std::string id = fmt::format("ts{}", ++slots_);
-    append(time_order_, "TIME_SLOT", {{"TIME_SLOT_ID", id}, {"TIME_VALUE", std::to_string(ms)}});
-    return id;
+  pugi::xml_node time_order = document.append_child("TIME_ORDER");
+  for (std::size_t number = 1; const auto& [ms, slot] : ends) {
+    *slot = fmt::format("ts{}", number++);
+    append(time_order, "TIME_SLOT", {{"TIME_SLOT_ID", *slot}, {"TIME_VALUE", std::to_string(ms)}});
   }
-
-  pugi::xml_node time_order_;
-  std::size_t slots_ = 0;
-};
+  for (std::size_t i = 0; i < tiers.size(); ++i) {
+    pugi::xml_node tier = append(document, "TIER", {{"LINGUISTIC_TYPE_REF", tiers[i].type}, {"TIER_ID", tiers[i].id}});
+    for (std::size_t k = 0; k < slots[i].size(); ++k) {
+      pugi::xml_node node = tier.append_child("ANNOTATION");
+      pugi::xml_node alignable = append(node, "ALIGNABLE_ANNOTATION",
+                                        {{"ANNOTATION_ID", tiers[i].annotations[k].id},
+                                         {"TIME_SLOT_REF1", slots[i][k].first},
+                                         {"TIME_SLOT_REF2", slots[i][k].second}});
+      alignable.append_child("ANNOTATION_VALUE").text() = tiers[i].annotations[k].value.c_str();
+    }
+  }
+}
 
 /// ELAN plays a film from `TIME_ORIGIN` on where its own time is 0; a film that begins later it cannot put in step.
 void append_film(pugi::xml_node& header, const LabelsToExport& labels, const fs::path& file) {
@@ -221,10 +228,9 @@ std::string elan_text(const LabelsToExport& labels, const fs::path& file) {
   if (const std::string doubts = doubts_of(labels.labels, std::nullopt); !doubts.empty())
     append_property(header, "tactile-flags", doubts);
 
-  Tiers tiers(document.append_child("TIME_ORDER"));
-  tiers.append_tier(document, touch_tier, touch_tier, touches);
-  tiers.append_tier(document, "onset 95 %", "remark", onsets_of(labels));
-  tiers.append_tier(document, "doubts", "remark", doubts_of_all(labels, touches));
+  append_tiers(document, {{touch_tier, touch_tier, touches},
+                          {"onset 95 %", "remark", onsets_of(labels)},
+                          {"doubts", "remark", doubts_of_all(labels, touches)}});
   append(document, "LINGUISTIC_TYPE",
          {{"CONTROLLED_VOCABULARY_REF", touch_tier},
           {"GRAPHIC_REFERENCES", "false"},
