@@ -10,6 +10,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "label_exchange.hpp"
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
 #include "tactile/core/error.hpp"
@@ -31,6 +32,7 @@ struct LabelArguments {
   bool strict = false;
   bool no_pictures = false;
   std::string roi;
+  LabelExchangeArguments exchange;
 };
 
 constexpr int widest_film = 8192;  // [px]
@@ -127,7 +129,7 @@ CameraTime first_event_of(const Labels& labels, const RunFolder& run) {
   return first;
 }
 
-Outcome label_places(const CommonArguments& common, const LabelArguments& arguments) {
+Outcome label_all(const CommonArguments& common, const LabelArguments& arguments, const std::vector<RunFolder>& runs) {
   LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   Pictures pictures;
@@ -137,7 +139,7 @@ Outcome label_places(const CommonArguments& common, const LabelArguments& argume
   }
   Outcome outcome;
   std::size_t labelled = 0;
-  for (RunOutcome& run : label_runs(runs_in(arguments.places), options, progress_line(common))) {
+  for (RunOutcome& run : label_runs(runs, options, progress_line(common))) {
     if (!run.error.empty()) {
       outcome.failures.push_back(std::move(run.error));
       continue;
@@ -147,17 +149,16 @@ Outcome label_places(const CommonArguments& common, const LabelArguments& argume
     outcome.labelled.push_back({std::move(run.run), std::move(run.labels), first});
   }
   pictures.tell();
-  const auto runs = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
+  const auto so_many = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
   if (!outcome.kept.empty())
-    spdlog::info("{} unchanged since they were labelled; --force labels them again", runs(outcome.kept.size()));
-  spdlog::info("{} labelled, {} of all {} flagged", runs(labelled),
+    spdlog::info("{} unchanged since they were labelled; --force labels them again", so_many(outcome.kept.size()));
+  spdlog::info("{} labelled, {} of all {} flagged", so_many(labelled),
                std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged), outcome.labelled.size());
   return outcome;
 }
 
 /// Of the labels that are there.
-Outcome read_runs(const LabelArguments& arguments) {
-  std::vector<RunFolder> runs = runs_in(arguments.places);
+Outcome read_runs(std::vector<RunFolder> runs) {
   std::vector<std::string> without;
   std::erase_if(runs, [&](const RunFolder& run) {
     if (fs::exists(run.labels())) return false;
@@ -180,7 +181,15 @@ Outcome read_runs(const LabelArguments& arguments) {
 }
 
 void run_label(const CommonArguments& common, const LabelArguments& arguments) {
-  const Outcome outcome = arguments.summary ? read_runs(arguments) : label_places(common, arguments);
+  const std::vector<RunFolder> runs = runs_in(arguments.places);
+  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, runs);
+  if (arguments.exchange.exports()) {
+    return export_labels(common, arguments.exchange, runs, arguments.force, [&](std::span<const RunFolder> unlabelled) {
+      const Outcome outcome = label_all(common, arguments, {unlabelled.begin(), unlabelled.end()});
+      if (!outcome.failures.empty()) throw Error(outcome.failures.front());
+    });
+  }
+  const Outcome outcome = arguments.summary ? read_runs(runs) : label_all(common, arguments, runs);
   const std::vector<LabelledRun>& labelled = outcome.labelled;
   nlohmann::json json = {{"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}};
   std::string text = labelled.empty() ? "" : runs_table(labelled);
@@ -207,8 +216,8 @@ void add_label_command(CLI::App& app) {
   auto* command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
                               [arguments](const CommonArguments& common) { run_label(common, *arguments); });
   command->add_option("data", arguments->places, "Folders of runs, or single runs")->capture_default_str();
-  command->add_flag("--compare-truth", arguments->compare_truth,
-                    "Print errors against truth.json, where simulated runs have one");
+  auto* compare_truth = command->add_flag("--compare-truth", arguments->compare_truth,
+                                          "Print errors against truth.json, where simulated runs have one");
   auto* summary = command->add_flag("--summary", arguments->summary,
                                     "Tables of the labels that are there, and of how far their sources differ; labels nothing");
   command->add_flag("--strict", arguments->strict, "End with 2 if a run is flagged");
@@ -217,8 +226,9 @@ void add_label_command(CLI::App& app) {
       ->type_name("X,Y,W,H")
       ->check(is_region())
       ->excludes(summary);
-  command->add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
-      ->excludes(summary);
+  auto* force =
+      command->add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
+          ->excludes(summary);
 }
 
 }  // namespace tactile

@@ -1,0 +1,228 @@
+#include "label_exchange.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include "option_checks.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/labels/exchange/audacity.hpp"
+#include "tactile/labels/exchange/elan.hpp"
+#include "tactile/labels/exchange/label_csv.hpp"
+#include "tactile/labels/exchange/label_studio.hpp"
+#include "tactile/labels/exchange/run_exchange.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<ExchangeFormat> format_in(const LabelExchangeArguments& arguments) {
+  return exchange_format_named(arguments.format);
+}
+
+std::optional<TimeOrigin> origin_in(const LabelExchangeArguments& arguments) { return time_origin_named(arguments.origin); }
+
+/// A file of an export: its runs follow each other, and once it is made it has a text.
+struct FileToWrite {
+  fs::path path;
+  std::size_t first_run = 0, runs = 0;
+  std::string text = {};
+};
+
+/// One file if `to` has an ending of a format, else a folder with a file for each run.
+std::vector<FileToWrite> files_of(const fs::path& to, ExchangeFormat format, const std::vector<RunFolder>& runs) {
+  if (exchange_format_by_ending(to) && !fs::is_directory(to)) {
+    if (runs.size() > 1 && !holds_many_runs(format)) {
+      throw Error(
+          fmt::format("--export {}: a file of this format holds one run, and there are {}; expected a folder, with --format {}",
+                      to.string(), runs.size(), name_of(format)));
+    }
+    return {{.path = to, .first_run = 0, .runs = runs.size()}};
+  }
+  std::vector<FileToWrite> files;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    files.push_back({.path = to / (file_stem_of(runs[i]) + std::string(ending_of(format))), .first_run = i, .runs = 1});
+  return files;
+}
+
+/// A run's own files are no place for an export, whatever --force says.
+void check_place(const fs::path& file, const std::vector<RunFolder>& runs) {
+  std::error_code ignored;
+  for (const RunFolder& run : runs) {
+    if (!fs::equivalent(fs::absolute(file).parent_path(), run.folder, ignored)) continue;
+    for (const fs::path& own : {run.labels(), run.truth(), run.info(), run.robot(), run.video_times()}) {
+      if (own.filename() == file.filename())
+        throw Error(fmt::format("--export {}: is a file of the run itself; expected a name of its own", file.string()));
+    }
+  }
+}
+
+void check_free(const FileToWrite& file, bool replace) {
+  if (replace || !fs::exists(file.path)) return;
+  if (fs::is_regular_file(file.path) && fs::file_size(file.path) == file.text.size() && read_text(file.path) == file.text) return;
+  throw Error(fmt::format("{}: is there already, perhaps with somebody's edits; expected another name, or --force to replace it",
+                          file.path.string()));
+}
+
+std::string text_of(ExchangeFormat format, std::span<const LabelsToExport> labels, const fs::path& file) {
+  switch (format) {
+    case ExchangeFormat::audacity:
+      return audacity_text(labels.front());
+    case ExchangeFormat::elan:
+      return elan_text(labels.front(), file);
+    case ExchangeFormat::label_studio:
+      return label_studio_text(labels);
+    case ExchangeFormat::csv:
+      return label_csv_text(labels);
+  }
+  return {};
+}
+
+/// Label Studio's configuration lies beside the tasks.
+fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
+  return tasks.path == to ? fs::path(to).replace_extension(".xml") : to / "label-studio.xml";
+}
+
+/// What --import names: files, and folders as all of their files that are of a known format and named as a run's.
+std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
+  const std::optional<ExchangeFormat> format = format_in(arguments);
+  std::vector<fs::path> files;
+  for (const std::string& from : arguments.from) {
+    if (!fs::is_directory(from)) {
+      files.emplace_back(from);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (const RunFolder& run : runs) {
+      for (const char* name : {"audacity", "elan", "label-studio", "csv"}) {
+        const auto known = exchange_format_named(name);
+        const fs::path file = fs::path(from) / (file_stem_of(run) + std::string(ending_of(*known)));
+        if ((!format || format == known) && fs::exists(file)) files.push_back(file);
+      }
+    }
+    if (files.size() == before) {
+      throw Error(fmt::format("--import {}: holds no file of the runs; expected such as {}.eaf, as --export names them", from,
+                              runs.empty() ? "fan-01" : file_stem_of(runs.front())));
+    }
+  }
+  return files;
+}
+
+}  // namespace
+
+void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& arguments, CLI::Option* compare_truth,
+                                CLI::Option* force) {
+  CLI::Option* to =
+      command
+          .add_option("--export", arguments.to,
+                      "Write labels for another tool: .txt Audacity, .eaf ELAN, .json Label Studio, .csv; or a folder, a file "
+                      "for each run")
+          ->type_name("FILE")
+          ->excludes(compare_truth);
+  command
+      .add_option("--import", arguments.from,
+                  "Take edits made in another tool into labels.json; a file or a folder, several times for several")
+      ->type_name("FILE")
+      ->allow_extra_args(false)
+      ->excludes(to)
+      ->excludes(compare_truth)
+      ->excludes(force);
+  command.add_option("--format", arguments.format, "Of --export and --import; as the file's ending if not given")
+      ->check(one_of({"audacity", "elan", "label-studio", "csv"}));
+  command
+      .add_option("--origin", arguments.origin,
+                  "Where exported times count from, imported ones only if their file does not say; first-event if not given, but "
+                  "for ELAN the "
+                  "film's first frame where its clock is known")
+      ->check(one_of({"first-event", "camera", "video"}));
+}
+
+void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,
+                   bool replace, const std::function<void(std::span<const RunFolder>)>& label_first) {
+  const fs::path to = arguments.to;
+  const std::optional<ExchangeFormat> known = format_in(arguments) ? format_in(arguments) : exchange_format_by_ending(to);
+  if (!known) {
+    throw Error(fmt::format(
+        "--export {}: its ending says no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, "
+        "or a folder and --format",
+        arguments.to));
+  }
+  const ExchangeFormat format = *known;
+  std::vector<FileToWrite> files = files_of(to, format, runs);
+  for (const FileToWrite& file : files) check_place(file.path, runs);
+  std::vector<RunFolder> unlabelled;
+  std::copy_if(runs.begin(), runs.end(), std::back_inserter(unlabelled),
+               [](const RunFolder& run) { return !fs::exists(run.labels()); });
+  if (!unlabelled.empty()) label_first(unlabelled);
+
+  const ProgressCallback progress = progress_line(common);
+  std::vector<LabelsToExport> labels(runs.size());
+  std::mutex guard;
+  std::size_t done = 0;
+  parallel_for(runs.size(), common.threads, [&](std::size_t i) {
+    labels[i] = labels_to_export(runs[i], origin_in(arguments), format == ExchangeFormat::elan);
+    if (format == ExchangeFormat::label_studio) labels[i].signals = signals_of(runs[i], labels[i]);
+    const std::scoped_lock lock(guard);
+    tell(progress, ++done, runs.size(), runs[i].name());
+  });
+  const auto runs_of = [&](const FileToWrite& file) { return std::span(labels).subspan(file.first_run, file.runs); };
+  for (FileToWrite& file : files) file.text = text_of(format, runs_of(file), file.path);
+  nlohmann::json json = {{"exported", nlohmann::json::array()}, {"labelled", nlohmann::json::array()}, {"config", nullptr}};
+  std::vector<std::vector<std::string>> rows;
+  for (const FileToWrite& file : files) {
+    for (const LabelsToExport& run : runs_of(file)) {
+      json["exported"].push_back({{"run", run.run},
+                                  {"file", file.path.string()},
+                                  {"intervals", run.labels.intervals.size()},
+                                  {"origin", name_of(run.times.origin)}});
+      rows.push_back(
+          {run.run, std::to_string(run.labels.intervals.size()), std::string(name_of(run.times.origin)), file.path.string()});
+    }
+  }
+  for (const RunFolder& run : unlabelled) json["labelled"].push_back(run.name());
+  std::string text = text_table({"run", "intervals", "times from", ""}, rows);
+  if (format == ExchangeFormat::label_studio) {
+    files.push_back({.path = config_beside(to, files.front()), .text = label_studio_config(labels)});
+    json["config"] = files.back().path.string();
+    text += fmt::format("{}: their labelling configuration\n", files.back().path.string());
+  }
+  for (const FileToWrite& file : files) check_free(file, replace);
+  for (const FileToWrite& file : files) write_whole(file.path, file.text);
+  print_result(common, json, text);
+}
+
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
+  const std::vector<ImportedRun> edited = read_edits(files_in(arguments, runs), format_in(arguments), origin_in(arguments), runs);
+  nlohmann::json imported = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> unseen;
+  for (const ImportedRun& run : edited) {
+    if (!run.looked_at) unseen.push_back(run.run.name());
+    if (run.counts.edits() > 0) write_labels(run.run.labels(), run.labels);
+    const EditCounts& counts = run.counts;
+    imported.push_back({{"run", run.run.name()},
+                        {"file", run.file},
+                        {"looked_at", run.looked_at},
+                        {"kept", counts.kept},
+                        {"confirmed", counts.confirmed},
+                        {"moved", counts.moved},
+                        {"added", counts.added},
+                        {"rejected", counts.rejected}});
+    rows.push_back({run.run.name(), std::to_string(counts.kept), std::to_string(counts.confirmed), std::to_string(counts.moved),
+                    std::to_string(counts.added), std::to_string(counts.rejected), run.file});
+  }
+  if (!unseen.empty()) spdlog::info("nobody has answered for {}: unchanged", fmt::join(unseen, ", "));
+  print_result(common, {{"imported", imported}},
+               text_table({"run", "as before", "newly confirmed", "moved", "added", "rejected", ""}, rows));
+}
+
+}  // namespace tactile

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "tactile/core/run_folder.hpp"
+
+namespace tactile {
+
+/// `tactile label --export` and `--import`.
+struct LabelExchangeArguments {
+  std::string to;
+  std::vector<std::string> from;
+  std::string format, origin;
+
+  bool exports() const { return !to.empty(); }
+  bool imports() const { return !from.empty(); }
+};
+
+/// `compare_truth` and `force` are the command's own options, which do not go with all of these.
+void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& arguments, CLI::Option* compare_truth,
+                                CLI::Option* force);
+
+/// Writes the labels of the runs for another tool; those that have none are labelled by `label_first` before.
+/// @throws Error  if a file is there with other contents and `replace` is not given, or the labels cannot be put into the format
+void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,
+                   bool replace, const std::function<void(std::span<const RunFolder>)>& label_first);
+
+/// Takes what a person edited in another tool into the runs' labels: all of it, or after an `Error` none.
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs);
+
+}  // namespace tactile

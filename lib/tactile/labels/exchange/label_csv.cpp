@@ -1,0 +1,245 @@
+#include "tactile/labels/exchange/label_csv.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::string_view header =
+    "run,id,class,start_s,end_s,confirmed,source,start_low_s,start_high_s,end_low_s,end_high_s,events_s,robot_s,video_s,imu_s,"
+    "flags,origin,zero_s,drift_ppm\n";
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",;\t\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+/// The rows of a file one after the other; a quoted cell may hold separators and line ends.
+class Rows {
+ public:
+  Rows(std::string_view text, char separator, std::string file) : rest_(text), separator_(separator), file_(std::move(file)) {}
+
+  /// The next row's cells; none once the file has ended. @throws Error if there are more than 1000
+  std::vector<std::string> next() {
+    std::vector<std::string> cells;
+    if (rest_.empty()) return cells;
+    number_ = lines_ + 1;
+    cells.emplace_back();
+    bool in_quotes = false, was_quoted = false;
+    while (!rest_.empty()) {
+      const char c = rest_.front();
+      rest_.remove_prefix(1);
+      if (c == '\n') ++lines_;
+      if (in_quotes) {
+        if (c != '"') {
+          cells.back() += c;
+        } else if (rest_.starts_with('"')) {
+          cells.back() += '"';
+          rest_.remove_prefix(1);
+        } else {
+          in_quotes = false;
+        }
+      } else if (c == '"' && cells.back().empty() && !was_quoted) {
+        in_quotes = was_quoted = true;
+      } else if (c == separator_) {
+        if (cells.size() == 1000)
+          throw Error(fmt::format("{}, line {} has more than 1000 values; expected a table of labels", file_, number_));
+        cells.emplace_back();
+        was_quoted = false;
+      } else if (c == '\n') {
+        break;
+      } else if (c != '\r') {
+        cells.back() += c;
+      }
+    }
+    return cells;
+  }
+
+  std::size_t number() const { return number_; }  ///< of the line that the last row began on, from 1
+
+ private:
+  std::string_view rest_;
+  char separator_;
+  std::string file_;
+  std::size_t lines_ = 0, number_ = 0;
+};
+
+char separator_of(std::string_view text) {
+  const std::string_view first = text.substr(0, text.find('\n'));
+  char best = ',';
+  for (const char c : {';', '\t'}) {
+    if (std::count(first.begin(), first.end(), c) > std::count(first.begin(), first.end(), best)) best = c;
+  }
+  return best;
+}
+
+std::string trimmed_lower(std::string_view text) {
+  std::string result;
+  for (const char c : text) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::size_t begin = std::min(result.find_first_not_of(' '), result.size());
+  return result.substr(begin, result.find_last_not_of(' ') + 1 - begin);
+}
+
+bool is_confirmed(std::string_view cell, const std::string& where) {
+  const std::string word = trimmed_lower(cell);
+  constexpr std::array yes{"true", "yes", "ok", "x", "1"};
+  constexpr std::array no{"", "false", "no", "0"};
+  if (std::find(yes.begin(), yes.end(), word) != yes.end()) return true;
+  if (std::find(no.begin(), no.end(), word) != no.end()) return false;
+  throw Error(fmt::format("{}, column 'confirmed' holds {}; expected true or false", where, shown_text(cell)));
+}
+
+/// A file's header row, and a row's cells by its names.
+class Columns {
+ public:
+  Columns(std::vector<std::string> names, std::string file) : names_(std::move(names)), file_(std::move(file)) {
+    for (std::string& name : names_) name = trimmed_lower(name);
+    for (const std::string_view needed : {"class", "start_s", "end_s"}) {
+      if (!index_of(needed))
+        throw Error(fmt::format("{}: no column '{}'; expected a header row with class, start_s, end_s, as --export writes it",
+                                file_, needed));
+    }
+  }
+
+  std::size_t count() const { return names_.size(); }
+
+  /// Empty where there is no such column.
+  std::string_view cell(const std::vector<std::string>& cells, std::string_view name) const {
+    const std::optional<std::size_t> index = index_of(name);
+    if (!index) return {};
+    std::string_view text = cells[*index];
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    return text;
+  }
+
+ private:
+  std::optional<std::size_t> index_of(std::string_view name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    return found == names_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - names_.begin()));
+  }
+
+  std::vector<std::string> names_;
+  std::string file_;
+};
+
+ReadSeconds seconds_at(std::string_view cell, std::string_view column, const std::string& where) {
+  const std::optional<ReadSeconds> seconds = seconds_in(cell);
+  if (!seconds)
+    throw Error(fmt::format("{}, column '{}' holds {}; expected seconds, such as 1.250000", where, column, shown_text(cell)));
+  return *seconds;
+}
+
+std::optional<FileTimes> times_in(const Columns& columns, const std::vector<std::string>& cells, const std::string& where) {
+  const std::string_view name = columns.cell(cells, "origin");
+  if (name.empty()) return std::nullopt;
+  const std::optional<TimeOrigin> origin = time_origin_named(name);
+  if (!origin)
+    throw Error(fmt::format("{}, column 'origin' holds {}; expected first-event, camera or video", where, shown_text(name)));
+  FileTimes times{.origin = *origin};
+  if (const std::string_view zero = columns.cell(cells, "zero_s"); !zero.empty())
+    times.zero_us = seconds_at(zero, "zero_s", where).us;
+  if (std::string drift(columns.cell(cells, "drift_ppm")); !drift.empty()) {
+    std::replace(drift.begin(), drift.end(), ',', '.');
+    const std::optional<double> ppm = number_in(drift);
+    if (!ppm || !(std::abs(*ppm) < 1e5)) {
+      throw Error(
+          fmt::format("{}, column 'drift_ppm' holds {}; expected a number between -100000 and 100000", where, shown_text(drift)));
+    }
+    times.drift_ppm = *ppm;
+  }
+  return times;
+}
+
+bool same(const FileTimes& a, const FileTimes& b) {
+  return a.origin == b.origin && a.zero_us == b.zero_us && a.drift_ppm == b.drift_ppm;
+}
+
+}  // namespace
+
+std::string label_csv_text(std::span<const LabelsToExport> runs) {
+  std::string text(header);
+  for (const LabelsToExport& run : runs) {
+    check_ids(run);
+    const ClockRelation clock = run.times.to_camera(run.first_event);
+    const auto seconds = [&](CameraTime t) { return seconds_text(clock.clock_us_from(t)); };
+    const auto if_known = [&](const std::optional<CameraTime>& t) { return t ? seconds(*t) : std::string(); };
+    const std::string axis =
+        fmt::format("{},{},{}", name_of(run.times.origin), seconds_text(run.times.zero_us), run.times.drift_ppm);
+    const std::string of_run = doubts_of(run.labels, std::nullopt);
+    if (run.labels.intervals.empty()) text += fmt::format("{},,none,,,,,,,,,,,,,{},{}\n", run.run, csv_cell(of_run), axis);
+    for (std::size_t i = 0; i < run.labels.intervals.size(); ++i) {
+      const LabelledInterval& interval = run.labels.intervals[i];
+      const std::string own = doubts_of(run.labels, i);
+      const std::string flags = own + (own.empty() || of_run.empty() ? "" : "; ") + of_run;
+      const Evidence& evidence = interval.evidence;
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.run, interval.id, name_of(interval.touch),
+                          seconds(interval.start.at), seconds(interval.end.at), interval.confirmed, csv_cell(interval.source),
+                          seconds(interval.start.low), seconds(interval.start.high), seconds(interval.end.low),
+                          seconds(interval.end.high), if_known(evidence.events), if_known(evidence.robot),
+                          if_known(evidence.video), if_known(evidence.imu), csv_cell(flags), axis);
+    }
+  }
+  return text;
+}
+
+std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
+  const std::string text = read_text(file, std::size_t{8} << 20);
+  std::string_view rest = text;
+  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  Rows rows(rest, separator_of(rest), file.string());
+  const Columns columns(rows.next(), file.string());
+  std::vector<ImportedLabels> runs;
+  std::map<std::string, std::size_t> run_index;
+  std::size_t intervals = 0;
+  for (std::vector<std::string> cells = rows.next(); !cells.empty(); cells = rows.next()) {
+    if (std::all_of(cells.begin(), cells.end(), [](const std::string& cell) { return cell.empty(); })) continue;
+    const std::string where = fmt::format("{}, line {}", file.string(), rows.number());
+    if (cells.size() != columns.count())
+      throw Error(fmt::format("{} has {} values; expected {}, as its header", where, cells.size(), columns.count()));
+    const std::string run(columns.cell(cells, "run"));
+    const auto [found, is_new] = run_index.try_emplace(run, runs.size());
+    const std::optional<FileTimes> times = times_in(columns, cells, where);
+    if (is_new) {
+      runs.push_back({.where = file.string(), .run = run.empty() ? std::nullopt : std::optional(run), .times = times});
+      check_count(runs.size(), most_imported_runs, "runs", file);
+    }
+    ImportedLabels& labels = runs[found->second];
+    if (times && labels.times && !same(*times, *labels.times))
+      throw Error(fmt::format("{}: times of {} count from elsewhere than in the rows before; expected one origin for a run",
+                              where, shown_text(run)));
+    if (times) labels.times = times;
+    const std::string touch = trimmed_lower(columns.cell(cells, "class"));
+    if (touch == name_of(Touch::none)) continue;
+    ImportedInterval interval{.id = std::string(columns.cell(cells, "id")), .where = where};
+    if (touch != name_of(Touch::press) && touch != name_of(Touch::slip)) {
+      throw Error(fmt::format("{}, column 'class' holds {}; expected press, slip, or none for what is to go", where,
+                              shown_text(columns.cell(cells, "class"))));
+    }
+    interval.touch = touch_named(touch);
+    const ReadSeconds start = seconds_at(columns.cell(cells, "start_s"), "start_s", where);
+    const ReadSeconds end = seconds_at(columns.cell(cells, "end_s"), "end_s", where);
+    interval.start_us = start.us;
+    interval.end_us = end.us;
+    interval.start_rounding_us = start.rounding_us;
+    interval.end_rounding_us = end.rounding_us;
+    interval.confirmed = is_confirmed(columns.cell(cells, "confirmed"), where);
+    labels.intervals.push_back(std::move(interval));
+    check_count(++intervals, most_imported_intervals, "intervals", file);
+  }
+  if (runs.empty()) throw Error(file.string() + ": holds no row; expected intervals, as --export writes them");
+  return runs;
+}
+
+}  // namespace tactile

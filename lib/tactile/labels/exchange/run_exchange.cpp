@@ -1,0 +1,229 @@
+#include "tactile/labels/exchange/run_exchange.hpp"
+
+#include <fmt/core.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tactile/core/error.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/labels/event_rate.hpp"
+#include "tactile/labels/exchange/audacity.hpp"
+#include "tactile/labels/exchange/elan.hpp"
+#include "tactile/labels/exchange/label_csv.hpp"
+#include "tactile/labels/exchange/label_studio.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "tactile/video/video_times.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::int64_t written_s(const fs::path& file) {
+  struct stat status {};
+  return ::stat(file.c_str(), &status) == 0 ? static_cast<std::int64_t>(status.st_mtime) : 0;
+}
+
+/// Where the film's first frame lies in camera time, and how the film drifts from there: a player's zero is its first frame.
+std::optional<ClockRelation> film_clock(const RunFolder& run, const Labels& labels) {
+  if (!labels.video_clock || !fs::exists(run.video_times())) return std::nullopt;
+  const std::vector<VideoTime> frames = read_video_times(run.video_times());
+  if (frames.empty()) return std::nullopt;
+  const ClockRelation& clock = labels.video_clock->relation;
+  return ClockRelation{.offset_us = us_of(clock.camera_from(frames.front())), .drift_ppm = clock.drift_ppm, .reference_us = 0};
+}
+
+std::vector<ImportedLabels> read_imported(const fs::path& file, std::optional<ExchangeFormat> format) {
+  const std::optional<ExchangeFormat> known = format ? format : exchange_format_by_ending(file);
+  if (!known) {
+    throw Error(file.string() +
+                ": its ending says no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, or "
+                "--format");
+  }
+  switch (*known) {
+    case ExchangeFormat::audacity:
+      return {read_audacity(file)};
+    case ExchangeFormat::elan:
+      return {read_elan(file)};
+    case ExchangeFormat::label_studio:
+      return read_label_studio(file);
+    case ExchangeFormat::csv:
+      return read_label_csv(file);
+  }
+  return {};
+}
+
+std::string list_of(std::span<const RunFolder> runs) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(runs.size(), most); ++i) text += (i == 0 ? "" : ", ") + runs[i].name();
+  return text + (runs.size() > most ? fmt::format(" and {} more", runs.size() - most) : "");
+}
+
+/// Which of `runs` the labels are of.
+const RunFolder& run_of(const ImportedLabels& labels, std::span<const RunFolder> runs) {
+  const std::string stem = fs::path(labels.where).stem().string();
+  const auto found = std::find_if(runs.begin(), runs.end(), [&](const RunFolder& run) {
+    return labels.run ? run.name() == *labels.run : file_stem_of(run) == stem;
+  });
+  if (found != runs.end()) return *found;
+  if (labels.run)
+    throw Error(
+        fmt::format("{}: holds labels of {}; expected those of {}", labels.where, shown_text(*labels.run), list_of(runs)));
+  if (runs.size() != 1) {
+    throw Error(fmt::format("{}: does not say which run it is of; expected a name such as {}{}, or one run to import into",
+                            labels.where, runs.empty() ? std::string("fan-01") : file_stem_of(runs.front()),
+                            fs::path(labels.where).extension().string()));
+  }
+  return runs.front();
+}
+
+FileTimes times_of(TimeOrigin origin, const RunFolder& run, const Labels& labels, CameraTime first_event) {
+  if (origin != TimeOrigin::video) return {.origin = origin};
+  const std::optional<ClockRelation> film = film_clock(run, labels);
+  if (!film) {
+    throw Error(fmt::format(
+        "{}: how its film's clock relates to the camera's is unknown; expected --origin first-event or camera", run.name()));
+  }
+  return {.origin = origin, .zero_us = saturating_subtract(film->offset_us, us_of(first_event)), .drift_ppm = film->drift_ppm};
+}
+
+/// A curve through the samples, held at its ends.
+class Curve {
+ public:
+  void add(CameraTime t, double value) {
+    if (!times_.empty() && t <= times_.back()) return;
+    times_.push_back(t);
+    values_.push_back(value);
+  }
+  bool empty() const { return times_.empty(); }
+
+  double at(CameraTime t) const {
+    const auto next = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
+    const auto i = static_cast<std::size_t>(next);
+    if (i == 0) return values_.front();
+    if (i == times_.size()) return values_.back();
+    const double share =
+        static_cast<double>(between(times_[i - 1], t).count()) / static_cast<double>(between(times_[i - 1], times_[i]).count());
+    return values_[i - 1] + share * (values_[i] - values_[i - 1]);
+  }
+
+ private:
+  std::vector<CameraTime> times_;
+  std::vector<double> values_;
+};
+
+double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
+
+}  // namespace
+
+RecordingSpan span_of_events(const RunFolder& run) {
+  RecordingReader recording(run.events());
+  const std::int32_t id = event_stream(recording).id;
+  RecordingSpan span{CameraTime::max(), CameraTime::min()};
+  // The table's times are only a hint: what counts are the events themselves, of the outermost packets that have any.
+  std::vector<PacketRecord> packets;
+  for (const PacketRecord& packet : recording.packets()) {
+    if (packet.stream_id == id && packet.elements > 0) packets.push_back(packet);
+  }
+  const auto widen = [&](const PacketRecord& packet) {
+    const std::span<Event> events = recording.read_events(packet);
+    for (const Event& event : events) span = {std::min(span.first, event.t), std::max(span.last, event.t)};
+    return !events.empty();
+  };
+  std::stable_sort(packets.begin(), packets.end(),
+                   [](const PacketRecord& a, const PacketRecord& b) { return a.first < b.first; });
+  if (std::none_of(packets.begin(), packets.end(), widen))
+    throw Error(run.events().string() + ": holds no event; expected a recording");
+  std::stable_sort(packets.begin(), packets.end(), [](const PacketRecord& a, const PacketRecord& b) { return a.last > b.last; });
+  static_cast<void>(std::any_of(packets.begin(), packets.end(), widen));
+  return span;
+}
+
+LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film) {
+  const RecordingSpan span = span_of_events(run);
+  LabelsToExport labels{.run = run.name(),
+                        .labels = read_labels(run.labels()),
+                        .times = {},
+                        .first_event = span.first,
+                        .last_event = span.last,
+                        .film = fs::exists(run.video()) ? run.video() : fs::path(),
+                        .film_begins_us = {},
+                        .written_s = written_s(run.labels())};
+  const std::optional<ClockRelation> film = film_clock(run, labels.labels);
+  const bool can_prefer_film =
+      film && std::all_of(labels.labels.intervals.begin(), labels.labels.intervals.end(),
+                          [&](const LabelledInterval& interval) { return us_of(interval.start.at) >= film->offset_us; });
+  const TimeOrigin chosen = origin ? *origin : prefer_film && can_prefer_film ? TimeOrigin::video : TimeOrigin::first_event;
+  labels.times = times_of(chosen, run, labels.labels, span.first);
+  if (film) labels.film_begins_us = labels.times.to_camera(span.first).clock_us_from(camera_time(film->offset_us));
+  return labels;
+}
+
+LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
+  constexpr std::int64_t most_points = 20'000;
+  const std::int64_t length_us = between(labels.first_event, labels.last_event).count();
+  const microseconds bin{1000 * (1 + length_us / (1000 * most_points))};
+  RecordingReader recording(run.events());
+  const EventRate rate = event_rate(recording, event_stream(recording).id, {.bin = bin});
+  const ClockRelation axis = labels.times.to_camera(labels.first_event);
+  const double per_s = 1e6 / static_cast<double>(bin.count());
+
+  LabelSignals signals;
+  signals.curves.emplace_back("events_per_s", std::vector<double>());
+  std::vector<CameraTime> middles;
+  for (std::size_t i = 0; i < rate.counts.size(); ++i) {
+    middles.push_back(after(rate.begin_of(i), bin / 2));
+    signals.time_s.push_back(static_cast<double>(axis.clock_us_from(middles.back())) / 1e6);
+    signals.curves[0].second.push_back(rounded(rate.counts[i] * per_s));
+  }
+  if (labels.labels.robot_clocks.empty() || !fs::exists(run.robot())) return signals;
+  const RobotLog log = read_robot_log(run.robot());
+  const ClockRelation& clock = labels.labels.robot_clocks.front().relation;
+  Curve height, speed;
+  for (const RobotState& state : log.states) {
+    const CameraTime t = clock.camera_from(state.t);
+    height.add(t, 1000.0 * state.tcp_pose[2]);
+    speed.add(t, 1000.0 * std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
+  }
+  if (height.empty()) return signals;
+  for (const auto& [name, curve] : {std::pair("tcp_height_mm", &height), std::pair("tcp_speed_mm_s", &speed)}) {
+    std::vector<double> values;
+    for (const CameraTime t : middles) values.push_back(rounded(curve->at(t)));
+    signals.curves.emplace_back(name, std::move(values));
+  }
+  return signals;
+}
+
+std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::optional<ExchangeFormat> format,
+                                    std::optional<TimeOrigin> origin, std::span<const RunFolder> runs) {
+  std::vector<ImportedRun> edited;
+  std::map<std::string, std::string> file_of;
+  for (const fs::path& file : files) {
+    for (const ImportedLabels& imported : read_imported(file, format)) {
+      const RunFolder& run = run_of(imported, runs);
+      if (const auto [before, is_new] = file_of.try_emplace(run.folder.string(), file.string()); !is_new)
+        throw Error(
+            fmt::format("{}: holds labels of {}, as {} does; expected each run once", file.string(), run.name(), before->second));
+      if (!fs::exists(run.labels())) {
+        throw Error(fmt::format("{}: {} has no labels yet; expected those that were exported, 'tactile label' makes them",
+                                file.string(), run.name()));
+      }
+      Labels labels = read_labels(run.labels());
+      const RecordingSpan span = span_of_events(run);
+      const FileTimes times =
+          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, labels, span.first);
+      EditCounts counts;
+      Labels with = with_edits(std::move(labels), imported, times, span.first, span.last, counts);
+      edited.push_back({run, file.string(), std::move(with), counts, imported.looked_at});
+    }
+  }
+  return edited;
+}
+
+std::string file_stem_of(const RunFolder& run) { return run.object + "-" + run.run; }
+
+}  // namespace tactile

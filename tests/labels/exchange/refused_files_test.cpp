@@ -1,0 +1,142 @@
+// Files of other tools that cannot be used: each is answered with what is wrong and what is right.
+#include <gtest/gtest.h>
+
+#include "labels/exchange/exported.hpp"
+#include "support/error_of.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/labels/exchange/audacity.hpp"
+#include "tactile/labels/exchange/elan.hpp"
+#include "tactile/labels/exchange/label_csv.hpp"
+#include "tactile/labels/exchange/label_studio.hpp"
+
+namespace tactile {
+namespace {
+
+class RefusedFiles : public testing::Test {
+ protected:
+  template <class Read>
+  std::string error(const Read& read, const std::string& name, const std::string& text) {
+    write_whole(folder / name, text);
+    return test::error_of([&] { read(folder / name); });
+  }
+  void expect(const std::string& error, const std::string& part) { EXPECT_NE(error.find(part), std::string::npos) << error; }
+  test::TemporaryFolder folder;
+};
+
+TEST_F(RefusedFiles, OfAudacity) {
+  const auto read = [&](const std::string& text) { return error(read_audacity, "labels.txt", text); };
+  expect(read("0.1\t0.2\tpress\n0.3\t0.4\tpush\n"), "labels.txt, line 2: 'push' names no class; expected press or slip");
+  expect(read("nan\t0.2\tpress\n"), "line 1: 'nan' is no time; expected seconds");
+  expect(read("0.1 0.2 press\n"), "line 1: '0.1 0.2 press' is no label; expected 'start TAB end TAB text'");
+  expect(read("0.1\t0.2\t\n"), "names no class");
+  expect(read(""), "holds no label");
+  expect(read(std::string(9 << 20, '\0')), "bytes long; expected at most");
+}
+
+TEST_F(RefusedFiles, ButFrequenciesAndRemarksOfAudacityArePassedOver) {
+  write_whole(folder / "labels.txt",
+              "\xEF\xBB\xBF"
+              "0.0\t0.0\t# a remark\r\n0.5\t0.75\tpress-1 Press ok\r\n\\\t-1.000000\t880.0\r\n");
+  const ImportedLabels read = read_audacity(folder / "labels.txt");
+  EXPECT_FALSE(read.run.has_value());
+  ASSERT_EQ(read.intervals.size(), 1U);
+  EXPECT_EQ(read.intervals[0].id, "press-1");
+  EXPECT_EQ(read.intervals[0].end_us, 750'000);
+  EXPECT_TRUE(read.intervals[0].confirmed);
+}
+
+TEST_F(RefusedFiles, OfElan) {
+  const auto document = [](const std::string& inside) {
+    return "<ANNOTATION_DOCUMENT><HEADER TIME_UNITS=\"milliseconds\"/>" + inside + "</ANNOTATION_DOCUMENT>";
+  };
+  const auto tier = [](const std::string& value) {
+    return "<TIME_ORDER><TIME_SLOT TIME_SLOT_ID=\"ts1\" TIME_VALUE=\"100\"/><TIME_SLOT TIME_SLOT_ID=\"ts2\"/></TIME_ORDER>"
+           "<TIER TIER_ID=\"touch\"><ANNOTATION><ALIGNABLE_ANNOTATION ANNOTATION_ID=\"a1\" TIME_SLOT_REF1=\"ts1\" "
+           "TIME_SLOT_REF2=\"" +
+           value + "\"><ANNOTATION_VALUE>push</ANNOTATION_VALUE></ALIGNABLE_ANNOTATION></ANNOTATION></TIER>";
+  };
+  const auto read = [&](const std::string& text) { return error(read_elan, "labels.eaf", text); };
+  expect(read("<ANNOTATION_DOCUMENT>"), "labels.eaf: no XML");
+  expect(read("<html/>"), "no annotation document");
+  expect(read("<ANNOTATION_DOCUMENT><HEADER TIME_UNITS=\"NTSC-frames\"/></ANNOTATION_DOCUMENT>"),
+         "in 'NTSC-frames'; expected milliseconds");
+  expect(read(document("<TIME_ORDER/><TIER TIER_ID=\"speech\"/>")), "has no tier 'touch'");
+  expect(read(document(tier("ts2"))), "annotation 'a1' has no time ('ts2')");
+  expect(read(document(tier("ts1"))), "annotation 'a1': 'push' names no class");
+  expect(read(document("<TIME_ORDER><TIME_SLOT TIME_SLOT_ID=\"ts1\" TIME_VALUE=\"-4\"/></TIME_ORDER>")),
+         "time slot 'ts1' holds '-4'; expected whole milliseconds");
+  expect(read("<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY b \"bbbb\"><!ENTITY c \"&b;&b;\">]>" + document(tier("ts1"))),
+         "declares a document type or entities");
+}
+
+TEST_F(RefusedFiles, OfLabelStudio) {
+  const auto read = [&](const std::string& text) { return error(read_label_studio, "tasks.json", text); };
+  const auto task = [](const std::string& result) {
+    return R"([{"data": {"run": "fan/01"}, "annotations": [{"result": [{"id": "press-1", "type": "timeserieslabels", "value": )" +
+           result + "}]}]}]";
+  };
+  expect(read("["), "tasks.json: no JSON");
+  expect(read("[]"), "holds no task");
+  expect(read(R"([{"run": "fan/01", "label": []}])"), "task 1: no task; expected Label Studio's export as JSON, not as JSON-MIN");
+  expect(read(task(R"({"start": "1.5", "end": 2, "timeserieslabels": ["press"]})")),
+         "'fan/01', result 'press-1': 'start' is no number");
+  expect(read(task(R"({"start": 1e300, "end": 2, "timeserieslabels": ["press"]})")), "'start' is 1e+300");
+  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["push"]})")), "'push' is no class");
+  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["press", "slip"]})")), "has not one class");
+  expect(read(R"([{"data": {"run": "fan/01"}, "annotations": [{"result": []}, {"result": []}]}])"), "has several annotations");
+  expect(read(std::string(50, '[')), "nests values more than 20 deep");
+  std::string many = "[";
+  for (int i = 0; i < 1'000'100; ++i) many += "0,";
+  expect(read(many + "0]"), "holds more than 1000000 values");
+}
+
+TEST_F(RefusedFiles, OfCsv) {
+  const auto read = [&](const std::string& text) { return error(read_label_csv, "labels.csv", text); };
+  expect(read("run,id\nfan/01,press-1\n"), "labels.csv: no column 'class'");
+  expect(read("class,start_s,end_s\npress,0.1\n"), "line 2 has 2 values; expected 3");
+  expect(read("class,start_s,end_s\npush,0.1,0.2\n"), "line 2, column 'class' holds 'push'; expected press, slip, or none");
+  expect(read("class,start_s,end_s\npress,NaN,0.2\n"), "line 2, column 'start_s' holds 'NaN'; expected seconds");
+  expect(read("class,start_s,end_s,confirmed\npress,0.1,0.2,maybe\n"),
+         "column 'confirmed' holds 'maybe'; expected true or false");
+  expect(read("class,start_s,end_s,origin\npress,0.1,0.2,dawn\n"), "column 'origin' holds 'dawn'");
+  expect(read("class,start_s,end_s,run,origin\npress,0.1,0.2,fan/01,camera\nslip,0.3,0.4,fan/01,video\n"),
+         "line 3: times of 'fan/01' count from elsewhere");
+  expect(read("class,start_s,end_s\n"), "holds no row");
+  expect(read(std::string(2'000, ',') + "\n"), "more than 1000 values");
+}
+
+TEST_F(RefusedFiles, ButSpreadsheetsOfAllLandsAreRead) {
+  write_whole(folder / "labels.csv",
+              "\xEF\xBB\xBFrun;id;class;start_s;end_s;confirmed;flags\r\nfan/01;press-1;Press;0,9296;1,5;TRUE;\"odd; "
+              "\"\"very\"\"\nodd\"\r\n\r\n");
+  const std::vector<ImportedLabels> read = read_label_csv(folder / "labels.csv");
+  ASSERT_EQ(read.size(), 1U);
+  ASSERT_EQ(read[0].intervals.size(), 1U);
+  EXPECT_EQ(read[0].intervals[0].touch, Touch::press);
+  EXPECT_EQ(read[0].intervals[0].start_us, 929'600);
+  EXPECT_EQ(read[0].intervals[0].start_rounding_us, 50);
+  EXPECT_TRUE(read[0].intervals[0].confirmed);
+}
+
+TEST_F(RefusedFiles, LabelsThatElanCannotHoldAreNotWritten) {
+  LabelsToExport run = test::exported_run();
+  run.times = {.origin = TimeOrigin::video, .zero_us = 1'000'000, .drift_ppm = 0};
+  expect(test::error_of([&] { elan_text(run, folder / "a.eaf"); }), "fan/01: press-1 begins 0.070363 s before the film");
+  run = test::exported_run();
+  run.labels.intervals[1].start.at = test::in_run(1'067'300);
+  run.labels.intervals[0].end.at = test::in_run(1'067'200);
+  run.labels.intervals[0].start.at = test::in_run(1'067'100);
+  expect(test::error_of([&] { elan_text(run, folder / "a.eaf"); }), "press-1 and press-2 meet within one millisecond");
+}
+
+TEST_F(RefusedFiles, AnIdThatAToolWouldLoseIsNotWritten) {
+  for (const char* id : {"my press", "press", "1", "", "a\tb"}) {
+    LabelsToExport run = test::exported_run();
+    run.labels.intervals[0].id = id;
+    expect(test::error_of([&] { audacity_text(run); }), "would be lost in other tools");
+  }
+}
+
+}  // namespace
+}  // namespace tactile
