@@ -28,7 +28,7 @@ struct Plot {
 std::string plot_text(std::string_view text);
 
 /// Draws the figure as PNG or SVG, as the file's extension says, whole or not at all; the same figure gives the same bytes. Runs
-/// the system's gnuplot, which reads script and numbers from a socket and answers through a pipe: no shell, no other files, no
+/// the system's gnuplot, which reads script and numbers from memory and answers through a pipe: no shell, no other files, no
 /// settings of the user.
 /// @throws Error  if gnuplot is not installed, says that the script is wrong, or dies; if the extension is another, a size or a
 ///                table out of range, or the file cannot be written
