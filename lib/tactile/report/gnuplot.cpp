@@ -237,7 +237,8 @@ std::size_t character_at(std::string_view text) {
 }  // namespace
 
 std::string plot_text(std::string_view text) {
-  // Within single quotes gnuplot replaces nothing, and a quote is written twice.
+  // Within single quotes gnuplot replaces nothing. A quote written twice would stand for itself, but not as a text's first
+  // character (gnuplot 5.4), so that the typographic one takes its place.
   std::string quoted = "'";
   while (!text.empty()) {
     const std::size_t length = character_at(text);
@@ -247,7 +248,7 @@ std::string plot_text(std::string_view text) {
     else if (first < 0x20 || first == 0x7F)
       quoted += ' ';
     else if (first == '\'')
-      quoted += "''";
+      quoted += "\u2019";
     else
       quoted += text.substr(0, length);
     text.remove_prefix(std::max<std::size_t>(length, 1));
