@@ -460,11 +460,12 @@ class PictureScript {
 
   void mark_evidence(const SourceEvidence& source, double ms, double row_px, const Frame& frame) {
     const auto graph_y = [&](double px) { return 1 - px / (frame.bottom - frame.top); };
-    constexpr double room_at_ms = 20;  // what is farther to the right is written to the left of its line
+    // Written away from the onset's line, where there is room for some 33 ms of words.
+    constexpr double room_ms = 33;
     const bool inside = std::abs(ms) <= zoom_ms;
     std::string words;
     double x = ms + 1.2;
-    bool to_left = ms > room_at_ms;
+    bool to_left = ms < 0 ? ms - room_ms > -zoom_ms : ms + room_ms > zoom_ms;
     if (inside) {
       upright(ms, fmt::format("front lc rgb '{}' dt (4,3) lw 1.3", source.colour));
       if (to_left) x = ms - 1.2;
