@@ -65,6 +65,7 @@ class ClockMethods {
   explicit ClockMethods(const std::vector<LabelledRun>& runs) {
     for (const LabelledRun& labelled : runs) {
       if (const FittedClock* clock = robot_clock_of(labelled.labels)) ++uses_[clock->method];
+      if (labelled.labels.video_clock) ++video_uses_[labelled.labels.video_clock->method];
     }
   }
 
@@ -77,16 +78,25 @@ class ClockMethods {
   /// "Clock a: lift start and end (92 runs)."
   std::string legend() const {
     std::string text;
-    for (const auto& [method, uses] : uses_) {
-      const std::string line = fmt::format("Clock {}: {} ({}).", letter_of(method), method.empty() ? "method not told" : method,
-                                           uses == 1 ? "1 run" : fmt::format("{} runs", uses));
-      text += wrapped(line, 2) + "\n";
-    }
+    for (const auto& [method, uses] : uses_) text += line("Clock " + letter_of(method), method, uses);
+    return text;
+  }
+  /// Likewise of the video's.
+  std::string video_legend() const {
+    std::string text;
+    for (const auto& [method, uses] : video_uses_) text += line("Video clock", method, uses);
     return text;
   }
 
  private:
-  std::map<std::string, std::size_t> uses_;
+  static std::string line(const std::string& clock, const std::string& method, std::size_t uses) {
+    return wrapped(fmt::format("{}: {} ({}).", clock, method.empty() ? "method not told" : method,
+                               uses == 1 ? "1 run" : fmt::format("{} runs", uses)),
+                   2) +
+           "\n";
+  }
+
+  std::map<std::string, std::size_t> uses_, video_uses_;
 };
 
 /// Median and spread of what was measured several times.
@@ -309,7 +319,7 @@ std::string differences_table(const std::vector<LabelledRun>& runs) {
              "clock that was fitted to events, as its method tells, makes its source follow the events: that they agree then "
              "proves "
              "little.") +
-         "\n";
+         "\n" + methods.legend() + methods.video_legend();
 }
 
 nlohmann::json differences_json(const std::vector<LabelledRun>& runs) {

@@ -33,10 +33,10 @@ struct Quantity {
   const char* name;
 };
 constexpr std::array<Quantity, 8> quantities{{{"press_onset", "press onset"},
-                                              {"press_onset_to_first_event", "press onset to first event"},
+                                              {"press_onset_to_first_event", "press onset, first event"},
                                               {"press_end", "press end"},
                                               {"slip_onset", "slip onset"},
-                                              {"slip_onset_to_first_event", "slip onset to first event"},
+                                              {"slip_onset_to_first_event", "slip onset, first event"},
                                               {"slip_end", "slip end"},
                                               {"robot_clock", "robot clock's offset"},
                                               {"video_clock", "video clock's offset"}}};
@@ -155,7 +155,7 @@ void add_errors(const ComparedRun& run, const std::optional<bool>& flagged, std:
 nlohmann::json json_of(const std::map<std::string, Errors>& errors) {
   nlohmann::json object = nlohmann::json::object();
   for (const Quantity& quantity : quantities) {
-    if (const auto found = errors.find(quantity.key); found != errors.end())
+    if (const auto found = errors.find(quantity.key); found != errors.end() && found->second.n() > 0)
       object[quantity.key] = found->second.json(has_interval(quantity));
   }
   return object;
@@ -200,7 +200,7 @@ std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
     for (const SpuriousLabel& label : run.comparison.spurious) {
       if (!label.flagged)
         named.push_back(
-            fmt::format("{}: {} at {:.3f} s is none", name, name_of(label.interval.touch), at_s(label.interval.start)));
+            fmt::format("{}: {} at {:.3f} s is spurious", name, name_of(label.interval.touch), at_s(label.interval.start)));
     }
   }
   return named;

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -89,6 +92,115 @@ TEST_F(LabelCommand, IsNotUndoneByMakingTheSameRunAgain) {
 TEST_F(LabelCommand, WithoutTruthToCompareWithIsAnError) {
   for (const char* run : {"data/fan/01", "data/usb-hub/01"}) std::filesystem::remove(folder.path() / run / "truth.json");
   EXPECT_EQ(run_tactile("label --compare-truth", folder.path()).exit_code, 1);
+}
+
+std::size_t longest_line_in(const std::string& text) {
+  std::size_t longest = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) longest = std::max(longest, characters_in(line));
+  return longest;
+}
+
+TEST_F(LabelCommand, DrawsAPictureOfEachRunUnlessToldNotTo) {
+  ASSERT_EQ(run_tactile("label data/fan/01", folder.path()).exit_code, 0);
+  const std::string first = read_text(folder.path() / "data/fan/01/labels.png");
+  EXPECT_EQ(first.substr(1, 3), "PNG");
+  ASSERT_EQ(run_tactile("label data/fan/01 --force --threads 1", folder.path()).exit_code, 0);
+  EXPECT_EQ(read_text(folder.path() / "data/fan/01/labels.png"), first);
+  ASSERT_EQ(run_tactile("label data/usb-hub/01 --no-pictures", folder.path()).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.png"));
+}
+
+TEST_F(LabelCommand, LabelsWithoutPicturesWhereGnuplotIsNotInstalled) {
+  std::filesystem::create_directory(folder / "nothing");
+  const auto result =
+      test::run_shell("PATH='" + (folder / "nothing").string() + "' '" + TACTILE_BINARY + "' label", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("2 pictures were not drawn (--no-pictures leaves them out): gnuplot: is not installed"),
+            std::string::npos)
+      << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "data/fan/01/labels.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.png"));
+}
+
+TEST_F(LabelCommand, SumsUpTheLabelsThatAreThereAndMakesNone) {
+  EXPECT_EQ(run_tactile("label --summary", folder.path()).exit_code, 1) << "no run has labels";
+  ASSERT_EQ(run_tactile("label data/fan/01 --no-pictures", folder.path()).exit_code, 0);
+  const auto file = folder.path() / "data/fan/01/labels.json";
+  auto labels = nlohmann::json::parse(read_text(file));
+  const std::int64_t lift_us = labels.at("intervals").back().at("start_us").get<std::int64_t>() - 3'000;
+  labels.at("intervals").back().at("evidence").at("robot_us") = lift_us;
+  write_whole(file, labels.dump());
+  const auto result = run_tactile("label --summary --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("usb-hub/01"), std::string::npos) << "has no labels: " << result.err;
+  EXPECT_EQ(read_text(file), labels.dump()) << "nothing is labelled anew";
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.png"));
+
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("runs").size(), 1U);
+  EXPECT_EQ(json.at("runs")[0].at("lift_to_slip_us"), 3'000);
+  ASSERT_EQ(json.at("objects").size(), 1U);
+  EXPECT_EQ(json.at("objects")[0].at("object").get<std::string>(), "fan");
+  EXPECT_DOUBLE_EQ(json.at("objects")[0].at("lift_to_slip").at("median_ms").get<double>(), 3.0);
+  EXPECT_TRUE(json.at("objects")[0].at("lift_to_slip").at("spread_ms").is_null()) << "of one run there is none";
+  const auto& differences = json.at("differences");
+  const auto slip = std::find_if(differences.begin(), differences.end(), [](const nlohmann::json& d) {
+    return d.at("class") == nlohmann::json("slip") && d.at("less") == nlohmann::json("robot");
+  });
+  ASSERT_NE(slip, differences.end());
+  EXPECT_EQ(slip->at("of").get<std::string>(), "events");
+  EXPECT_TRUE(slip->at("clock_method").is_string());
+}
+
+TEST_F(LabelCommand, KeepsItsTablesWithinTheWidth) {
+  const auto labelled = run_tactile("label --no-pictures --compare-truth", folder.path());
+  ASSERT_EQ(labelled.exit_code, 0) << labelled.err;
+  EXPECT_LE(longest_line_in(labelled.out), 80U) << labelled.out;
+  EXPECT_NE(labelled.out.find("undamaged runs"), std::string::npos) << labelled.out;
+  const auto summary = run_tactile("label --summary", folder.path());
+  ASSERT_EQ(summary.exit_code, 0) << summary.err;
+  EXPECT_LE(longest_line_in(summary.out), 80U) << summary.out;
+  EXPECT_NE(summary.out.find("slip, events - robot"), std::string::npos) << summary.out;
+}
+
+TEST_F(LabelCommand, IsStrictOnceEverythingIsWritten) {
+  std::filesystem::remove(folder.path() / "data/fan/01/robot.csv");
+  const auto result = run_tactile("label --strict --no-pictures", folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_NE(result.out.find("no robot log"), std::string::npos) << result.out;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
+  EXPECT_EQ(run_tactile("label --strict --summary data/fan/01", folder.path()).exit_code, 2);
+  EXPECT_EQ(run_tactile("label --summary data/fan/01", folder.path()).exit_code, 0);
+  // A person looks at the flags and lifts them.
+  const auto file = folder.path() / "data/fan/01/labels.json";
+  auto labels = nlohmann::json::parse(read_text(file));
+  for (auto& flag : labels.at("flags")) flag.at("confirmed") = true;
+  write_whole(file, labels.dump());
+  EXPECT_EQ(run_tactile("label --strict --summary data/fan/01", folder.path()).exit_code, 0);
+}
+
+TEST_F(LabelCommand, KeepsDamagedRunsApartInTheComparison) {
+  std::filesystem::remove(folder.path() / "data/fan/01/robot.csv");
+  const auto result = run_tactile("label --compare-truth --json --no-pictures", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto flagged = nlohmann::json::parse(result.out).at("truth").at("flagged");
+  EXPECT_EQ(flagged.at("damaged").at("runs"), 1);
+  EXPECT_EQ(flagged.at("damaged").at("flagged"), 1);
+  EXPECT_EQ(flagged.at("undamaged").at("runs"), 1);
+}
+
+TEST_F(LabelCommand, RefusesARegionThatIsNone) {
+  for (const char* wrong :
+       {"1,2,3", "1,2,3,4,5", "0,0,0,10", "-1,0,10,10", "a,b,c,d", "0,0,10,99999", "1,,2,3", "'0,0,10,10 '"}) {
+    const auto result = run_tactile(std::string("label --no-pictures --roi=") + wrong, folder.path());
+    EXPECT_NE(result.exit_code, 0) << wrong;
+    EXPECT_NE(result.err.find("--roi"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("x,y,width,height"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(run_tactile("label --no-pictures --roi 10,20,300,200 data/fan/01", folder.path()).exit_code, 0);
 }
 
 }  // namespace

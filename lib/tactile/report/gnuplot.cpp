@@ -6,7 +6,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/socket.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,11 +54,17 @@ class Descriptor {
                           std::error_code(error, std::generic_category()).message()));
 }
 
-/// {ours, the child's}. A socket rather than a pipe, so that writing to a child that has died is an error, not a signal.
-std::pair<Descriptor, Descriptor> make_sockets() {
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) fail_to_run(errno);
-  return {Descriptor(ends[0]), Descriptor(ends[1])};
+/// A file in memory without a name that holds `text`.
+Descriptor file_in_memory(std::string_view text) {
+  Descriptor file(::memfd_create("figure", MFD_CLOEXEC));
+  if (!file.is_open()) fail_to_run(errno);
+  while (!text.empty()) {
+    const ssize_t written = ::write(file.number(), text.data(), text.size());
+    if (written < 0 && errno != EINTR) fail_to_run(errno);
+    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (::lseek(file.number(), 0, SEEK_SET) != 0) fail_to_run(errno);
+  return file;
 }
 
 /// {ours, the child's}.
@@ -71,8 +77,8 @@ std::pair<Descriptor, Descriptor> make_pipe() {
 /// A running gnuplot; ended when it goes.
 class Gnuplot {
  public:
-  Gnuplot() {
-    auto [to_child, child_in] = make_sockets();
+  explicit Gnuplot(std::string_view script) {
+    const Descriptor child_in = file_in_memory(script);
     auto [from_child, child_out] = make_pipe();
     auto [words, child_err] = make_pipe();
     posix_spawn_file_actions_t files;
@@ -92,15 +98,15 @@ class Gnuplot {
     posix_spawnattr_setsigdefault(&attributes, &usual);
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    std::string name = "gnuplot", plain = "-d";  // -d: no settings of the user's
-    std::array<char*, 3> arguments{name.data(), plain.data(), nullptr};
+    // -d: no settings of the user's. What it reads as a named file it reads in large parts, its standard input byte by byte.
+    std::string name = "gnuplot", plain = "-d", input = "/dev/stdin";
+    std::array<char*, 4> arguments{name.data(), plain.data(), input.data(), nullptr};
     const int failed = ::posix_spawnp(&process_, "gnuplot", &files, &attributes, arguments.data(), environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (failed == ENOENT)
       throw Error("gnuplot: is not installed; expected it for pictures, as 'apt install gnuplot-nox' puts it in place");
     if (failed != 0) fail_to_run(failed);
-    to_child_ = std::move(to_child);
     from_child_ = std::move(from_child);
     words_ = std::move(words);
   }
@@ -118,40 +124,32 @@ class Gnuplot {
     int status = 0;  ///< as `waitpid` tells it
   };
 
-  /// Hands over what is to be drawn and takes what comes back, all at once: neither side waits for the other.
-  Answer ask(std::string_view script) {
+  Answer answer() {
     Answer answer;
     while (from_child_.is_open() || words_.is_open()) {
-      // poll passes over those that are closed, whose number is -1.
-      std::array<pollfd, 3> ends{
-          {{to_child_.number(), POLLOUT, 0}, {from_child_.number(), POLLIN, 0}, {words_.number(), POLLIN, 0}}};
+      // poll passes over one that is closed, whose number is -1.
+      std::array<pollfd, 2> ends{{{from_child_.number(), POLLIN, 0}, {words_.number(), POLLIN, 0}}};
       if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) fail_to_run(errno);
-      if (ends[0].revents != 0) send_some(script);
-      if (ends[1].revents != 0) take_some(from_child_, answer.picture, largest_picture);
-      if (ends[2].revents != 0) take_some(words_, answer.words, kept_words);
-      if (answer.picture.size() == largest_picture)
+      if (ends[0].revents != 0) answer.picture += some_of(from_child_);
+      if (ends[1].revents != 0) answer.words += some_of(words_);
+      if (answer.picture.size() > largest_picture)
         throw Error(fmt::format("gnuplot: the picture is larger than {} MB; expected a smaller one", largest_picture >> 20));
+      // What it says last is what ended it.
+      if (answer.words.size() > kept_words) answer.words.erase(0, answer.words.size() - kept_words);
     }
-    to_child_.close();
     answer.status = wait();
     return answer;
   }
 
  private:
-  void send_some(std::string_view& script) {
-    const ssize_t sent = ::send(to_child_.number(), script.data(), script.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent > 0) script.remove_prefix(static_cast<std::size_t>(sent));
-    const bool later = sent < 0 && (errno == EAGAIN || errno == EINTR);
-    if (script.empty() || (sent < 0 && !later)) to_child_.close();
-  }
-
-  static void take_some(Descriptor& from, std::string& text, std::size_t most) {
-    std::array<char, 65536> part{};
+  /// What comes; closes what has ended.
+  static std::string some_of(Descriptor& from) {
+    std::string part(65536, '\0');
     const ssize_t taken = ::read(from.number(), part.data(), part.size());
-    if (taken > 0)
-      text.append(part.data(), std::min(static_cast<std::size_t>(taken), most - text.size()));
-    else if (taken == 0 || errno != EINTR)
-      from.close();
+    const bool again = taken < 0 && errno == EINTR;
+    part.resize(taken > 0 ? static_cast<std::size_t>(taken) : 0);
+    if (taken <= 0 && !again) from.close();
+    return part;
   }
 
   int wait() {
@@ -162,7 +160,7 @@ class Gnuplot {
     return status;
   }
 
-  Descriptor to_child_, from_child_, words_;
+  Descriptor from_child_, words_;
   pid_t process_ = 0;
 };
 
@@ -172,7 +170,8 @@ std::string complaint_in(const std::string& words) {
   for (std::size_t begin = 0; begin < words.size();) {
     const std::size_t end = std::min(words.find('\n', begin), words.size());
     std::string line = words.substr(begin, end - begin);
-    line.erase(0, line.find_first_not_of(" \t\""));
+    line.erase(0, line.find_first_not_of(" \t"));
+    if (constexpr std::string_view input = "\"/dev/stdin\" "; line.starts_with(input)) line.erase(0, input.size());
     line.erase(line.find_last_not_of(" \t\r") + 1);
     if (!line.empty()) last = line;
     begin = end + 1;
@@ -238,7 +237,8 @@ std::size_t character_at(std::string_view text) {
 }  // namespace
 
 std::string plot_text(std::string_view text) {
-  // Within single quotes gnuplot replaces nothing, and a quote is written twice.
+  // Within single quotes gnuplot replaces nothing. A quote written twice would stand for itself, but not as a text's first
+  // character (gnuplot 5.4), so that the typographic one takes its place.
   std::string quoted = "'";
   while (!text.empty()) {
     const std::size_t length = character_at(text);
@@ -248,7 +248,7 @@ std::string plot_text(std::string_view text) {
     else if (first < 0x20 || first == 0x7F)
       quoted += ' ';
     else if (first == '\'')
-      quoted += "''";
+      quoted += "\u2019";
     else
       quoted += text.substr(0, length);
     text.remove_prefix(std::max<std::size_t>(length, 1));
@@ -258,12 +258,12 @@ std::string plot_text(std::string_view text) {
 
 void draw(const Plot& plot, const std::filesystem::path& file) {
   check(plot);
-  std::string script = fmt::format("set encoding utf8\nset terminal {} size {},{} font 'DejaVu Sans,10'\n", terminal_for(file),
-                                   plot.width_px, plot.height_px);
+  std::string script = fmt::format("set encoding utf8\nset minussign\nset terminal {} size {},{} font 'DejaVu Sans,10'\n",
+                                   terminal_for(file), plot.width_px, plot.height_px);
   for (const PlotTable& table : plot.tables) add_table(script, table);
   script += plot.script;
   script += "\nunset multiplot\nunset output\n";
-  const Gnuplot::Answer answer = Gnuplot().ask(script);
+  const Gnuplot::Answer answer = Gnuplot(script).answer();
   if (!WIFEXITED(answer.status)) {
     throw Error(fmt::format("{}: gnuplot was ended by signal {}; expected it to draw the picture", file.string(),
                             WTERMSIG(answer.status)));

@@ -23,12 +23,12 @@ struct Plot {
   int height_px = 1000;  ///< 100 to 10'000
 };
 
-/// `text` as a string in a script: its quotes and whatever else means something to gnuplot stand for themselves. Control
-/// characters become blanks, bytes that are no UTF-8 question marks.
+/// `text` as a string in a script: whatever means something to gnuplot stands for itself. An apostrophe becomes the typographic
+/// one, control characters become blanks, bytes that are no UTF-8 question marks.
 std::string plot_text(std::string_view text);
 
 /// Draws the figure as PNG or SVG, as the file's extension says, whole or not at all; the same figure gives the same bytes. Runs
-/// the system's gnuplot, which reads script and numbers from a socket and answers through a pipe: no shell, no other files, no
+/// the system's gnuplot, which reads script and numbers from memory and answers through a pipe: no shell, no other files, no
 /// settings of the user.
 /// @throws Error  if gnuplot is not installed, says that the script is wrong, or dies; if the extension is another, a size or a
 ///                table out of range, or the file cannot be written

@@ -20,8 +20,8 @@ namespace tactile {
 namespace {
 
 // All in pixels of the picture.
-constexpr int picture_width = 1600, left = 90, right = 30, top = 70, between_panels = 16, axis_height = 46;
-constexpr int zoom_left = 1190, panels_right_beside_zooms = 1080;
+constexpr int picture_width = 1600, left = 90, right = 30, top = 62, between_panels = 16, axis_height = 46;
+constexpr int zoom_left = 1210, panels_right_beside_zooms = 1070;
 constexpr int zoom_title = 34, zoom_axis = 46, least_zoom_height = 150, tallest_zoom = 400;
 constexpr int line_height = 19;
 constexpr std::size_t line_characters = 215, most_lines = 40, most_zooms = 4;
@@ -55,7 +55,7 @@ std::vector<SourceEvidence> evidence_of(const LabelledInterval& interval, const 
   const Evidence& evidence = interval.evidence;
   const FittedClock* robot = evidence.robot ? labels.robot_clock_at(*evidence.robot) : nullptr;
   const FittedClock* video = evidence.video && labels.video_clock ? &*labels.video_clock : nullptr;
-  return {{interval.touch == Touch::slip ? "lift start" : "stage command", robot_colour, evidence.robot, robot},
+  return {{interval.touch == Touch::slip ? "lift start" : "command", robot_colour, evidence.robot, robot},
           {"video", video_colour, evidence.video, video},
           {"IMU", imu_colour, evidence.imu, nullptr}};
 }
@@ -75,9 +75,13 @@ class PictureScript {
     int height = axis_height - between_panels;
     for (const Panel& panel : panels_) height += panel.height + between_panels;
     const int for_zooms = static_cast<int>(zooms.size()) * (least_zoom_height + zoom_title + zoom_axis);
-    // What zooms need more goes to the events.
-    panels_.front().height += std::max(0, for_zooms - height);
-    height = std::max(height, for_zooms);
+    if (for_zooms > height) {
+      // Rows of outputs are as high as they need to be, whatever the height.
+      const auto grows = [](const Panel& panel) { return panel.kind != TraceKind::stage_output; };
+      const auto growing = static_cast<int>(std::count_if(panels_.begin(), panels_.end(), grows));
+      for (Panel& panel : panels_) panel.height += grows(panel) ? (for_zooms - height) / growing : 0;
+      height = for_zooms;
+    }
     const std::vector<Line> lines = words();
     plot_.width_px = picture_width;
     plot_.height_px = top + height + 16 + static_cast<int>(lines.size()) * line_height + 14;
@@ -107,7 +111,8 @@ class PictureScript {
     const int share = zooms.empty() ? 0 : std::min(tallest_zoom, height / static_cast<int>(zooms.size()));
     for (std::size_t i = 0; i < zooms.size(); ++i) {
       const int zoom_top = top - 20 + static_cast<int>(i) * share;
-      draw_zoom(*zooms[i], {zoom_left, picture_width - right, zoom_top + zoom_title, zoom_top + share - zoom_axis + 20});
+      draw_zoom(*zooms[i], {zoom_left, picture_width - right, zoom_top + zoom_title, zoom_top + share - zoom_axis + 20},
+                i + 1 == zooms.size());
     }
     return std::move(plot_);
   }
@@ -220,12 +225,32 @@ class PictureScript {
     return traces;
   }
 
-  std::string table_of(const Trace& trace, double factor = 1, double above = 0) {
+  struct ValueRange {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -std::numeric_limits<double>::infinity();
+
+    void include(double value) {
+      if (!std::isfinite(value)) return;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  };
+
+  std::vector<PlotPoint> points_of(const Trace& trace, ValueRange& range) const {
     std::vector<PlotPoint> points;
     points.reserve(trace.t.size());
     for (std::size_t i = 0; i < std::min(trace.t.size(), trace.values.size()); ++i)
-      points.push_back({seconds_from_begin(trace.t[i]), factor * trace.values[i] + above});
-    return table(thinned(points, 0, seconds_, static_cast<std::size_t>(panels_right_ - left)));
+      points.push_back({seconds_from_begin(trace.t[i]), trace.values[i]});
+    points = thinned(points, 0, seconds_, static_cast<std::size_t>(panels_right_ - left));
+    for (const PlotPoint& point : points) range.include(point.y);
+    return points;
+  }
+
+  /// An axis that shows the range with some room, and at least `least` of it, so that noise alone does not fill the panel.
+  void set_range(std::string_view axis, ValueRange range, double least) {
+    if (range.low > range.high) range = {0, 0};
+    const double lacking = std::max(0.0, least - (range.high - range.low)), room = 0.06 * std::max(least, range.high - range.low);
+    add("set {}range [{:.9g}:{:.9g}]", axis, range.low - lacking / 2 - room, range.high + lacking / 2 + room);
   }
 
   /// Events per ms, of which the square root is drawn, so that quiet and motion are both seen: its noise is the same everywhere.
@@ -302,14 +327,18 @@ class PictureScript {
 
   void draw_robot(const Frame&) {
     std::string curves;
-    const auto curve = [&](const Trace& trace, std::string_view axes, std::string_view colour) {
-      curves += fmt::format("{}{} axes {} lc rgb '{}' lw 1.5 notitle", curves.empty() ? "" : ", ", table_of(trace), axes, colour);
+    ValueRange speeds{0, 0}, heights;
+    const auto curve = [&](const Trace& trace, ValueRange& range, std::string_view axes, std::string_view colour) {
+      curves += fmt::format("{}{} axes {} lc rgb '{}' lw 1.5 notitle", curves.empty() ? "" : ", ", table(points_of(trace, range)),
+                            axes, colour);
     };
-    for (const Trace* trace : traces_of(TraceKind::tcp_height)) {
-      add("set y2tics\nset y2range [*:*]\nset border 11\nset y2label 'TCP height [mm]' textcolor rgb '{}'", height_colour);
-      curve(*trace, "x1y2", height_colour);
+    for (const Trace* trace : traces_of(TraceKind::tcp_height)) curve(*trace, heights, "x1y2", height_colour);
+    if (!curves.empty()) {
+      add("set y2tics\nset border 11\nset y2label 'TCP height [mm]' offset -1,0 textcolor rgb '{}'", height_colour);
+      set_range("y2", heights, 5);
     }
-    for (const Trace* trace : traces_of(TraceKind::tcp_speed)) curve(*trace, "x1y1", robot_colour);
+    for (const Trace* trace : traces_of(TraceKind::tcp_speed)) curve(*trace, speeds, "x1y1", robot_colour);
+    set_range("y", speeds, 5);
     add("set ylabel 'TCP speed [mm/s]' textcolor rgb '{}'", robot_colour);
     add("plot {}", curves);
   }
@@ -318,18 +347,20 @@ class PictureScript {
     const std::vector<const Trace*> traces = traces_of(TraceKind::stage_output);
     std::string curves, tics;
     for (std::size_t i = 0; i < traces.size(); ++i) {
-      // Each between its row's lines, whatever its values are; time goes on to the picture's end.
-      const auto [low, high] = std::minmax_element(traces[i]->values.begin(), traces[i]->values.end());
-      const double span = *high > *low ? *high - *low : std::max(1.0, std::abs(*high));
-      const double floor = *high > *low ? *low : std::min(0.0, *low);
-      const double row = static_cast<double>(traces.size() - 1 - i);
+      // Each within its row, whatever its values are; the last one holds until the picture's end.
       Trace whole = *traces[i];
-      if (whole.t.back() < picture_.end) {
+      if (whole.t.back() < picture_.end && whole.values.size() == whole.t.size()) {
         whole.t.push_back(picture_.end);
         whole.values.push_back(whole.values.back());
       }
-      curves += fmt::format("{}{} with steps lc rgb '{}' lw 1.5 notitle", i > 0 ? ", " : "",
-                            table_of(whole, 0.7 / span, row + 0.15 - 0.7 / span * floor), robot_colour);
+      ValueRange range;
+      std::vector<PlotPoint> points = points_of(whole, range);
+      const double row = static_cast<double>(traces.size() - 1 - i);
+      // One that never changes lies low where it is 0, else high.
+      const double low = range.high > range.low ? range.low : std::min(0.0, range.low);
+      const double span = range.high > low ? range.high - low : 1;
+      for (PlotPoint& point : points) point.y = row + 0.15 + 0.7 * (point.y - low) / span;
+      curves += fmt::format("{}{} with steps lc rgb '{}' lw 1.5 notitle", i > 0 ? ", " : "", table(points), robot_colour);
       tics += fmt::format("{}{} {}", i > 0 ? ", " : "", plot_text(short_name(traces[i]->name)), row + 0.5);
     }
     add("set yrange [0:{}]\nset ytics ({}) scale 0", traces.size(), tics);
@@ -339,19 +370,27 @@ class PictureScript {
 
   /// A name that fits beside the panel.
   static std::string short_name(const std::string& name) {
-    if (name.starts_with("digital output ")) return "output " + name.substr(15);
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 4> shorter{{{"digital output ", "output "},
+                                                                                    {"output_bit_register_", "bit reg. "},
+                                                                                    {"output_int_register_", "int reg. "},
+                                                                                    {"output_double_register_", "reg. "}}};
+    for (const auto& [begin, instead] : shorter) {
+      if (name.starts_with(begin)) return std::string(instead) + name.substr(begin.size());
+    }
     constexpr std::size_t most = 11;
-    return name.size() <= most ? name : ".." + name.substr(name.size() - (most - 2));
+    return name.size() <= most ? name : name.substr(0, most - 2) + "..";
   }
 
   void draw_imu(const Frame&) {
     constexpr std::array<std::string_view, 3> colours{"#00838F", "#C2185B", "#7A7A00"};
     std::string curves;
     const std::vector<const Trace*> traces = traces_of(TraceKind::acceleration);
+    ValueRange range;
     for (std::size_t i = 0; i < traces.size(); ++i) {
-      curves += fmt::format("{}{} lc rgb '{}' lw 1 title {}", i > 0 ? ", " : "", table_of(*traces[i]),
+      curves += fmt::format("{}{} lc rgb '{}' lw 1 title {}", i > 0 ? ", " : "", table(points_of(*traces[i], range)),
                             colours[i % colours.size()], plot_text(traces[i]->name));
     }
+    set_range("y", range, 0.02);
     if (traces.size() > 1) add("set key at graph 0.995, graph 0.97 right top horizontal samplen 1.5 width 1");
     add("set ylabel 'IMU [g]' textcolor rgb '{}'", imu_colour);
     add("plot {}", curves);
@@ -359,8 +398,12 @@ class PictureScript {
 
   void draw_video(const Frame&) {
     std::string curves;
-    for (const Trace* trace : traces_of(TraceKind::video_energy))
-      curves += fmt::format("{}{} lc rgb '{}' lw 1.2 notitle", curves.empty() ? "" : ", ", table_of(*trace), video_colour);
+    ValueRange range{0, 0};
+    for (const Trace* trace : traces_of(TraceKind::video_energy)) {
+      curves += fmt::format("{}{} lc rgb '{}' lw 1.2 notitle", curves.empty() ? "" : ", ", table(points_of(*trace, range)),
+                            video_colour);
+    }
+    set_range("y", range, 1e-9);
     add("set ylabel 'video energy' textcolor rgb '{}'", video_colour);
     add("plot {}", curves);
   }
@@ -368,7 +411,7 @@ class PictureScript {
   static std::string signed_ms(double value) { return fmt::format("{}{:.1f}", value < 0 ? "−" : "+", std::abs(value)); }
 
   /// An onset with 60 ms before and behind it, in ms from it.
-  void draw_zoom(const LabelledInterval& interval, const Frame& frame) {
+  void draw_zoom(const LabelledInterval& interval, const Frame& frame, bool last) {
     const auto ms_from_onset = [&](CameraTime t) { return 1e-3 * static_cast<double>(between(interval.start.at, t).count()); };
     begin_panel(frame, -zoom_ms, zoom_ms);
     const double zero_us = static_cast<double>(between(picture_.rate.begin, interval.start.at).count());
@@ -377,14 +420,18 @@ class PictureScript {
     };
     const std::vector<PlotPoint> fine = rate_by(picture_.rate.bin), coarse = rate_by(microseconds(1'000));
     const std::vector<SourceEvidence> evidence = evidence_of(interval, picture_.labels);
-    const auto rows = std::count_if(evidence.begin(), evidence.end(), [](const SourceEvidence& e) { return e.at.has_value(); });
     // Room for what is written over the rate.
-    const double row_share = 15.0 / (frame.bottom - frame.top);
+    double written_px = 8;
+    for (const SourceEvidence& source : evidence) written_px += source.at ? height_of(source) : 0;
     const double highest =
-        std::max(highest_of(coarse), 0.8 * highest_of(fine)) / std::max(0.3, 0.95 - row_share * static_cast<double>(rows));
+        std::max(highest_of(coarse), 0.8 * highest_of(fine)) / std::max(0.3, 1 - written_px / (frame.bottom - frame.top));
     add("set yrange [0:{:.9g}]", highest);
     square_tics(highest);
-    add("set format x '%g'\nset xtics 20\nset xlabel 'ms from the onset' offset 0,0.4 textcolor rgb '{}'", ink);
+    add("set format x '%g'\nset xtics 20");
+    if (last)
+      add("set xlabel 'ms from the onset' textcolor rgb '{}'", ink);
+    else
+      add("unset xlabel");
     add("set ylabel 'events per ms' textcolor rgb '{}'", ink);
 
     const TouchColours colours = colours_of(interval.touch);
@@ -393,11 +440,11 @@ class PictureScript {
     const double low = ms_from_onset(interval.start.low), high = ms_from_onset(interval.start.high);
     band(std::min(held(low), -pixel_ / 2), std::max(held(high), pixel_ / 2), colours.border);
     upright(0, fmt::format("front lc rgb '{}' lw 1.2", colours.onset));
-    double row_y = 1 - 0.6 * row_share;
+    double row_px = 10;
     for (const SourceEvidence& source : evidence) {
       if (!source.at) continue;
-      mark_evidence(source, ms_from_onset(*source.at), row_y);
-      row_y -= row_share;
+      mark_evidence(source, ms_from_onset(*source.at), row_px, frame);
+      row_px += height_of(source);
     }
     const bool flagged =
         picture_.labels.interval_is_flagged(static_cast<std::size_t>(&interval - picture_.labels.intervals.data()));
@@ -408,12 +455,17 @@ class PictureScript {
         table(coarse), ink);
   }
 
-  void mark_evidence(const SourceEvidence& source, double ms, double row_y) {
-    constexpr double room_at_ms = 20;  // what is farther to the right is written to the left of its line
+  /// Of what is written of it in a panel [px].
+  static double height_of(const SourceEvidence& source) { return source.clock == nullptr ? 16 : 24; }
+
+  void mark_evidence(const SourceEvidence& source, double ms, double row_px, const Frame& frame) {
+    const auto graph_y = [&](double px) { return 1 - px / (frame.bottom - frame.top); };
+    // Written away from the onset's line, where there is room for some 33 ms of words.
+    constexpr double room_ms = 33;
     const bool inside = std::abs(ms) <= zoom_ms;
     std::string words;
     double x = ms + 1.2;
-    bool to_left = ms > room_at_ms;
+    bool to_left = ms < 0 ? ms - room_ms > -zoom_ms : ms + room_ms > zoom_ms;
     if (inside) {
       upright(ms, fmt::format("front lc rgb '{}' dt (4,3) lw 1.3", source.colour));
       if (to_left) x = ms - 1.2;
@@ -424,7 +476,7 @@ class PictureScript {
       words =
           to_left ? fmt::format("{} {} ms →", source.name, signed_ms(ms)) : fmt::format("← {} {} ms", source.name, signed_ms(ms));
     }
-    add("set label {} at first {:.9g}, graph {:.6f} {} font ',9' front textcolor rgb '{}'", plot_text(words), x, row_y,
+    add("set label {} at first {:.9g}, graph {:.6f} {} font ',9' front textcolor rgb '{}'", plot_text(words), x, graph_y(row_px),
         to_left ? "right" : "left", source.colour);
     if (source.clock == nullptr || !inside) return;
     // Its clock may be off by so much.
@@ -432,7 +484,8 @@ class PictureScript {
     const double low = ms + 1e-3 * (static_cast<double>(source.clock->offset_low_us) - offset);
     const double high = ms + 1e-3 * (static_cast<double>(source.clock->offset_high_us) - offset);
     add("set arrow from first {:.9g}, graph {:.6f} to first {:.9g}, graph {:.6f} nohead front lc rgb '{}' lw 3",
-        std::clamp(low, -zoom_ms, zoom_ms), row_y - 0.035, std::clamp(high, -zoom_ms, zoom_ms), row_y - 0.035, source.colour);
+        std::clamp(low, -zoom_ms, zoom_ms), graph_y(row_px + 11), std::clamp(high, -zoom_ms, zoom_ms), graph_y(row_px + 11),
+        source.colour);
   }
 
   static std::string clock_words(std::string_view whose, const FittedClock& clock) {
