@@ -229,6 +229,7 @@ void add_label_command(CLI::App& app) {
   auto* force =
       command->add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
           ->excludes(summary);
+  add_label_exchange_options(*command, arguments->exchange, compare_truth, force);
 }
 
 }  // namespace tactile

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/sha256.hpp"

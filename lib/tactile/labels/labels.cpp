@@ -118,6 +118,13 @@ microseconds FittedClock::uncertainty() const {
                                 saturating_subtract(offset_high_us, relation.offset_us), std::int64_t{0}})};
 }
 
+const FittedClock* Labels::robot_clock_of(RobotTime first_stamp) const {
+  const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(), [&](const FittedClock& clock) {
+    return clock.relation.reference_us == us_of(first_stamp);
+  });
+  return found == robot_clocks.end() ? nullptr : &*found;
+}
+
 const FittedClock* Labels::robot_clock_at(CameraTime t) const {
   const FittedClock* nearest = nullptr;
   microseconds least = microseconds::max();

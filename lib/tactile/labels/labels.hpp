@@ -59,6 +59,7 @@ struct Labels {
   std::vector<FittedClock> robot_clocks;    ///< one for each unbroken piece of the robot log that could be related, by time
   std::optional<FittedClock> video_clock;
   std::vector<LabelFlag> flags;
+  std::vector<std::string> remarks;  ///< what is missing or odd, but needs nobody's look
   std::vector<TouchInterval>
       rejected;  ///< what a person took away: an interval of the class that overlaps one is not found again
   nlohmann::json provenance = nlohmann::json::object();  ///< settings and hashes of what they were made from
@@ -66,6 +67,8 @@ struct Labels {
   bool run_is_flagged() const;                        ///< a flag on the whole run stands
   bool interval_is_flagged(std::size_t index) const;  ///< a flag on this interval stands
 
+  /// The clock of the piece of the robot log whose first stamp this is; nothing if it could not be related.
+  const FittedClock* robot_clock_of(RobotTime first_stamp) const;
   /// The piece of the robot's clock that holds at `t`, else the one nearest to it; nothing if there is none.
   const FittedClock* robot_clock_at(CameraTime t) const;
 };

@@ -140,15 +140,11 @@ void read_robot(RunSignals& signals) {
 }  // namespace
 
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options) {
-  RunSignals signals{.run = run,
-                     .info = {.object = run.object,
-                              .run = run.run,
-                              .session = {},
-                              .simulated = false,
-                              .complete = true,
-                              .width = 0,
-                              .height = 0,
-                              .extra = nlohmann::json::object()}};
+  RunSignals signals;
+  signals.run = run;
+  signals.info.object = run.object;
+  signals.info.run = run.run;
+  signals.info.complete = true;
   read_recording(signals, options);
   if (std::filesystem::exists(run.info())) {
     signals.info = read_run_info(run);

@@ -26,11 +26,8 @@ Trace trace_of(const std::string& output, const RobotLog& log, const ClockRelati
 }
 
 void add_robot(LabelPicture& picture, const RobotLog& log) {
-  // Each piece of the log has a clock of its own, which counts from the piece's first stamp.
-  const auto own =
-      std::find_if(picture.labels.robot_clocks.begin(), picture.labels.robot_clocks.end(),
-                   [&](const FittedClock& clock) { return clock.relation.reference_us == us_of(log.states.front().t); });
-  if (own == picture.labels.robot_clocks.end()) return;
+  const FittedClock* own = picture.labels.robot_clock_of(log.states.front().t);
+  if (own == nullptr) return;
   const ClockRelation& clock = own->relation;
   std::set<std::string> outputs;
   for (const OutputChange& change : log.output_changes) outputs.insert(change.output);

@@ -181,13 +181,16 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
     signals.curves[0].second.push_back(rounded(rate.counts[i] * per_s));
   }
   if (labels.labels.robot_clocks.empty() || !fs::exists(run.robot())) return signals;
-  const RobotLog log = read_robot_log(run.robot());
-  const ClockRelation& clock = labels.labels.robot_clocks.front().relation;
+  const RobotLogFile file = read_robot_log(run.robot());
   Curve height, speed;
-  for (const RobotState& state : log.states) {
-    const CameraTime t = clock.camera_from(state.t);
-    height.add(t, 1000.0 * state.tcp_pose[2]);
-    speed.add(t, 1000.0 * std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
+  for (const RobotLog& log : file.pieces) {
+    const FittedClock* clock = labels.labels.robot_clock_of(log.states.front().t);
+    if (clock == nullptr) continue;
+    for (const RobotState& state : log.states) {
+      const CameraTime t = clock->relation.camera_from(state.t);
+      height.add(t, 1000.0 * state.tcp_pose[2]);
+      speed.add(t, 1000.0 * std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
+    }
   }
   if (height.empty()) return signals;
   for (const auto& [name, curve] : {std::pair("tcp_height_mm", &height), std::pair("tcp_speed_mm_s", &speed)}) {
