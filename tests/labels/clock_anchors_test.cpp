@@ -37,7 +37,7 @@ EventRate rate_of(double from_s, double to_s, const std::function<double(double)
                   std::int64_t zero_us = camera_zero_us) {
   Random random(4);
   EventRate rate{
-      .begin = camera_time(zero_us + std::llround(1e6 * from_s)), .bin = 200us, .counts = {}, .hot_pixels = 0, .last = {}};
+      .begin = camera_time(zero_us + std::llround(1e6 * from_s)), .bin = 200us, .counts = {}, .hot_pixels = 0, .last = {}, .hot = {}};
   for (double t = from_s; t < to_s; t += 0.0002)
     rate.counts.push_back(static_cast<std::uint32_t>(random.poisson(0.2 * per_ms(t))));
   rate.last = rate.begin_of(rate.counts.size());
