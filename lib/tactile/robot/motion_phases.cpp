@@ -204,12 +204,14 @@ class Finder {
                                   bool open_begin, bool open_end) const {
     const std::size_t begin = row_at_or_after(from_s), end = row_at_or_after(to_s);
     if (end <= begin) return std::nullopt;
-    return fit_speed_profile(std::span(rows_).subspan(begin, end - begin), {.noise = noise_,
-                                                                            .knots_s = std::move(knots),
-                                                                            .other_knots_s = std::move(other_knots),
-                                                                            .open_begin = open_begin,
-                                                                            .open_end = open_end,
-                                                                            .ringing = ringing_});
+    return fit_speed_profile(std::span(rows_).subspan(begin, end - begin),
+                             {.noise = noise_,
+                              .smoothed_s = 1e-6 * static_cast<double>(log_.smoothed_over.count()),
+                              .knots_s = std::move(knots),
+                              .other_knots_s = std::move(other_knots),
+                              .open_begin = open_begin,
+                              .open_end = open_end,
+                              .ringing = ringing_});
   }
 
   /// The rest before `row`: back to where the last motion ended or a gap is, but not far.

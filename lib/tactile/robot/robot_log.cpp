@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/robot/log_table.hpp"
+#include "tactile/robot/pose_speeds.hpp"
 
 namespace tactile {
 namespace {
@@ -25,76 +24,11 @@ constexpr std::string_view host_time_name = "host_time_us";
 
 constexpr microseconds longest_step = 100ms;             // single packages are lost now and then
 constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host over a lost connection: a reboot takes far longer
+constexpr microseconds longest_leap = 60s;               // no recorder of a run pauses for so long
+constexpr double moving = 0.005;                         // [m/s] or [rad/s]: rows of an arm at rest may well be the same
+constexpr double fastest_cb_rate_hz = 250.0;             // CB controllers send 125 rows a second, e-Series ones up to 500
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\"";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
-}
-
-/// The mark that parts the header's names. Commas come first, since "a, b" has blanks too.
-char separator_of(std::string_view header) {
-  for (const char mark : {',', ';', '\t', ' '}) {
-    if (header.find(mark) != std::string_view::npos) return mark;
-  }
-  return ',';
-}
-
-void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
-  cells.clear();
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = line.find(separator, begin);
-    cells.push_back(trimmed(line.substr(begin, end == std::string_view::npos ? end : end - begin)));
-    if (end == std::string_view::npos) return;
-    begin = end + 1;
-  }
-}
-
-/// A row of the log and what to say of a cell of it that cannot be used.
-class Row {
- public:
-  Row(const std::string& file, std::size_t number, const std::vector<std::string>& names,
-      const std::vector<std::string_view>& cells)
-      : file_(file), number_(number), names_(names), cells_(cells) {
-    if (cells.size() != names.size()) {
-      throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file, number, cells.size(), names.size()));
-    }
-  }
-
-  double number_at(std::size_t column) const {
-    const std::optional<double> value = number_in(cells_[column]);
-    if (!value || !std::isfinite(*value)) refuse(column, "a finite number");
-    return *value;
-  }
-
-  /// Some writers give whole numbers as "3.0", and a single bit as "True".
-  std::uint64_t bits_at(std::size_t column) const {
-    const std::string_view cell = cells_[column];
-    if (cell == "True" || cell == "False") return cell == "True" ? 1 : 0;
-    const std::optional<double> value = number_in(cell);
-    constexpr double limit = 9007199254740992.0;  // 2^53: beyond it a double skips whole numbers
-    if (!value || !(*value >= 0.0 && *value <= limit) || *value != std::floor(*value))
-      refuse(column, "a whole number of at least 0");
-    return static_cast<std::uint64_t>(*value);
-  }
-
-  std::int64_t whole_number_at(std::size_t column, std::string_view expected) const {
-    const std::optional<std::int64_t> value = whole_number_in(cells_[column]);
-    if (!value) refuse(column, expected);
-    return *value;
-  }
-
-  [[noreturn]] void refuse(std::size_t column, std::string_view expected) const {
-    throw Error(
-        fmt::format("{}: row {}, column '{}' holds '{}'; expected {}", file_, number_, names_[column], cells_[column], expected));
-  }
-
- private:
-  const std::string& file_;
-  std::size_t number_;
-  const std::vector<std::string>& names_;
-  const std::vector<std::string_view>& cells_;
-};
+using Six = std::array<std::size_t, 6>;
 
 /// An output and the column that tells of it.
 struct OutputColumn {
@@ -106,38 +40,80 @@ struct OutputColumn {
 
 struct Columns {
   std::size_t time = 0;
-  std::array<std::size_t, 6> pose{}, speed{};
+  std::optional<Six> speed, pose;
+  bool pose_is_joints = false;
+  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;
   std::optional<std::size_t> bits, host_time;
   std::vector<OutputColumn> outputs;
 };
 
-Columns columns_of(const std::string& file, const std::vector<std::string>& names) {
-  const auto find = [&](const std::string& name) -> std::optional<std::size_t> {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) return std::nullopt;
-    if (std::find(found + 1, names.end(), name) != names.end()) {
-      throw Error(fmt::format("{}: two columns are called '{}'; expected one", file, name));
-    }
-    return static_cast<std::size_t>(found - names.begin());
-  };
-  const auto need = [&](const std::string& name) {
-    const auto column = find(name);
-    if (!column) throw Error(fmt::format("{}: no column '{}'; expected a header row with RTDE's names", file, name));
-    return *column;
-  };
-  Columns columns;
-  columns.time = need("timestamp");
+/// All six columns of a vector, or none. @throws Error  if some are missing
+std::optional<Six> vector_columns(const LogTable& table, RobotSpeedSource source) {
+  Six columns{};
+  std::array<std::string, 6> names;
+  std::size_t found = 0;
+  std::string missing;
   for (std::size_t i = 0; i < 6; ++i) {
-    columns.pose[i] = need(fmt::format("{}{}", pose_name, i));
-    columns.speed[i] = need(fmt::format("{}{}", speed_name, i));
+    const std::string name = fmt::format("{}_{}", name_of(source), i);
+    const std::optional<std::size_t> column = table.find(name);
+    if (column) {
+      columns[i] = *column;
+      ++found;
+    } else if (missing.empty()) {
+      missing = name;
+    }
   }
-  columns.bits = find(std::string(bits_name));
-  columns.host_time = find(std::string(host_time_name));
-  const auto add_output = [&](const std::string& column, std::string name, int bits, int first_bit) {
-    if (const auto found = find(column))
+  if (found == 0) return std::nullopt;
+  if (found < 6)
+    throw Error(fmt::format("{}: no column '{}'; expected all six of {}, or none", table.file(), missing, name_of(source)));
+  return columns;
+}
+
+void find_motion(const LogTable& table, Columns& columns) {
+  using Source = RobotSpeedSource;
+  const auto find = [&](Source source) { return vector_columns(table, source); };
+  const auto take_pose = [&](Source pose, Source joints) {
+    if (columns.pose) return;
+    columns.pose = find(pose);
+    if (columns.pose) return;
+    columns.pose = find(joints);
+    columns.pose_is_joints = columns.pose.has_value();
+  };
+  columns.speed = find(Source::actual_tcp_speed);
+  take_pose(Source::actual_tcp_pose, Source::actual_q);
+  const bool has_actual = columns.speed || columns.pose;
+  if (columns.speed) {
+    columns.speed_from = Source::actual_tcp_speed;
+  } else if (columns.pose) {
+    columns.speed_from = columns.pose_is_joints ? Source::actual_q : Source::actual_tcp_pose;
+  }
+  take_pose(Source::target_tcp_pose, Source::target_q);
+  if (has_actual) return;
+  columns.speed = find(Source::target_tcp_speed);
+  if (!columns.speed && !columns.pose) {
+    throw Error(
+        fmt::format("{}: no column '{}0'; expected those of actual_TCP_speed, actual_TCP_pose or actual_q (or target_...), by "
+                    "RTDE's names with _0 to _5 behind them",
+                    table.file(), speed_name));
+  }
+  columns.speed_from = columns.speed            ? Source::target_tcp_speed
+                       : columns.pose_is_joints ? Source::target_q
+                                                : Source::target_tcp_pose;
+}
+
+Columns columns_of(const LogTable& table) {
+  Columns columns;
+  const auto time = table.find("timestamp");
+  if (!time) throw Error(table.file() + ": no column 'timestamp'; expected a header row with RTDE's names");
+  columns.time = *time;
+  find_motion(table, columns);
+  columns.bits = table.find(bits_name);
+  columns.host_time = table.find(host_time_name);
+  const auto add_output = [&](std::string_view column, std::string name, int bits, int first_bit) {
+    if (const auto found = table.find(column))
       columns.outputs.push_back({.name = std::move(name), .column = *found, .bits = bits, .first_bit = first_bit});
   };
-  add_output(std::string(bits_name), "digital output ", 64, 0);
+  add_output(bits_name, "digital output ", 64, 0);
   add_output("output_bit_registers0_to_31", "output_bit_register_", 32, 0);
   add_output("output_bit_registers32_to_63", "output_bit_register_", 32, 32);
   for (int i = 64; i < 128; ++i) add_output(fmt::format("output_bit_register_{}", i), "output_bit_register_", 1, i);
@@ -148,27 +124,121 @@ Columns columns_of(const std::string& file, const std::vector<std::string>& name
   return columns;
 }
 
-RobotState state_in(const Row& row, const Columns& columns) {
+/// record.py --binary writes the types of the columns as its second row, then bytes. @return how struct reads them; empty if the
+/// row is another
+std::string binary_format(const LogTable& table) {
+  constexpr std::array<std::pair<std::string_view, char>, 8> codes{{{"DOUBLE", 'd'},
+                                                                    {"INT32", 'i'},
+                                                                    {"UINT32", 'I'},
+                                                                    {"UINT64", 'Q'},
+                                                                    {"INT64", 'q'},
+                                                                    {"BOOL", '?'},
+                                                                    {"UINT8", 'B'},
+                                                                    {"UINT16", 'H'}}};
+  if (table.is_blank()) return {};
+  std::string format = ">";
+  char last = 0;
+  std::size_t count = 0;
+  const auto put = [&] {
+    if (count > 0) format += (count > 1 ? std::to_string(count) : "") + last;
+  };
+  for (const std::string_view cell : table.cells()) {
+    const auto found = std::find_if(codes.begin(), codes.end(), [&](const auto& code) { return code.first == cell; });
+    if (found == codes.end()) return {};
+    if (found->second != last) {
+      put();
+      last = found->second;
+      count = 0;
+    }
+    ++count;
+  }
+  put();
+  return format;
+}
+
+void refuse_binary(const LogTable& table) {
+  const std::string format = binary_format(table);
+  if (format.empty()) return;
+  throw Error(fmt::format(
+      "{}: row {} names types, so that bytes follow, as record.py --binary writes them; expected text: record without "
+      "--binary, or write row 1 and then, as text, what Python's struct.iter_unpack('{}', rest) gives",
+      table.file(), table.number(), format));
+}
+
+RobotState state_in(const LogTable& table, const Columns& columns) {
   RobotState state;
-  const double seconds = row.number_at(columns.time);
-  if (std::abs(seconds) > 1e12) row.refuse(columns.time, "controller seconds");
+  const double seconds = table.number_at(columns.time);
+  if (std::abs(seconds) > 1e12) table.refuse(columns.time, "controller seconds");
   state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
   for (std::size_t i = 0; i < 6; ++i) {
-    state.tcp_pose[i] = row.number_at(columns.pose[i]);
-    state.tcp_speed[i] = row.number_at(columns.speed[i]);
+    // No arm is so far or so fast; beyond it sums would lose their meaning.
+    const auto number_at = [&](std::size_t column) {
+      const double value = table.number_at(column);
+      if (std::abs(value) > 1e6) table.refuse(column, "metres and radians");
+      return value;
+    };
+    if (columns.pose) state.tcp_pose[i] = number_at((*columns.pose)[i]);
+    if (columns.speed) state.tcp_speed[i] = number_at((*columns.speed)[i]);
   }
-  if (columns.bits) state.digital_output_bits = row.bits_at(*columns.bits);
-  if (columns.host_time) state.host_time = HostTime{microseconds{row.whole_number_at(*columns.host_time, "whole microseconds")}};
+  if (columns.bits) state.digital_output_bits = table.bits_at(*columns.bits);
+  if (columns.host_time) {
+    const std::int64_t us = table.whole_number_at(*columns.host_time);
+    state.host_time = HostTime{microseconds{us}};
+  }
   return state;
 }
 
-std::vector<std::int64_t> outputs_in(const Row& row, const Columns& columns) {
+std::vector<std::int64_t> outputs_in(const LogTable& table, const Columns& columns) {
   std::vector<std::int64_t> values;
   for (const OutputColumn& output : columns.outputs) {
-    values.push_back(output.bits == 0 ? row.whole_number_at(output.column, "a whole number")
-                                      : static_cast<std::int64_t>(row.bits_at(output.column)));
+    values.push_back(output.bits == 0 ? table.whole_number_at(output.column)
+                                      : static_cast<std::int64_t>(table.bits_at(output.column)));
   }
   return values;
+}
+
+/// What a mixed row may have from another package.
+using Vector = std::array<double, 6> RobotState::*;
+constexpr std::array<Vector, 2> motion_vectors{&RobotState::tcp_pose, &RobotState::tcp_speed};
+
+bool same_motion(const RobotState& a, const RobotState& b) { return a.tcp_pose == b.tcp_pose && a.tcp_speed == b.tcp_speed; }
+
+double distance(const std::array<double, 6>& a, const std::array<double, 6>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/// Drops the rows whose motion is another's, as `read_robot_log` tells.
+void drop_mixed_rows(RobotLog& log) {
+  const std::vector<RobotState>& states = log.states;
+  std::vector<bool> dropped(states.size(), false);
+  for (std::size_t i = 1; i + 2 < states.size(); ++i) {
+    const RobotState &before = states[i - 1], &first = states[i], &second = states[i + 1], &after = states[i + 2];
+    if (dropped[i] || dropped[i - 1] || after.t - before.t > longest_step) continue;
+    const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
+    double first_off = 0, second_off = 0;
+    for (const Vector v : motion_vectors) {
+      if (first.*v != second.*v || before.*v == first.*v || second.*v == after.*v) continue;
+      const double change = distance(before.*v, after.*v);
+      const double speed =
+          v == &RobotState::tcp_pose ? change / seconds : std::max(distance(before.*v, {}), distance(after.*v, {}));
+      if (!(speed > moving) || !(change > 0)) continue;
+      const auto off = [&](const RobotState& state) {
+        const double share = 1e-6 * static_cast<double>((state.t - before.t).count()) / seconds;
+        std::array<double, 6> between{};
+        for (std::size_t k = 0; k < 6; ++k) between[k] = (before.*v)[k] + share * ((after.*v)[k] - (before.*v)[k]);
+        return distance(state.*v, between) / change;
+      };
+      first_off += off(first);
+      second_off += off(second);
+    }
+    if (first_off > 0 || second_off > 0) dropped[first_off > second_off ? i : i + 1] = true;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!dropped[i]) log.states[kept++] = states[i];
+  }
+  log.mixed_rows += states.size() - kept;
+  log.states.resize(kept);
 }
 
 /// Sorts the rows of a log into the pieces of its clocks.
@@ -186,8 +256,9 @@ class Pieces {
     }
     RobotLog& piece = pieces_.back();
     const RobotState& before = piece.states.back();
-    if (state.t == before.t) {  // a recorder that samples on its own clock writes some packages twice
+    if (state.t == before.t) {
       lost_ = was_lost;
+      repair_by_repetition(piece, state);
       return false;
     }
     if (was_lost || state.t - before.t > longest_step) piece.gaps.push_back({before.t, state.t});
@@ -221,20 +292,52 @@ class Pieces {
  private:
   bool starts_anew(const RobotState& state, bool was_lost) const {
     const RobotState& before = pieces_.back().states.back();
-    return state.t < before.t || (was_lost && clocks_disagree(before, state));
+    if (state.t < before.t) return true;
+    const bool leaps = state.t - before.t > longest_leap;
+    if (!before.host_time || !state.host_time) return leaps;
+    return (was_lost || leaps) && clocks_disagree(before, state);
   }
 
   static bool clocks_disagree(const RobotState& before, const RobotState& after) {
-    if (!before.host_time || !after.host_time) return false;
     const std::int64_t host = saturating_subtract(us_of(*after.host_time), us_of(*before.host_time));
     const std::int64_t difference = saturating_subtract(host, (after.t - before.t).count());
     return difference > longest_clock_disagreement.count() || difference < -longest_clock_disagreement.count();
+  }
+
+  /// A row that came too soon has its package's time and the motion of the one before; its repetition has it all.
+  static void repair_by_repetition(RobotLog& piece, const RobotState& again) {
+    const std::size_t n = piece.states.size();
+    if (n < 3) return;
+    RobotState& last = piece.states[n - 1];
+    const bool is_late = same_motion(last, piece.states[n - 2]) && !same_motion(piece.states[n - 2], piece.states[n - 3]);
+    if (!is_late || same_motion(last, again)) return;
+    last.tcp_pose = again.tcp_pose;
+    last.tcp_speed = again.tcp_speed;
+    ++piece.mixed_rows;
   }
 
   std::vector<RobotLog> pieces_;
   std::vector<std::int64_t> outputs_;  ///< in the last row
   bool lost_ = false;
 };
+
+/// Poses of joints, speeds of poses: whatever the columns lack.
+void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions& options) {
+  for (RobotLog& piece : file.pieces) drop_mixed_rows(piece);
+  if (columns.pose_is_joints && !file.pieces.empty())
+    file.arm = options.arm.value_or(rate_hz(file.longest()) > fastest_cb_rate_hz ? ArmModel::ur10e : ArmModel::ur10);
+  for (RobotLog& piece : file.pieces) {
+    for (RobotState& state : piece.states) {
+      if (file.arm) state.tcp_pose = flange_pose(*file.arm, state.tcp_pose);
+    }
+    if (!columns.speed) {
+      piece.smoothed_over = set_speeds_from_poses(piece.states);
+    } else if (columns.pose && !columns.pose_is_joints) {
+      piece.smoothed_over = smoothing_of(piece.states);
+    }
+    if (!columns.pose) set_poses_from_speeds(piece.states);
+  }
+}
 
 }  // namespace
 
@@ -246,6 +349,12 @@ std::string_view name_of(RobotSpeedSource source) {
       return "actual_TCP_pose";
     case RobotSpeedSource::actual_q:
       return "actual_q";
+    case RobotSpeedSource::target_tcp_speed:
+      return "target_TCP_speed";
+    case RobotSpeedSource::target_tcp_pose:
+      return "target_TCP_pose";
+    case RobotSpeedSource::target_q:
+      return "target_q";
   }
   return "";
 }
@@ -287,53 +396,36 @@ std::size_t RobotLogFile::rows_elsewhere() const {
   return rows - longest().states.size();
 }
 
-RobotLogFile read_robot_log(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected a robot log");
-
+RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOptions& options) {
+  LogTable table(path);
+  const Columns columns = columns_of(table);
   Pieces pieces;
-  bool cut_off = false;
-  std::string line;
-  std::vector<std::string> names;
-  std::vector<std::string_view> cells;
-  char separator = ',';
-  Columns columns;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    const bool is_ended = !in.eof();
-    std::string_view text = line;
-    if (number == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some editors put before UTF-8
-    while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
-    if (trimmed(text).empty()) {
+  RobotLogFile file;
+  file.speed_from = columns.speed_from;
+  for (bool is_first = true; table.next();) {
+    if (table.is_blank()) {
       if (columns.host_time) pieces.connection_lost();
       continue;
     }
-    if (names.empty()) {
-      separator = separator_of(text);
-      split(text, separator, cells);
-      names.assign(cells.begin(), cells.end());
-      columns = columns_of(file, names);
-      continue;
-    }
-    split(text, separator, cells);
+    if (std::exchange(is_first, false)) refuse_binary(table);
     // Whoever writes host times ends every row, so that one without its end was cut off, be it in the middle of its last number.
-    if (!is_ended && columns.host_time) {
-      cut_off = true;
+    if (!table.is_ended() && columns.host_time) {
+      file.cut_off = true;
       break;
     }
     try {
-      const Row row(file, number, names, cells);
-      const RobotState state = state_in(row, columns);
-      const std::vector<std::int64_t> outputs = outputs_in(row, columns);
+      if (!table.is_whole()) table.refuse_row();
+      const RobotState state = state_in(table, columns);
+      const std::vector<std::int64_t> outputs = outputs_in(table, columns);
       if (pieces.add(state)) pieces.add_outputs(columns.outputs, outputs);
     } catch (const Error&) {
-      if (is_ended) throw;
-      cut_off = true;
+      if (table.is_ended()) throw;
+      file.cut_off = true;
     }
   }
-  if (in.bad()) throw Error(file + ": reading it failed half-way; expected a readable file");
-  if (names.empty()) throw Error(file + ": is empty; expected a header row with RTDE's names");
-  return {.pieces = pieces.take(), .cut_off = cut_off};
+  file.pieces = pieces.take();
+  complete(file, columns, options);
+  return file;
 }
 
 void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {

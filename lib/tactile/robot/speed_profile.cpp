@@ -78,6 +78,24 @@ double swing(double since_s, double w, double decay_s) {
   return -std::exp(-since_s / decay_s) * std::sin(w * since_s) / w;
 }
 
+/// x likewise.
+double swung_way(double since_s, double w, double decay_s) {
+  if (since_s <= 0) return 0.0;
+  const double d = 1.0 / decay_s, size = 1.0 / (w * w + d * d);
+  if (since_s > faded * decay_s) return -size;
+  return -size * (1.0 - std::exp(-d * since_s) * (std::cos(w * since_s) + d / w * std::sin(w * since_s)));
+}
+
+/// The way of a speed that rises from 0 at `from_s` with `slope` until `to_s`, and is 0 outside; back likewise.
+double rising_way(double t, double from_s, double to_s, double slope) {
+  const double since = std::clamp(t, from_s, to_s) - from_s;
+  return 0.5 * slope * since * since;
+}
+double falling_way(double t, double from_s, double to_s, double slope) {
+  const double left = to_s - std::clamp(t, from_s, to_s);
+  return 0.5 * slope * ((to_s - from_s) * (to_s - from_s) - left * left);
+}
+
 double usual_step_s(const Vector& times) {
   return times.size() < 2 ? 0.008 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
@@ -91,13 +109,14 @@ bool is_free(std::size_t knot, std::size_t knots, bool open_begin, bool open_end
 class Fit {
  public:
   /// @param axes  1 or 3: values of a row
-  Fit(const Vector& times, const Vector& values, std::size_t axes, double noise, bool open_begin, bool open_end)
+  Fit(const Vector& times, const Vector& values, std::size_t axes, const SpeedProfileOptions& options)
       : times_(times),
         values_(values),
         axes_(axes),
-        noise_(noise),
-        open_begin_(open_begin),
-        open_end_(open_end),
+        noise_(options.noise),
+        smoothed_s_(options.smoothed_s),
+        open_begin_(options.open_begin),
+        open_end_(options.open_end),
         most_log_w_(std::log(2.0 * std::numbers::pi * std::min(fastest_ringing_hz, fastest_seen / usual_step_s(times)))),
         weights_(times.size(), 1.0) {}
 
@@ -294,7 +313,13 @@ class Fit {
       swings.at_s = knots[k];
       swings.w = w;
       swings.decay_s = decay_s;
-      for (std::size_t i = 0; i < times_.size(); ++i) swings.of_rows[i] = swing(times_[i] - knots[k], w, decay_s);
+      for (std::size_t i = 0; i < times_.size(); ++i) {
+        const double since = times_[i] - knots[k];
+        swings.of_rows[i] =
+            smoothed_s_ > 0
+                ? (swung_way(since + smoothed_s_, w, decay_s) - swung_way(since - smoothed_s_, w, decay_s)) / (2.0 * smoothed_s_)
+                : swing(since, w, decay_s);
+      }
     }
   }
 
@@ -311,10 +336,22 @@ class Fit {
       for (std::size_t i = 0; i < times_.size(); ++i) {
         const double t = times_[i];
         double value = share * (rise * (before[i] - here[i]) + fall * (after[i] - here[i]));
-        if (k > 0 && t > knots[k - 1] && t <= knots[k]) value += rise * (t - knots[k - 1]);
-        if (k + 1 < knots_ && t > knots[k] && t < knots[k + 1]) value += fall * (knots[k + 1] - t);
-        if (k == 0 && t <= knots[0]) value += 1.0;
-        if (k + 1 == knots_ && t > knots[k]) value += 1.0;
+        if (smoothed_s_ > 0) {
+          const auto way = [&](double at) {
+            double gone = 0;
+            if (k > 0) gone += rising_way(at, knots[k - 1], knots[k], rise);
+            if (k + 1 < knots_) gone += falling_way(at, knots[k], knots[k + 1], fall);
+            if (k == 0) gone += std::min(0.0, at - knots[0]);
+            if (k + 1 == knots_) gone += std::max(0.0, at - knots[k]);
+            return gone;
+          };
+          value += (way(t + smoothed_s_) - way(t - smoothed_s_)) / (2.0 * smoothed_s_);
+        } else {
+          if (k > 0 && t > knots[k - 1] && t <= knots[k]) value += rise * (t - knots[k - 1]);
+          if (k + 1 < knots_ && t > knots[k] && t < knots[k + 1]) value += fall * (knots[k + 1] - t);
+          if (k == 0 && t <= knots[0]) value += 1.0;
+          if (k + 1 == knots_ && t > knots[k]) value += 1.0;
+        }
         basis_[i * n + m] = value;
       }
     }
@@ -365,7 +402,7 @@ class Fit {
   const Vector& times_;
   const Vector& values_;  // row by row
   std::size_t axes_;
-  double noise_;
+  double noise_, smoothed_s_;
   bool open_begin_, open_end_;
   double most_log_w_;
   std::size_t knots_ = 0;
@@ -526,7 +563,7 @@ std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> rows, co
   const auto criterion = [&](double cost, std::size_t count) {
     return information_criterion(cost, values.size(), count + 3 + axes * count);
   };
-  Fit fit(times, values, axes, options.noise, options.open_begin, options.open_end);
+  Fit fit(times, values, axes, options);
   std::optional<Descent> descent = descend_from(fit, options.knots_s, options.ringing, usual_step_s(times));
   if (options.other_knots_s.size() >= 3 && times.size() >= options.other_knots_s.size() + 6 &&
       (!descent || fit.misfit_at(descent->best) > well_fitted)) {
@@ -540,6 +577,10 @@ std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> rows, co
   double best_cost = descent->cost;
   std::size_t knots = best.size() - 3;
   fit.set_knots(knots);
+  if (fit.misfit_at(best) > well_fitted) {  // by single rows perhaps
+    fit.weigh_rows();
+    best_cost = fit.descend(best, 20);
+  }
 
   // Straight lines that do not do get a knot more, where it does most.
   while (knots < options.most_knots && times.size() > 2 * (knots + 1) && fit.misfit_at(best) > well_fitted) {

@@ -41,6 +41,7 @@ struct SpeedRow {
 
 struct SpeedProfileOptions {
   double noise = 1e-4;                ///< [m/s] standard deviation of each axis of a row, at rest
+  double smoothed_s = 0;              ///< each row's speed is the mean over so long to either side of its time
   std::vector<double> knots_s;        ///< roughly where the commanded acceleration changes; at least 3, ascending
   std::vector<double> other_knots_s;  ///< likewise, if the first do not do; or none
   bool open_begin = false;

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactile {
+
+/// A text file of rows, the first of which names the columns: as recorders of robots write them. Cells are parted by commas,
+/// semicolons, tabs or blanks, as the header is; quoted where that mark stands in one. Rows end with LF, CR LF, CR CR LF (what
+/// Windows makes of the latter) or CR. Memory follows the longest row.
+class LogTable {
+ public:
+  static constexpr std::size_t longest_row = std::size_t{1} << 20;  ///< [bytes]
+
+  /// Opens the file and reads its header. @throws Error  naming it, if it cannot be read, is empty or is no text in rows
+  explicit LogTable(const std::filesystem::path& file);
+
+  const std::string& file() const { return file_; }
+  const std::vector<std::string>& names() const { return names_; }  ///< of the columns, in their order
+
+  /// The column of this name. @throws Error  if there are two
+  std::optional<std::size_t> find(std::string_view name) const;
+
+  /// Goes on to the next row. @return whether there is one  @throws Error  if reading fails, or if a row has no end
+  bool next();
+
+  bool is_blank() const { return cells_.empty(); }  ///< the row has nothing in it
+  bool is_ended() const { return is_ended_; }       ///< else the file ends within the row
+  bool is_whole() const { return cells_.size() == names_.size(); }
+  std::size_t number() const { return number_; }  ///< of the row, 1 is the first of the file
+  const std::vector<std::string_view>& cells() const {
+    return cells_;
+  }  ///< until the next row, without blanks and quotes round them
+
+  // Of one cell. Each throws Error that names file, row and column where it does not hold such.
+  double number_at(std::size_t column) const;              ///< finite
+  std::int64_t whole_number_at(std::size_t column) const;  ///< "3.0" is one too
+  std::uint64_t bits_at(std::size_t column) const;         ///< likewise, at least 0; True and False are 1 and 0
+
+  [[noreturn]] void refuse_row() const;  ///< since it is not whole
+  [[noreturn]] void refuse(std::size_t column, std::string_view expected) const;
+
+ private:
+  bool read_line();
+  int next_byte();
+  void split();
+
+  std::string file_;
+  std::ifstream in_;
+  std::array<char, 1 << 16> chunk_{};
+  std::size_t chunk_at_ = 0, chunk_size_ = 0;
+  std::string line_;
+  bool is_ended_ = true;
+  std::size_t number_ = 0;
+  char separator_ = ',';
+  std::vector<std::string> names_;
+  std::vector<std::string_view> cells_;
+};
+
+}  // namespace tactile

@@ -1,0 +1,132 @@
+#include "tactile/robot/pose_speeds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "tactile/robot/arm_kinematics.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr microseconds reach{8'500};   // 8 ms, however the stamps are rounded
+constexpr std::size_t most_rows = 16;  // to either side, should they come faster than any controller sends them
+constexpr microseconds longest_step{100'000};
+
+/// Slope at 0 of the parabola a + b t + c t^2 through points by least squares; of a line if all lie to one side.
+class SlopeAtZero {
+ public:
+  void add(double t, const std::array<double, 6>& values) {
+    const double tt = t * t;
+    n_ += 1;
+    t1_ += t;
+    t2_ += tt;
+    t3_ += tt * t;
+    t4_ += tt * tt;
+    before_ = before_ || t < 0;
+    behind_ = behind_ || t > 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      y0_[i] += values[i];
+      y1_[i] += t * values[i];
+      y2_[i] += tt * values[i];
+    }
+  }
+
+  bool is_parabola() const { return before_ && behind_ && n_ >= 3; }
+
+  /// The slope weighs the speeds within its reach; an even mean over so much to either side spreads its weight as far.
+  double half_of_mean() const { return std::sqrt(t4_ / t2_); }
+
+  std::array<double, 6> slopes() const {
+    std::array<double, 6> slopes{};
+    const double line = n_ * t2_ - t1_ * t1_;
+    if (!(line > 0)) return slopes;
+    // Determinants of the normal equations.
+    const double all = n_ * (t2_ * t4_ - t3_ * t3_) - t1_ * (t1_ * t4_ - t2_ * t3_) + t2_ * (t1_ * t3_ - t2_ * t2_);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double for_b =
+          n_ * (y1_[i] * t4_ - y2_[i] * t3_) - y0_[i] * (t1_ * t4_ - t2_ * t3_) + t2_ * (t1_ * y2_[i] - t2_ * y1_[i]);
+      slopes[i] = is_parabola() && all > 0 ? for_b / all : (n_ * y1_[i] - t1_ * y0_[i]) / line;
+    }
+    return slopes;
+  }
+
+ private:
+  double n_ = 0, t1_ = 0, t2_ = 0, t3_ = 0, t4_ = 0;
+  bool before_ = false, behind_ = false;
+  std::array<double, 6> y0_{}, y1_{}, y2_{};
+};
+
+}  // namespace
+
+microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
+  std::vector<double> halves;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    std::size_t begin = i, end = i + 1;
+    const auto step = [&](std::size_t row) { return states[row].t - states[row - 1].t; };
+    while (begin > 0 && i - begin < most_rows && step(begin) <= longest_step &&
+           (begin == i || states[i].t - states[begin - 1].t <= reach))
+      --begin;
+    while (end < states.size() && end - i <= most_rows && step(end) <= longest_step &&
+           (end == i + 1 || states[end].t - states[i].t <= reach))
+      ++end;
+    SlopeAtZero fit;
+    const std::array<double, 6>& here = states[i].tcp_pose;
+    const RotationMatrix turned = rotation_matrix_of({here[3], here[4], here[5]});
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::array<double, 6>& pose = states[k].tcp_pose;
+      std::array<double, 6> from_here{pose[0] - here[0], pose[1] - here[1], pose[2] - here[2]};
+      if (k != i) {
+        const std::array<double, 3> turn = turn_from_to(turned, rotation_matrix_of({pose[3], pose[4], pose[5]}));
+        std::copy(turn.begin(), turn.end(), from_here.begin() + 3);
+      }
+      // In units of the reach, so that no power of it is lost in rounding.
+      fit.add(static_cast<double>((states[k].t - states[i].t).count()) / static_cast<double>(reach.count()), from_here);
+    }
+    if (fit.is_parabola()) halves.push_back(fit.half_of_mean());
+    states[i].tcp_speed = fit.slopes();
+    for (double& speed : states[i].tcp_speed) speed *= 1e6 / static_cast<double>(reach.count());
+  }
+  if (halves.empty()) return microseconds{0};
+  const auto middle = halves.begin() + static_cast<std::ptrdiff_t>(halves.size() / 2);
+  std::nth_element(halves.begin(), middle, halves.end());
+  return microseconds{std::llround(*middle * static_cast<double>(reach.count()))};
+}
+
+microseconds smoothing_of(const std::vector<RobotState>& states) {
+  constexpr double rounding = 1e-9;  // [m/s] of poses and times as text
+  std::size_t moving = 0, made = 0;
+  std::vector<std::int64_t> halves;
+  for (std::size_t i = 1; i + 1 < states.size(); ++i) {
+    const RobotState &before = states[i - 1], &here = states[i], &after = states[i + 1];
+    const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
+    double speed = 0, off = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      speed = std::max(speed, std::abs(here.tcp_speed[k]));
+      off = std::max(off, std::abs(here.tcp_speed[k] - (after.tcp_pose[k] - before.tcp_pose[k]) / seconds));
+    }
+    if (!(speed > 0)) continue;
+    ++moving;
+    if (off > rounding + 1e-6 * speed) continue;
+    ++made;
+    halves.push_back((after.t - before.t).count() / 2);
+  }
+  if (made < 10 || 20 * made < 19 * moving) return microseconds{0};
+  const auto middle = halves.begin() + static_cast<std::ptrdiff_t>(halves.size() / 2);
+  std::nth_element(halves.begin(), middle, halves.end());
+  return microseconds{*middle};
+}
+
+void set_poses_from_speeds(std::vector<RobotState>& states) {
+  std::array<double, 6> pose{};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (i > 0 && states[i].t - states[i - 1].t <= longest_step) {
+      const double seconds = 1e-6 * static_cast<double>((states[i].t - states[i - 1].t).count());
+      for (std::size_t k = 0; k < 3; ++k) pose[k] += 0.5 * seconds * (states[i].tcp_speed[k] + states[i - 1].tcp_speed[k]);
+    }
+    states[i].tcp_pose = pose;
+  }
+}
+
+}  // namespace tactile
