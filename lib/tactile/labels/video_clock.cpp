@@ -331,7 +331,7 @@ std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
     const std::size_t begin = i;
     double largest = 0;
     for (; i < steps.size() && size_of(steps[i], energy.noise) >= leave; ++i)
-      if (!steps[i].brightness) largest = std::max(largest, size_of(steps[i], energy.noise));
+      if (!steps[i].doubtful) largest = std::max(largest, size_of(steps[i], energy.noise));
     if (largest < enter) continue;
     if (!stretches.empty() && begin - stretches.back().last <= merge + 1) {
       stretches.back().last = i - 1;
@@ -356,22 +356,29 @@ struct Edge {
   double unseen = 0;        ///< share of the usual speed at which too little changes in a step to be seen
 };
 
+/// The median over a stretch.
+double usual_of(const MotionEnergy& energy, const Stretch& stretch, double MotionStep::*value) {
+  std::vector<double> values;
+  for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(energy.steps[i].*value);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The share of its usual speed at which too little changes in a step to be seen.
+double unseen_share(const MotionEnergy& energy, const Stretch& stretch) {
+  return energy.threshold / std::max(usual_of(energy, stretch, &MotionStep::strongest), energy.threshold);
+}
+
 /// Some steps that rest, those in which it gets faster, and two more.
 Edge edge_of(const MotionEnergy& energy, const Stretch& stretch, bool is_start) {
   constexpr std::size_t at_rest = 3, at_speed = 2;
   constexpr double fast = 0.8;
   const std::vector<MotionStep>& steps = energy.steps;
-  const auto usual_of = [&](double MotionStep::*value) {
-    std::vector<double> values;
-    for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(steps[i].*value);
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  const double usual = usual_of(&MotionStep::energy);
+  const double usual = usual_of(energy, stretch, &MotionStep::energy);
 
   Edge edge;
-  edge.unseen = std::min(1.0, energy.threshold / std::max(usual_of(&MotionStep::strongest), energy.threshold));
+  edge.unseen = unseen_share(energy, stretch);
   edge.sign = is_start ? 1 : -1;
   edge.origin = is_start ? steps[stretch.first].begin : steps[stretch.last].end;
   const std::size_t count = stretch.last - stretch.first + 1;
@@ -464,17 +471,19 @@ VideoSpan end_of(const MotionEnergy& energy, const Stretch& stretch) { return sp
 struct FilmedMotion {
   VideoSpan start, end;
   double energy = 0;  ///< mean
-  bool start_cut = false, end_cut = false;
+  bool start_cut = false, end_cut = false, faint = false;
 };
 
 FilmedMotion filmed_motion(const MotionEnergy& energy, const Stretch& stretch) {
+  constexpr double faint = 0.65;
   double sum = 0;
   for (std::size_t i = stretch.first; i <= stretch.last; ++i) sum += energy.steps[i].energy;
   return {.start = start_of(energy, stretch),
           .end = end_of(energy, stretch),
           .energy = sum / static_cast<double>(stretch.last - stretch.first + 1),
           .start_cut = stretch.first == 0,
-          .end_cut = stretch.last + 1 == energy.steps.size()};
+          .end_cut = stretch.last + 1 == energy.steps.size(),
+          .faint = unseen_share(energy, stretch) > faint};
 }
 
 /// Of a motion's start or end in the film against a burst's.
@@ -766,7 +775,8 @@ std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedC
                        .end = uncertain(filmed.end),
                        .energy = filmed.energy,
                        .start_cut = filmed.start_cut,
-                       .end_cut = filmed.end_cut});
+                       .end_cut = filmed.end_cut,
+                       .faint = filmed.faint});
   }
   return motions;
 }
@@ -783,7 +793,7 @@ std::optional<UncertainTime> nearest(std::span<const VideoMotion> motions, const
   std::optional<UncertainTime> best;
   for (const VideoMotion& motion : motions) {
     const UncertainTime& found = motion.*end;
-    if (motion.*cut || apart(found, t) > most) continue;
+    if (motion.*cut || motion.faint || apart(found, t) > most) continue;
     if (!best || std::chrono::abs(between(t.at, found.at)) < std::chrono::abs(between(t.at, best->at))) best = found;
   }
   return best;

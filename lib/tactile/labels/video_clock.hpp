@@ -27,8 +27,8 @@ SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock);
 struct VideoClockOptions {
   std::optional<std::int64_t> coarse_offset_us;  ///< where it is known: camera time of the film's first frame less its own
   microseconds search{5'000'000};                ///< round that, else everywhere where the two overlap
-  double least_likeness = 0.7;                   ///< refused below: correlation of energy and speed where they match best
-  double least_ambiguity = 1.25;                 ///< refused below: best likeness over that of the next best place
+  double least_likeness = 0.8;                   ///< refused below: correlation of energy and speed where they match best
+  double least_ambiguity = 1.5;                  ///< refused below: best likeness over that of the next best place
   double most_disagreement_us = 60'000;          ///< refused if starts and stops of motions place the film further apart
 };
 
@@ -75,6 +75,7 @@ struct VideoMotion {
   double energy = 0;       ///< mean [grey levels/s]
   bool start_cut = false;  ///< it moves in the film's first frames: it may have started at any time before
   bool end_cut = false;    ///< likewise in its last
+  bool faint = false;      ///< hardly to be seen: it may have begun long before and gone on long after
 };
 
 /// All of them, by time: from a step of ten standard deviations of the film's noise out to where less than two and a half are

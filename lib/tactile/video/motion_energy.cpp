@@ -38,7 +38,7 @@ constexpr std::size_t threshold_count = 28;
 constexpr double least_threshold = 1.0;  // [grey levels] coders change still pixels by less
 constexpr double threshold_per_noise = 1.5;
 constexpr double share_of_noise = 0.99;         // of the pixels are still in a quiet step
-constexpr microseconds longest_repeat = 150ms;  // frames that repeat one for longer show that nothing moves
+constexpr microseconds longest_repeat = 150ms;  // a film that repeats a frame for longer has stopped
 
 double threshold_at(std::size_t i) { return 0.5 * std::exp2(0.25 * static_cast<double>(i)); }
 
@@ -478,21 +478,19 @@ QuietSteps quiet_steps(const std::vector<double>& values) {
   return quiet;
 }
 
-/// Which frames only repeat the one before: of a film made to a constant rate. Where nothing moves for long no frame is one.
-std::vector<bool> duplicates_among(const std::vector<FilmFrame>& frames) {
+/// Which frames only repeat the one before, in the midst of motion: of a film made to a constant rate. Where nothing moves,
+/// coders repeat frames too, and that is no gap.
+std::vector<bool> duplicates_among(const std::vector<FilmFrame>& frames, std::size_t level, double moving) {
   std::vector<bool> duplicates(frames.size(), false);
-  for (std::size_t i = 0; i < frames.size();) {
-    if (!frames[i].compared || !frames[i].difference.same) {
-      ++i;
-      continue;
-    }
+  const auto same = [&](std::size_t i) { return frames[i].compared && frames[i].difference.same; };
+  const auto moves = [&](std::size_t i) { return frames[i].compared && frames[i].difference.above[level] > moving; };
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (!same(i)) continue;
     const std::size_t begin = i;
-    while (i < frames.size() && frames[i].compared && frames[i].difference.same) ++i;
-    const bool between_others = begin > 0 && frames[begin - 1].compared && i < frames.size() && frames[i].compared;
+    while (i < frames.size() && same(i)) ++i;
     const auto from = frames[begin - 1].us, to = frames[i - 1].us;
-    if (between_others && from && to && *to - *from <= longest_repeat.count())
-      std::fill(duplicates.begin() + static_cast<std::ptrdiff_t>(begin), duplicates.begin() + static_cast<std::ptrdiff_t>(i),
-                true);
+    if (i == frames.size() || !moves(begin - 1) || !moves(i) || !from || !to || *to - *from > longest_repeat.count()) continue;
+    std::fill(duplicates.begin() + static_cast<std::ptrdiff_t>(begin), duplicates.begin() + static_cast<std::ptrdiff_t>(i), true);
   }
   return duplicates;
 }
@@ -561,16 +559,18 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
         std::count_if(frames.begin(), frames.end(), [&](const FilmFrame& frame) { return frame.index >= rows.size(); }));
   }
 
-  // Steps to and from a key frame have a noise of their own, and may be all there are.
+  // Steps to a key frame have a noise of their own, and may be all there are. A few of them do not tell it: all may show motion.
+  constexpr std::size_t enough = 4;
   std::vector<double> noises, key_noises;
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const FilmFrame& frame = frames[i];
     energy.exposure_steps += frame.difference.brightness ? 1 : 0;
-    if (frame.compared && !frame.difference.same)
-      (frame.key || frames[i - 1].key ? key_noises : noises).push_back(frame.difference.noise);
+    if (frame.compared && !frame.difference.same) (frame.key ? key_noises : noises).push_back(frame.difference.noise);
   }
-  const double wanted = std::max(least_threshold, threshold_per_noise * std::max(quantile_of(std::move(noises), 0.25),
-                                                                                 quantile_of(std::move(key_noises), 0.25)));
+  const bool key_noise_known = key_noises.size() >= enough;
+  double noise = quantile_of(std::move(noises), 0.25);
+  if (key_noise_known) noise = std::max(noise, quantile_of(std::move(key_noises), 0.25));
+  const double wanted = std::max(least_threshold, threshold_per_noise * noise);
   std::size_t level = 0;
   while (level + 1 < threshold_count && threshold_at(level) < wanted) ++level;
   energy.threshold = threshold_at(level);
@@ -583,18 +583,19 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   constexpr double least_pixels = 5;  // so few moving ones cannot be told from noise
   energy.noise = std::max(quiet.deviation, least_pixels * energy.threshold / region_pixels);
 
-  const std::vector<bool> duplicates = duplicates_among(frames);
+  constexpr double beyond_noise = 10;
+  const std::vector<bool> duplicates = duplicates_among(frames, level, quiet.median + beyond_noise * energy.noise);
   const std::vector<std::optional<VideoTime>> times = times_of(frames, rows, container_times);
   std::optional<VideoTime> last;
   double change = 0, strongest = 0;
-  bool joined = true, brightness = false;
+  bool joined = true, doubtful = false;
   std::vector<double> lengths;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const FilmFrame& frame = frames[i];
     change += std::max(0.0, frame.difference.above[level] - quiet.median);
     strongest = std::max(strongest, strongest_of(frame.difference, level));
     joined = joined && frame.compared;
-    brightness = brightness || frame.difference.brightness;
+    doubtful = doubtful || frame.difference.brightness || (frame.key && !key_noise_known);
     if (duplicates[i]) {
       ++energy.duplicates;
       continue;
@@ -607,7 +608,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
       const microseconds length = *times[i] - *last;
       if (length > longest_film) film.refuse_length();
       if (joined)
-        energy.steps.push_back({*last, *times[i], 1e6 * change / static_cast<double>(length.count()), strongest, brightness});
+        energy.steps.push_back({*last, *times[i], 1e6 * change / static_cast<double>(length.count()), strongest, doubtful});
       lengths.push_back(static_cast<double>(length.count()));
       if (length > energy.longest_gap) {
         energy.longest_gap = length;
@@ -617,7 +618,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
     last = times[i];
     change = strongest = 0;
     joined = true;
-    brightness = false;
+    doubtful = false;
   }
   energy.median_step = microseconds{std::llround(quantile_of(std::move(lengths), 0.5))};
   return energy;

@@ -21,20 +21,20 @@ struct MotionStep {
   VideoTime begin{}, end{};  ///< the two frames' times, begin < end
   double energy = 0;         ///< mean change of the pixels by motion, per time, above the film's own noise [grey levels/s], >= 0
   double strongest = 0;      ///< the pixels that changed by more than this make a tenth of it [grey levels]
-  bool brightness = false;   ///< the whole picture became brighter or darker, which may have left a little energy
+  bool doubtful = false;     ///< the whole picture changed too: its exposure, or a rare key frame; no sign of motion by itself
 
   VideoTime middle() const { return begin + (end - begin) / 2; }  ///< what `energy` is stamped with
 };
 
 /// How much moves in a film, and what the film is like.
 struct MotionEnergy {
-  std::vector<MotionStep> steps;       ///< by time; where frames are missing a step is longer
-  double noise = 0;                    ///< standard deviation of `energy * (end - begin)` where nothing moves [grey levels], > 0
-  double threshold = 0;                ///< a pixel that changes by less than this has not moved [grey levels]
-  std::size_t frames = 0;              ///< decoded
-  std::size_t undecodable = 0;         ///< frames in the file that cannot be decoded
-  std::size_t duplicates = 0;          ///< frames like the one before them, dropped: of a film that was made to a constant rate
-  std::size_t without_time = 0;        ///< frames whose time is missing or does not ascend, dropped
+  std::vector<MotionStep> steps;  ///< by time; where frames are missing a step is longer
+  double noise = 0;               ///< standard deviation of `energy * (end - begin)` where nothing moves [grey levels], > 0
+  double threshold = 0;           ///< a pixel that changes by less than this has not moved [grey levels]
+  std::size_t frames = 0;         ///< decoded
+  std::size_t undecodable = 0;    ///< frames in the file that cannot be decoded
+  std::size_t duplicates = 0;     ///< frames like the one before amid motion, dropped: of a film that was made to a constant rate
+  std::size_t without_time = 0;   ///< frames whose time is missing or does not ascend, dropped
   std::size_t exposure_steps = 0;      ///< frames with another brightness than the one before, by more than a hundredth
   std::size_t rows_without_frame = 0;  ///< times given whose frames the file lacks
   std::size_t frames_without_row = 0;  ///< decoded frames for which no time was given: they follow the container's own
@@ -53,7 +53,7 @@ struct MotionEnergy {
 ///   s_k = mean over pixels of |d_k| where |d_k| > T, else 0,   d_k = I_k - (a I_(k-1) + b),
 ///   energy_k = max(0, s_k - floor) / (t_k - t_(k-1))
 ///
-/// T is 1.5 times what 99 % of the pixels stay below in a quiet step, one with the coder's key frames if those are louder: noise
+/// T is 1.5 times what 99 % of the pixels stay below in a quiet step, a step to a key frame if those are louder: noise
 /// and coding change every pixel a little, an edge that moves changes few of them much. `floor` is the median of s over quiet
 /// steps. For motions of less than an object's size s is proportional to the way it has gone. One thread, all frames in their
 /// order; memory follows the frames' count, 150 B for each.
