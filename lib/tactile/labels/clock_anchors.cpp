@@ -296,6 +296,7 @@ std::vector<Stretch> stretches_of(const RobotLog& log, const Origins& origins) {
   constexpr double longest_s = 10.0, before_s = 0.08, behind_s = 0.15, merged_s = 0.25, longest_gap_s = 0.1;
   const std::vector<RobotState>& states = log.states;
   std::vector<double> speeds;
+  speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
   std::vector<double> sorted = speeds;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
