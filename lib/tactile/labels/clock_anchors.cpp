@@ -10,6 +10,8 @@
 
 #include "tactile/labels/correlation.hpp"
 #include "tactile/labels/imu_motion.hpp"
+#include "tactile/labels/lowest_point.hpp"
+#include "tactile/labels/placed_motion.hpp"
 #include "tactile/robot/arm_motion.hpp"
 
 namespace tactile {
@@ -160,30 +162,6 @@ double unexplained(const std::vector<TimedSpeed>& rows, const FeltVelocity& felt
   return 1.0;
 }
 
-struct Minimum {
-  double at = 0, value = 0, curvature = 0;
-};
-
-/// The lowest point of `cost` within `reach` of `middle`: by steps, then by thirds.
-template <class Cost>
-Minimum lowest(const Cost& cost, double middle, double reach, double step) {
-  Minimum best{.at = middle, .value = infinite, .curvature = 0};
-  for (double at = middle - reach; at <= middle + reach + 1e-9; at += step) {
-    const double value = cost(at);
-    if (value < best.value) best = {.at = at, .value = value, .curvature = 0};
-  }
-  double low = best.at - step, high = best.at + step;
-  while (high - low > 1e-5) {
-    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    (cost(a) < cost(b) ? high : low) = cost(a) < cost(b) ? b : a;
-  }
-  best.at = 0.5 * (low + high);
-  best.value = cost(best.at);
-  const double aside = 1e-3;
-  best.curvature = (cost(best.at - aside) - 2 * best.value + cost(best.at + aside)) / (aside * aside);
-  return best;
-}
-
 /// The felt acceleration on the grid, each point the mean since the one before it; what noise alone does is 0.
 std::array<std::vector<double>, 3> felt_on_grid(const FeltMotion& felt, const FeltVelocity& velocity, double grid_s,
                                                 double from_s, std::size_t points) {
@@ -318,6 +296,7 @@ std::vector<Stretch> stretches_of(const RobotLog& log, const Origins& origins) {
   constexpr double longest_s = 10.0, before_s = 0.08, behind_s = 0.15, merged_s = 0.25, longest_gap_s = 0.1;
   const std::vector<RobotState>& states = log.states;
   std::vector<double> speeds;
+  speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
   std::vector<double> sorted = speeds;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -410,7 +389,7 @@ std::optional<double> add_imu_anchors(FoundAnchors& found, const AnchorInputs& i
                       direction[0] * state.tcp_speed[0] + direction[1] * state.tcp_speed[1] + direction[2] * state.tcp_speed[2]});
     }
     const auto cost = [&](double shift_s) { return unexplained(rows, velocity, shift_s); };
-    const Minimum best = lowest(cost, expected, reach_s + widest_drift * distance, 1e-3);
+    const LowestPoint best = lowest_point(cost, expected, reach_s + widest_drift * distance, 1e-3);
     if (!(best.value < most_unexplained) || !(best.curvature > 0)) continue;
     // The least squares' own deviation, doubled: what is left is the integral of noise, which wanders.
     const double sigma_s =
@@ -428,16 +407,16 @@ std::optional<double> add_imu_anchors(FoundAnchors& found, const AnchorInputs& i
 
 // ------------------------------------------------------------------------------------------------------------- events
 
-/// What the skin does on the grid from the recording's first bin on: the root of how many events there are above the quiet rate,
-/// 0 where they could be noise. The root tames the first shear and springing tips, which are far above the rest.
-std::vector<double> activity_on_grid(const EventRate& rate, const QuietRate& quiet, microseconds grid) {
-  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, grid / rate.bin));
-  std::vector<double> activity(rate.counts.size() / width);
-  const double mean = quiet.mean * static_cast<double>(width);
-  const double limit = 3.0 * std::sqrt(quiet.dispersion * std::max(mean, 1.0));
+/// What the skin does on a grid of whole milliseconds: the root of how many events there are above the quiet rate, 0 where they
+/// could be noise. The root tames the first shear and springing tips, which are far above the rest.
+std::vector<double> activity_on_grid(const Milliseconds& ms, microseconds grid) {
+  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, grid / 1ms));
+  std::vector<double> activity(ms.counts.size() / width);
+  const double mean = ms.quiet * static_cast<double>(width);
+  const double limit = 3.0 * std::sqrt(ms.dispersion * std::max(mean, 1.0));
   for (std::size_t i = 0; i < activity.size(); ++i) {
     double count = 0;
-    for (std::size_t j = 0; j < width; ++j) count += rate.counts[i * width + j];
+    for (std::size_t j = 0; j < width; ++j) count += ms.counts[i * width + j];
     activity[i] = count - mean > limit ? std::sqrt(count - mean) : 0.0;
   }
   return activity;
@@ -472,213 +451,6 @@ std::vector<double> motion_on_grid(const std::vector<CommandedMotion>& commanded
   }
   for (std::size_t i = 0; i < points; ++i) expected[i] -= near[i] ? sum / count : 0.0;
   return expected;
-}
-
-/// Events in whole milliseconds from the recording's first bin on, and how many there are when the skin rests.
-struct Milliseconds {
-  std::vector<double> counts;
-  double quiet = 0, dispersion = 1;
-
-  double in(double from_ms, double to_ms) const {  // whole bins
-    double sum = 0;
-    for (double i = std::max(0.0, std::floor(from_ms)); i < std::min(to_ms, static_cast<double>(counts.size())); ++i)
-      sum += counts[static_cast<std::size_t>(i)];
-    return sum;
-  }
-};
-
-Milliseconds milliseconds_of(const EventRate& rate, const QuietRate& quiet) {
-  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 1'000 / rate.bin.count()));
-  Milliseconds ms{.counts = std::vector<double>(rate.counts.size() / width),
-                  .quiet = quiet.mean * static_cast<double>(width),
-                  .dispersion = quiet.dispersion};
-  for (std::size_t i = 0; i < ms.counts.size(); ++i) {
-    for (std::size_t j = 0; j < width; ++j) ms.counts[i] += rate.counts[i * width + j];
-  }
-  return ms;
-}
-
-/// A motion placed on the events.
-struct Placed {
-  double shift_s = 0, sigma_s = 0;
-  double likeness = 0;  ///< share of what the rate does that the speed explains, 0 to 1
-};
-
-/// From the start of a lift until the arm has gone so far [s].
-double time_of_travel(const CommandedMotion& lift, double travel_m) {
-  constexpr double step_s = 1e-3;
-  double gone_m = 0, since_s = 0;
-  while (gone_m < travel_m && lift.change_s[0] + since_s < lift.change_s[3]) {
-    gone_m += step_s * std::abs(lift.told_m_s(lift.change_s[0] + since_s + 0.5 * step_s));
-    since_s += step_s;
-  }
-  return since_s;
-}
-
-/// The first shear of a lift whose start is expected at `begin_s + shift_s` of camera time plus its own, to a tenth of a second.
-/// While the tips follow the arm each millimetre gives as many events as the next: rate - quiet = gain * speed(t - shift), from
-/// when the slack is used up to when the first tip lets go. Where that leads down to zero the arm started.
-std::optional<Placed> place_shear(const Milliseconds& ms, const CommandedMotion& lift, double begin_s, double shift_s) {
-  constexpr double most_slack_m = 0.5e-3;  // of skin and object
-  // Tips let go one after the other, and edges have a width: the gain may change by so much from the window's begin to its end.
-  constexpr double gain_changes = 0.05, least_model_s = 0.8e-3;
-  const double start_ms = 1e3 * (begin_s + lift.change_s[0] + shift_s);
-  if (!(std::abs(start_ms) < 1e9)) return std::nullopt;
-  const auto from = static_cast<std::ptrdiff_t>(std::max(2.0, start_ms - 100));
-  const auto to = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(ms.counts.size()) - 3, start_ms + 160));
-  if (to - from < 60) return std::nullopt;
-  const auto count_at = [&](std::ptrdiff_t i) { return ms.counts[static_cast<std::size_t>(i)] - ms.quiet; };
-  const auto smooth = [&](std::ptrdiff_t i) {
-    double sum = 0;
-    for (std::ptrdiff_t j = i - 2; j <= i + 2; ++j) sum += count_at(j);
-    return 0.2 * sum;
-  };
-  double most = 0;
-  for (std::ptrdiff_t i = from; i < to; ++i) most = std::max(most, smooth(i));
-  const double noise = std::sqrt(ms.dispersion * std::max(ms.quiet, 0.2) / 5.0);
-  if (most < 8 * noise) return std::nullopt;
-  // The first hill that is half as high as the highest: up to its top, then down its near side.
-  std::ptrdiff_t top = from;
-  while (smooth(top) < 0.5 * most) ++top;
-  for (std::ptrdiff_t i = top + 1; i < to && i <= top + 8; ++i) {
-    if (smooth(i) > smooth(top)) top = i;
-  }
-  const double foot = std::max(0.06 * smooth(top), 4 * noise);
-  std::ptrdiff_t onset = top;
-  while (onset > from && count_at(onset) > foot) --onset;
-
-  // Between the slack that there may be and none at all, if nothing else is known.
-  const double longest_lag_s = time_of_travel(lift, most_slack_m);
-  const double latest_s = 1e-3 * static_cast<double>(onset) + 0.001 - begin_s - lift.change_s[0];
-  Placed placed{.shift_s = latest_s - 0.5 * longest_lag_s, .sigma_s = longest_lag_s / std::sqrt(12.0), .likeness = 0};
-  if (onset == from) return std::nullopt;  // it was under way before
-
-  // Behind the first milliseconds, in which an edge moves by less than its own width, and well before the top, where the first
-  // tips let go.
-  const std::ptrdiff_t first = onset + 3, last = onset + std::max<std::ptrdiff_t>(std::lround(0.6 * double(top - onset)), 6);
-  if (last > top - 1 || last >= to) return placed;
-  const auto weight = [&](std::ptrdiff_t i) { return 1.0 / std::max(1.0, smooth(i) + ms.quiet); };
-  double weights = 0, mean = 0, spread = 0;
-  for (std::ptrdiff_t i = first; i <= last; ++i) {
-    weights += weight(i);
-    mean += weight(i) * count_at(i);
-  }
-  mean /= weights;
-  for (std::ptrdiff_t i = first; i <= last; ++i) spread += weight(i) * (count_at(i) - mean) * (count_at(i) - mean);
-  const auto unlike = [&](double shift, bool rings) {
-    double rv = 0, vv = 0, rr = 0;
-    for (std::ptrdiff_t i = first; i <= last; ++i) {
-      const double since_s = 1e-3 * (static_cast<double>(i) + 0.5) - shift - begin_s, r = count_at(i);
-      const double v = std::abs(rings ? lift.speed_m_s(since_s) : lift.told_m_s(since_s));
-      rv += weight(i) * r * v;
-      vv += weight(i) * v * v;
-      rr += weight(i) * r * r;
-    }
-    return vv > 0 ? rr - rv * rv / vv : rr;
-  };
-  const double reach_s = 0.5 * std::max(longest_lag_s, 0.045);
-  const auto as_told = [&](double shift) { return unlike(shift, false); };
-  const auto as_it_rings = [&](double shift) { return unlike(shift, true); };
-  const Minimum best = lowest(as_told, latest_s - reach_s, reach_s + 1e-3, 1e-3);
-  if (!(best.curvature > 0) || !(spread > 0)) return placed;
-  // Whether the tips follow what the arm was told or how it rings at the flange is not known.
-  const double ringing_s = lift.ringing_share > 0 ? 0.5 * std::abs(lowest(as_it_rings, best.at, 0.006, 1e-3).at - best.at) : 0.0;
-  const double dispersion = std::max({1.0, ms.dispersion, best.value / static_cast<double>(last - first)});
-  // A line that is led far down from a short window goes astray with its slope.
-  const double window_s = 1e-3 * static_cast<double>(last - first + 1);
-  const double led_s = 1e-3 * 0.5 * static_cast<double>(first + last + 1) - begin_s - lift.change_s[0] - best.at;
-  const double model_s = std::max(least_model_s, gain_changes * led_s * led_s / window_s);
-  const double fit_s = std::hypot(std::sqrt(2.0 * dispersion / best.curvature), model_s, ringing_s);
-  // Both together.
-  const double w_fit = 1.0 / (fit_s * fit_s), w_slack = 1.0 / (placed.sigma_s * placed.sigma_s);
-  placed.shift_s = (w_fit * best.at + w_slack * placed.shift_s) / (w_fit + w_slack);
-  placed.sigma_s = 1.0 / std::sqrt(w_fit + w_slack);
-  placed.likeness = std::clamp(1.0 - best.value / spread, 0.0, 1.0);
-  return placed;
-}
-
-/// A tap whose lowest point is expected to a tenth of a second. While the skin is touched the rate follows the speed, so that it
-/// is nothing at the lowest point, and contact and release lie alike on either side of it: rate - quiet = gain * |speed(t -
-/// shift)| for |t - shift - lowest point| < half, with a gain of its own on either side.
-std::optional<Placed> place_tap(const Milliseconds& ms, const CommandedMotion& tap, double begin_s, double shift_s) {
-  constexpr double model_s = 1.0e-3;  // pixels that turn back need twice their threshold
-  constexpr double reach_s = 0.1, least_likeness = 0.3;
-  const double turn = begin_s + tap.turn_s(), half_tap_s = 0.5 * (tap.change_s[3] - tap.change_s[0]);
-  const double turn_ms = 1e3 * (turn + shift_s);
-  if (!(std::abs(turn_ms) < 1e9)) return std::nullopt;
-  const double around_ms = 1e3 * (reach_s + 0.6 * half_tap_s);
-  const auto from = static_cast<std::ptrdiff_t>(std::max(0.0, turn_ms - around_ms));
-  const auto to = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(ms.counts.size()), turn_ms + around_ms));
-  if (to - from < std::llround(2 * around_ms) - 4) return std::nullopt;  // it lies at the recording's end
-  const auto n = static_cast<std::size_t>(to - from);
-  std::vector<double> counts(n), weights(n);
-  double all = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    counts[i] = ms.counts[static_cast<std::size_t>(from) + i] - ms.quiet;
-    double near = 0;
-    for (std::size_t j = i >= 2 ? i - 2 : 0; j < std::min(n, i + 3); ++j) near += ms.counts[static_cast<std::size_t>(from) + j];
-    weights[i] = 1.0 / std::max({1.0, ms.quiet, 0.2 * near});
-    all += weights[i] * counts[i] * counts[i];
-  }
-  // Outwards from the lowest point, bin by bin on either side: the first pixels to answer on the way back are those that had just
-  // fired on the way in, and need twice their threshold, so that they have a gain of their own.
-  double half_s = 0;
-  const double turning_s = 0.12 * half_tap_s, least_half_s = turning_s + 0.002, most_half_s = 0.6 * half_tap_s;
-  const auto cost = [&](double shift) {
-    std::array<double, 3> rv{}, vv{};  // in, turning, out
-    const double middle_ms = 1e3 * (turn + shift) - static_cast<double>(from);
-    auto before = static_cast<std::ptrdiff_t>(std::floor(middle_ms - 0.5)), behind = before + 1;
-    const auto take = [&](std::ptrdiff_t i) {
-      if (i < 0 || i >= static_cast<std::ptrdiff_t>(n)) return;
-      const double since_s = 1e-3 * (static_cast<double>(i) + 0.5 - middle_ms);
-      const double v = std::abs(tap.told_m_s(tap.turn_s() + since_s));
-      const std::size_t side = since_s < 0 ? 0 : since_s < turning_s ? 1 : 2;
-      const auto at = static_cast<std::size_t>(i);
-      rv[side] += weights[at] * counts[at] * v;
-      vv[side] += weights[at] * v * v;
-    };
-    double most = 0;
-    for (double tried_s = 0.001; tried_s < most_half_s; tried_s += 0.001) {
-      take(before--);
-      take(behind++);
-      if (tried_s < least_half_s) continue;
-      double explained = 0;
-      for (std::size_t side = 0; side < 3; ++side)
-        explained += vv[side] > 0 && rv[side] > 0 ? rv[side] * rv[side] / vv[side] : 0.0;
-      if (explained > most) {
-        most = explained;
-        half_s = tried_s;
-      }
-    }
-    return all - most;
-  };
-  const Minimum rough = lowest(cost, shift_s, reach_s, 2e-3);
-  const double likeness = all > 0 ? std::clamp(1.0 - cost(rough.at) / all, 0.0, 1.0) : 0.0;
-  if (likeness < least_likeness) return std::nullopt;
-
-  // To the tenth of a millisecond by the way in alone: there the rate falls with the speed to nothing at the lowest point, and
-  // stays there until the pixels answer again.
-  const double lowest_ms = 1e3 * (turn + rough.at) - static_cast<double>(from);
-  const auto first = static_cast<std::size_t>(std::clamp(lowest_ms - 750 * half_s, 0.0, static_cast<double>(n)));
-  const auto last = static_cast<std::size_t>(std::clamp(lowest_ms + 500 * turning_s, 0.0, static_cast<double>(n)));
-  if (last - first < 8) return std::nullopt;
-  const auto way_in = [&](double shift) {
-    double rv = 0, vv = 0, rr = 0;
-    for (std::size_t i = first; i < last; ++i) {
-      const double t = 1e-3 * (static_cast<double>(from) + static_cast<double>(i) + 0.5);
-      const double v = t - shift < turn ? std::abs(tap.told_m_s(t - shift - begin_s)) : 0.0;
-      rv += weights[i] * counts[i] * v;
-      vv += weights[i] * v * v;
-      rr += weights[i] * counts[i] * counts[i];
-    }
-    return vv > 0 ? rr - rv * rv / vv : rr;
-  };
-  const Minimum best = lowest(way_in, rough.at, 0.008, 1e-3);
-  if (!(best.curvature > 0)) return std::nullopt;
-  const double dispersion = std::max({1.0, ms.dispersion, best.value / static_cast<double>(last - first - 2)});
-  return Placed{.shift_s = best.at,
-                .sigma_s = std::hypot(1.5 * std::sqrt(2.0 * dispersion / best.curvature), model_s),
-                .likeness = likeness};
 }
 
 /// A way in which the log may lie on the events.
@@ -759,7 +531,7 @@ class EventMatch {
         origins_(origins),
         commanded_(std::move(commanded)),
         ms_(milliseconds_of(inputs.rate, inputs.quiet)),
-        activity_(activity_on_grid(inputs.rate, inputs.quiet, options.grid)),
+        activity_(activity_on_grid(ms_, options.grid)),
         commands_(stage_commands(inputs.robot, origins)) {
     // Where nothing goes up the base's z axis points elsewhere, and any way may be the lift's.
     const bool has_lift = std::any_of(commanded_.begin(), commanded_.end(), is_lift);
@@ -806,7 +578,7 @@ class EventMatch {
 
   /// Lifts and taps, each to the millisecond, from the middle of the recording outwards: a drift moves the later ones away.
   void add_motion_anchors(FoundAnchors& found, double shift_s) const {
-    constexpr double shear_common_s = 0.8e-3, tap_common_s = 0.4e-3;
+    constexpr double shear_common_s = 0.8e-3, tap_common_s = 0.4e-3, ring_common_s = 2e-3;
     std::vector<const CommandedMotion*> motions;
     for (const CommandedMotion& motion : commanded_) motions.push_back(&motion);
     const double middle_s = 0.5 * length_s_ - shift_s;
@@ -823,10 +595,17 @@ class EventMatch {
         expected = found_s;
       }
       const bool is_tap = motion->kind == CommandedMotion::Kind::there_and_back;
-      const std::optional<Placed> placed =
-          is_tap ? place_tap(ms_, *motion, begin_s, expected) : place_shear(ms_, *motion, begin_s, expected);
+      const std::optional<PlacedMotion> placed = is_tap ? place_tap(ms_, *motion, begin_s, expected)
+                                                        : place_shear(ms_, *motion, begin_s, expected, options_.most_slack_m);
       if (!placed) continue;
       if (placed->likeness > 0.5) known.emplace_back(begin_s, placed->shift_s);
+      // Half a period further on it rings alike.
+      if (!is_tap && placed->sigma_s < 0.1 / std::max(1.0, motion->ringing_hz)) {
+        if (const std::optional<PlacedMotion> ring = place_ring_down(ms_, *motion, begin_s, placed->shift_s)) {
+          found.anchors.push_back(
+              origins_.anchor(begin_s + motion->change_s[3], ring->shift_s, ring->sigma_s, AnchorKind::ring_down, ring_common_s));
+        }
+      }
       found.anchors.push_back(origins_.anchor(begin_s + (is_tap ? motion->turn_s() : motion->change_s[0]), placed->shift_s,
                                               std::hypot(placed->sigma_s, motion->sigma_s),
                                               is_tap ? AnchorKind::sync_tap : AnchorKind::first_shear,
@@ -918,7 +697,7 @@ class EventMatch {
       last_s = std::max(last_s, begin_s + motion.change_s[3] + candidate.shift_s);
       if (motion.kind != CommandedMotion::Kind::one_way) continue;
       ++lifts;
-      const std::optional<Placed> placed = place_shear(ms_, motion, begin_s, candidate.shift_s);
+      const std::optional<PlacedMotion> placed = place_shear(ms_, motion, begin_s, candidate.shift_s, options_.most_slack_m);
       if (!placed) continue;
       like += placed->likeness;
       if (lifts == 1 && placed->likeness > 0.5) candidate.shift_s = placed->shift_s;

@@ -32,16 +32,16 @@ struct AnchorInputs {
   const EventRate& rate;
   const QuietRate& quiet;
   std::span<const ImuSample> imu = {};  ///< none where the camera has no such sensor
-  std::span<const CameraArrival> host_from_camera =
-      {};                                   ///< run.json's `host_from_camera`, if it has it; with the log's host times
+  /// run.json's `host_from_camera`, where it has it: with host times in the log they relate the two.
+  std::span<const CameraArrival> host_from_camera = {};
   std::optional<CoarseOffset> coarse = {};  ///< nothing: all lags at which log and recording overlap are looked at
 };
 
 struct AnchorOptions {
-  microseconds grid{4'000};           ///< of the first search, over all lags
+  microseconds grid{4'000};           ///< of the first search, over all lags; whole milliseconds
   double ambiguous_below = 1.2;       ///< a best match is refused that is not so many times as good as the second
-  double least_likeness = 0.3;        ///< or is worse than this; 1 is perfect
-  microseconds most_slack{45'000};    ///< from the lift's start until the skin shears: 1 mm of travel at 1.2 m/s^2 takes 41 ms
+  double least_likeness = 0.3;        ///< of the IMU: or is worse than this; 1 is perfect
+  double most_slack_m = 0.5e-3;       ///< of skin and object: so far the arm may go before anything shears
   microseconds stage_delay{350'000};  ///< a stage's command to its contact, in the middle of 0.05 to 0.65 s or so
 };
 
@@ -61,18 +61,20 @@ struct FoundAnchors {
 /// Looks for moments that the robot's log and the recording both show, nothing being known of where one clock lies on the other:
 ///
 /// - IMU. The TCP's acceleration is laid over the felt one at every lag (normalised cross-correlation over all axes, so that
-///   neither where the sensor sits nor which way it looks needs to be known); then each stretch of motion is fitted by least
+///   neither where the sensor sits nor which way it looks needs to be known). Then each stretch of motion is fitted by least
 ///   squares, v(t) = a + b t + c . integral of the felt acceleration, which holds whatever the rates of the two are.
-/// - Sync taps and first shear. Without an IMU, the root of the event rate is laid over the root of the TCP's speed likewise.
-/// Then
-///   - a tap is placed where contact and release lie alike on either side of the lowest point;
-///   - a lift where the rate of the first shear, as long as the tips follow the arm, grows in step with the arm's speed. It tells
-///     where the speed was zero, not when the first tip moved: the slack between them is not part of it.
-/// - Stage output. A rising edge comes before its contact by what the stage travels, which nobody knows to better than some
-/// tenths
+/// - Without an IMU, where the skin is active is laid over where the arm moves likewise. What speaks for a lag besides is a first
+///   shear at the lift's start, a skin that rests after the last motion, and activity that follows each command to the stage.
+/// - Sync taps, each placed by its lowest point, where speed and rate are nothing between contact and release.
+/// - First shear of a lift: as long as the tips follow the arm the rate grows in step with the arm's speed, which tells when the
+///   speed was zero, not when the first tip moved: the slack between the two is not part of it. Where the shear is too short for
+///   that, the lift began up to 0.5 mm of slack ahead of the onset, and the anchor is as wide.
+/// - Ring-down after a lift's stop, where the rate follows the ringing of the log beyond doubt.
+/// - Stage output. A rising edge comes ahead of its contact by the stage's travel, which nobody knows to better than some tenths
 ///   of a second; from a falling one on the tips are released.
+/// - Host times, where rows of the log and elements of the camera have them: in each stretch of time the one that came soonest.
 ///
-/// What is ambiguous is refused and said so in `doubts`.
+/// What is ambiguous is refused and said so in `doubts`. An arm that stands still leaves only the stage and the host.
 /// Source: Faris et al., arXiv:2403.10120, section IV, for events against the lift.
 FoundAnchors clock_anchors(const AnchorInputs& inputs, const AnchorOptions& options = {});
 

@@ -58,6 +58,7 @@ Line first_line(const std::vector<Point>& points, bool with_slope) {
     line.slope = weighted_median(std::move(slopes));
   }
   std::vector<std::pair<double, double>> offsets;
+  offsets.reserve(points.size());
   for (const Point& p : points) offsets.emplace_back(p.y - line.slope * p.x, 1.0 / (p.sigma * p.sigma));
   line.at_middle = weighted_median(std::move(offsets));
   return line;
@@ -180,13 +181,18 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
                       .y = static_cast<double>(saturating_subtract(in_camera, in_clock)),
                       .sigma = std::max(1.0, std::hypot(anchor.sigma_us, anchor.bias_us))});
   }
-  // A witness that is ten times as uncertain as the best says nothing of a drift.
-  const double best_sigma =
-      std::min_element(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.sigma < b.sigma; })->sigma;
+  // A witness that is far more uncertain than the best, and than what a usual drift does over all of the anchors' time, says
+  // nothing of a drift.
+  const auto best =
+      std::min_element(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.sigma < b.sigma; });
+  const auto [earliest, latest] =
+      std::minmax_element(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
+  const double usual = 1e-6 * options.usual_drift_ppm;
+  const double telling_sigma = std::max(10.0 * best->sigma, 0.5 * usual * (latest->x - earliest->x));
   std::size_t telling = 0;
   double first_x = 0, last_x = 0;
   for (const Point& p : points) {
-    if (p.sigma > 10.0 * best_sigma) continue;
+    if (p.sigma > telling_sigma) continue;
     first_x = telling == 0 ? p.x : std::min(first_x, p.x);
     last_x = telling == 0 ? p.x : std::max(last_x, p.x);
     ++telling;
@@ -198,7 +204,6 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
                                  : fmt::format("anchors over {:.0f} of {:.0f} s", 1e-6 * span_us, 1e-6 * least_span_us);
   Line line;
   double scatter = 1;
-  const double usual = 1e-6 * options.usual_drift_ppm;
   if (with_slope) {
     line = robust_line(points, first_line(points, true), true, options.reject_beyond);
     scatter = scatter_of(points, line, 2);
