@@ -61,7 +61,7 @@ std::vector<Annotation> touches_of(const LabelsToExport& labels) {
     }
     if (annotation.start_ms < 0) {
       throw Error(fmt::format("{}: {} begins {} s before {}, which ELAN cannot hold; expected another --origin", labels.run,
-                              interval.id, seconds_text(-start_us),
+                              interval.id, seconds_text(saturating_subtract(0, start_us)),
                               labels.times.origin == TimeOrigin::video ? "the film" : "time 0"));
     }
     if (!annotations.empty() && annotation.start_ms < annotations.back().end_ms) {
