@@ -544,7 +544,8 @@ class PictureScript {
                                                                        {TraceKind::video_energy, "video"}}};
     std::string missing;
     for (const auto& [kind, name] : kinds) {
-      const bool there = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& panel) { return panel.kind == kind; });
+      const bool there =
+          std::any_of(panels_.begin(), panels_.end(), [wanted = kind](const Panel& panel) { return panel.kind == wanted; });
       if (!there) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", name);
     }
     if (!missing.empty()) say(fmt::format("Not shown, for the run has none or no clock relates it: {}.", missing), ink);
