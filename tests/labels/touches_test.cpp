@@ -26,7 +26,7 @@ Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
   made.events = events;
   return made;
 }
-ArmMove move(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
+ArmMove move_between(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
   return {at_ms(start_ms), at_ms(end_ms), uncertainty};
 }
 Kinds kinds(const std::vector<Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts,
@@ -37,36 +37,36 @@ const BrightnessChange inward{{1, -2, 3, 0}}, outward{{-1, 2, -3, 0}}, other{{2,
 
 TEST(KindsOf, CallsTheBurstInTheLiftTheSlipAndWhatCameBeforeThePress) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
-  EXPECT_EQ(kinds(bursts, Moves{move(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, TakesTheBurstWithTheMostEventsInTheLift) {
   const std::vector<Burst> bursts = {burst(500, 1'250), burst(1'300, 1'800)};
-  EXPECT_EQ(kinds(bursts, Moves{move(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, ReachesAsFarAsTheClockMayBeOff) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'300)};
-  EXPECT_EQ(kinds(bursts, Moves{move(1'310, 1'500)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
-  EXPECT_EQ(kinds(bursts, Moves{move(1'310, 1'500, 20ms)}, {inward, other}),
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500, 20ms)}, {inward, other}),
             (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, TellsAReleaseByWhatItTakesBack) {
   const std::vector<Burst> bursts = {burst(300, 500), burst(900, 1'100), burst(1'500, 1'700), burst(2'200, 2'800)};
-  EXPECT_EQ(kinds(bursts, Moves{move(2'190, 2'800)}, {inward, outward, inward, other}),
+  EXPECT_EQ(kinds(bursts, Moves{move_between(2'190, 2'800)}, {inward, outward, inward, other}),
             (Kinds{BurstKind::press, BurstKind::release, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, LeavesWhatIsShortAndSmallAloneButNotALightPress) {
   const std::vector<Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
-  EXPECT_EQ(kinds(bursts, Moves{move(1'190, 1'800)}, {inward, inward, other}),
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other}),
             (Kinds{BurstKind::brief, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
   const std::vector<Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
-  EXPECT_EQ(kinds(bursts, Moves{move(1'190, 1'800)}, {inward, inward, other, outward}, {move(80, 200)}),
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other, outward}, {move_between(80, 200)}),
             (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
 }
 

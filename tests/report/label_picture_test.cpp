@@ -157,14 +157,17 @@ TEST(LabelPicture, WrapsAndCutsWhatIsLong) {
   draw_label_picture(picture, folder / "labels.png");
 }
 
-TEST(LabelPicture, EnlargesTheFirstFourOnsetsAndSaysSo) {
+TEST(LabelPicture, EnlargesFourOnsetsWithTheSlipsAndSaysSo) {
   LabelPicture picture = whole_picture();
   picture.labels.intervals.clear();
   for (int i = 0; i < 9; ++i)
     picture.labels.intervals.push_back(touch(Touch::press, "press-" + std::to_string(i + 1), 100 + 30 * i, 120 + 30 * i));
-  picture.labels.flags.clear();
+  picture.labels.intervals.push_back(touch(Touch::slip, "slip-1", 2'000, 2'500));
+  picture.labels.flags = {{.interval_index = 7, .reason = "weak", .confirmed = false}};
   EXPECT_EQ(count_of(label_plot(picture).script, "\nplot "), 5U + 4U);
-  EXPECT_TRUE(says(picture, "5 more onsets are not shown enlarged"));
+  EXPECT_TRUE(says(picture, "6 onsets are not shown enlarged"));
+  for (const char* shown : {"press-1 at", "press-2 at", "press-8 at", "slip-1 at"}) EXPECT_TRUE(says(picture, shown)) << shown;
+  EXPECT_FALSE(says(picture, "press-3 at"));
   const test::TemporaryFolder folder;
   draw_label_picture(picture, folder / "labels.png");
 }

@@ -178,7 +178,12 @@ class Labeller {
 
   void add(Touch touch, const FoundTime& start, const FoundTime& end) {
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
-    if (!end.doubt.empty()) flag(end.doubt, labels_.intervals.size());
+    // What is kept of a touch for learning is its begin: a doubtful end needs a look only if it may be far off.
+    const bool end_is_wide = ms(between(end.time.low, end.time.high)) > options_.end.too_wide_ms;
+    if (!end.doubt.empty() && end_is_wide) flag(end.doubt, labels_.intervals.size());
+    if (!end.doubt.empty() && !end_is_wide) {
+      labels_.remarks.push_back(fmt::format("the {} at {} us: {}", name_of(touch), us_of(start.time.at), end.doubt));
+    }
     labels_.intervals.push_back({.id = {},
                                  .touch = touch,
                                  .start = start.time,

@@ -210,6 +210,7 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
       {"clocks",
        {{"robot", json_of(labels.robot_clocks)}, {"video", labels.video_clock ? json_of(*labels.video_clock) : json(nullptr)}}},
       {"flags", json::array()},
+      {"remarks", labels.remarks},
       {"rejected", json::array()},
       {"provenance", labels.provenance}};
   for (const LabelledInterval& interval : intervals) {

@@ -66,10 +66,7 @@ class PictureScript {
       : picture_(picture), seconds_(std::max(1e-3, seconds_from_begin(picture.end))) {}
 
   Plot plot() {
-    std::vector<const LabelledInterval*> zooms;
-    for (const LabelledInterval& interval : picture_.labels.intervals) {
-      if (zooms.size() < most_zooms) zooms.push_back(&interval);
-    }
+    const std::vector<const LabelledInterval*> zooms = chosen_to_enlarge();
     panels_right_ = zooms.empty() ? picture_width - left : panels_right_beside_zooms;
     choose_panels();
     int height = axis_height - between_panels;
@@ -201,6 +198,23 @@ class PictureScript {
         if (at && panel == kind) upright(shown(*at), "front lc rgb 'black' dt (4,3) lw 1.2");
       }
     }
+  }
+
+  /// As many as have room, by time: slips first, then what is flagged, then the first presses.
+  std::vector<const LabelledInterval*> chosen_to_enlarge() const {
+    const Labels& labels = picture_.labels;
+    std::vector<const LabelledInterval*> chosen;
+    for (const LabelledInterval& interval : labels.intervals) chosen.push_back(&interval);
+    const auto index_of = [&](const LabelledInterval* interval) {
+      return static_cast<std::size_t>(interval - labels.intervals.data());
+    };
+    const auto rank = [&](const LabelledInterval* interval) {
+      return interval->touch == Touch::slip ? 0 : labels.interval_is_flagged(index_of(interval)) ? 1 : 2;
+    };
+    std::stable_sort(chosen.begin(), chosen.end(), [&](const auto* a, const auto* b) { return rank(a) < rank(b); });
+    chosen.resize(std::min(chosen.size(), most_zooms));
+    std::sort(chosen.begin(), chosen.end(), [&](const auto* a, const auto* b) { return index_of(a) < index_of(b); });
+    return chosen;
   }
 
   void choose_panels() {
@@ -530,12 +544,15 @@ class PictureScript {
                                                                        {TraceKind::video_energy, "video"}}};
     std::string missing;
     for (const auto& [kind, name] : kinds) {
-      const bool there = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& panel) { return panel.kind == kind; });
+      const bool there =
+          std::any_of(panels_.begin(), panels_.end(), [wanted = kind](const Panel& panel) { return panel.kind == wanted; });
       if (!there) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", name);
     }
     if (!missing.empty()) say(fmt::format("Not shown, for the run has none or no clock relates it: {}.", missing), ink);
-    if (labels.intervals.size() > most_zooms)
-      say(fmt::format("{} more onsets are not shown enlarged.", labels.intervals.size() - most_zooms), ink);
+    if (labels.intervals.size() > most_zooms) {
+      const std::size_t more = labels.intervals.size() - most_zooms;
+      say(more == 1 ? "1 onset is not shown enlarged." : fmt::format("{} onsets are not shown enlarged.", more), ink);
+    }
     for (const std::string& remark : picture_.remarks) say(remark, ink);
     if (labels.flags.empty()) say("Nothing is flagged.", ink);
     for (const LabelFlag& flag : labels.flags) {

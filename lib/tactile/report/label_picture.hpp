@@ -39,8 +39,8 @@ struct LabelPicture {
 };
 
 /// The picture as a figure 1600 pixels wide: panels one under the other on one axis of camera time, presses blue and slips
-/// orange, darker where their onset and their end may lie (95 %); beside them each of the first four onsets with 60 ms before and
-/// behind it; clocks, remarks and flags in words.
+/// orange, darker where their onset and their end may lie (95 %); beside them up to four onsets, slips first, then flagged ones,
+/// with 60 ms before and behind; clocks, remarks and flags in words.
 Plot label_plot(const LabelPicture& picture);
 
 /// Draws it as PNG or SVG. @throws Error as `draw` does
