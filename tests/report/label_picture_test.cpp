@@ -178,7 +178,7 @@ TEST(LabelPicture, IsDrawnOfRunsThatLackAlmostEverything) {
   picture.title = "one event, at the end of time";
   picture.begin = picture.end = CameraTime::max();
   picture.rate = {
-      .begin = CameraTime::max(), .bin = microseconds(200), .counts = {1}, .hot_pixels = 0, .last = CameraTime::max()};
+      .begin = CameraTime::max(), .bin = microseconds(200), .counts = {1}, .hot_pixels = 0, .last = CameraTime::max(), .hot = {}};
   draw_label_picture(picture, folder / "one.png");
   picture.rate.counts.assign(3, 0);
   picture.begin = picture.rate.begin = CameraTime::min();
