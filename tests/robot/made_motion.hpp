@@ -15,9 +15,9 @@ namespace tactile::test {
 
 /// What an arm is commanded, and how it rings.
 struct MadeMotion {
-  std::vector<double> knots_s;  ///< straight lines from knot to knot
-  std::vector<double> speeds;   ///< [m/s] at the knots, upwards
-  ArmRinging ringing{};         ///< none
+  std::vector<double> knots_s{};  ///< straight lines from knot to knot
+  std::vector<double> speeds{};   ///< [m/s] at the knots, upwards
+  ArmRinging ringing{};           ///< none
   std::array<double, 3> direction{0, 0, 1};
   double noise = 3e-4;       ///< [m/s] each axis
   double pose_noise = 1e-5;  ///< [m]

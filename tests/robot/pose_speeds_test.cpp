@@ -54,7 +54,7 @@ TEST(SpeedsFromPoses, OfOneRowOrTwoAreWhatTheySay) {
 }
 
 TEST(SpeedsFromPoses, AreAsNoisyAsIsSaidAndMeansOfSoLong) {
-  for (const auto& [period_ms, noise_factor, half_us] : {std::tuple{8, 90.0, 8'000}, {2, 65.0, 6'870}}) {
+  for (const auto& [period_ms, noise_factor, half_us] : {std::tuple{8, 88.4, 8'000}, {2, 64.5, 6'870}}) {
     Random random(4);
     std::vector<RobotState> states;
     for (int i = 0; i < 20'000; ++i) {

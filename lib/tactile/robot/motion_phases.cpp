@@ -19,9 +19,10 @@ constexpr double longest_pause_s = 0.06;               // the arm rests for long
 constexpr double rest_before_s = 0.15, tail_s = 0.35;  // that a fit takes in
 constexpr double longest_fit_s = 2.0;                  // longer stretches are fitted at their ends
 constexpr std::size_t most_lobes_fitted = 3;
-constexpr double edge_s = 0.4;         // that such a fit takes of the motion
-constexpr double least_share = 0.25;   // of the greatest way: what goes less far is ringing, or a motion of its own
-constexpr double ringing_share = 0.1;  // of the peak speed: what a fit may leave of a ringing
+constexpr std::size_t most_rows_fitted = 2'500;  // no controller sends more in that time; of more every second, or third ...
+constexpr double edge_s = 0.4;                   // that such a fit takes of the motion
+constexpr double least_share = 0.25;             // of the greatest way: what goes less far is ringing, or a motion of its own
+constexpr double ringing_share = 0.1;            // of the peak speed: what a fit may leave of a ringing
 constexpr double ringing_lasts_s = 0.3;
 constexpr double peak_share = 0.5;       // of the ramps: a height that is shorter may be a mere peak, rounded by ringing
 constexpr double time_sigma_us = 100.0;  // controllers stamp no better
@@ -83,6 +84,8 @@ class Finder {
     limit_ = std::max(options.slowest, (chi3_median + noise_factor) * noise_);
     const double rate = rate_hz(log);
     period_s_ = rate > 0 ? 1.0 / rate : 0.008;
+    longest_pause_s_ = std::max(longest_pause_s, 2.5 * period_s_);
+    least_dwell_s_ = std::max(least_dwell_s, 2.5 * period_s_);
   }
 
   std::vector<MotionPhase> phases() {
@@ -108,7 +111,7 @@ class Finder {
     for (std::size_t i = end; i < rows_.size() && !gap_before(i); ++i) {
       if (moves(i)) {
         end = i + 1;
-      } else if (rows_[i].t_s - rows_[end - 1].t_s > longest_pause_s) {
+      } else if (rows_[i].t_s - rows_[end - 1].t_s > longest_pause_s_) {
         break;
       }
     }
@@ -133,7 +136,7 @@ class Finder {
       if (!moves(i)) continue;
       const double size = length(rows_[i].speed), along = dot(rows_[i].speed, direction);
       const int way = along >= 0.5 * size ? 1 : along <= -0.5 * size ? -1 : sign;
-      const bool paused = !lobes.empty() && rows_[i].t_s - rows_[lobes.back().end - 1].t_s > least_dwell_s;
+      const bool paused = !lobes.empty() && rows_[i].t_s - rows_[lobes.back().end - 1].t_s > least_dwell_s_;
       if (lobes.empty() || paused || (way != sign && sign != 0)) lobes.push_back({i, i, 0.0});
       sign = way == 0 ? 1 : way;
       lobes.back().end = i + 1;
@@ -204,14 +207,16 @@ class Finder {
                                   bool open_begin, bool open_end) const {
     const std::size_t begin = row_at_or_after(from_s), end = row_at_or_after(to_s);
     if (end <= begin) return std::nullopt;
-    return fit_speed_profile(std::span(rows_).subspan(begin, end - begin),
-                             {.noise = noise_,
-                              .smoothed_s = 1e-6 * static_cast<double>(log_.smoothed_over.count()),
-                              .knots_s = std::move(knots),
-                              .other_knots_s = std::move(other_knots),
-                              .open_begin = open_begin,
-                              .open_end = open_end,
-                              .ringing = ringing_});
+    std::vector<SpeedRow> rows;
+    const std::size_t stride = (end - begin + most_rows_fitted - 1) / most_rows_fitted;
+    for (std::size_t i = begin; i < end; i += stride) rows.push_back(rows_[i]);
+    return fit_speed_profile(rows, {.noise = noise_,
+                                    .smoothed_s = 1e-6 * static_cast<double>(log_.smoothed_over.count()),
+                                    .knots_s = std::move(knots),
+                                    .other_knots_s = std::move(other_knots),
+                                    .open_begin = open_begin,
+                                    .open_end = open_end,
+                                    .ringing = ringing_});
   }
 
   /// The rest before `row`: back to where the last motion ended or a gap is, but not far.
@@ -267,7 +272,7 @@ class Finder {
         std::vector<double> all;
         add_knot(all, open_begin ? window_begin_s : std::max(corners.front().start_s, window_begin_s));
         for (std::size_t i = 0; i < lobes.size(); ++i) {
-          if (i > 0 && corners[i].start_s - corners[i - 1].end_s > least_dwell_s) {
+          if (i > 0 && corners[i].start_s - corners[i - 1].end_s > least_dwell_s_) {
             add_knot(all, corners[i - 1].end_s);
             add_knot(all, corners[i].start_s);
           }
@@ -363,7 +368,7 @@ class Finder {
     const Instant seen{middle_s, std::max(0.5 * (to_s - from_s), 0.5 * period_s_)};
     const bool turns = (before.way < 0) != (after.way < 0);
     if (!profile) {
-      if (to_s - from_s > least_dwell_s) return {edge_of(before, false), edge_of(after, true)};
+      if (to_s - from_s > least_dwell_s_) return {edge_of(before, false), edge_of(after, true)};
       return {seen, seen};
     }
     // The commanded speed between the two heights: where it passes through zero, or stays there.
@@ -374,7 +379,7 @@ class Finder {
       const double t = profile->knots_s[k - 1], u = profile->knots_s[k];
       if (u < from_s - 0.05 || t > to_s + 0.05) continue;
       const double small = std::max(limit_, 3.0 * profile->speed_sigma);
-      if (k > 1 && k + 1 < knots && std::abs(a) < small && std::abs(b) < small && u - t > 0.5 * least_dwell_s) rests = k;
+      if (k > 1 && k + 1 < knots && std::abs(a) < small && std::abs(b) < small && u - t > 0.5 * least_dwell_s_) rests = k;
       if (turns && a * b < 0 && !rests) {
         const double share = a / (a - b), slope = std::abs(b - a) / (u - t);
         const double rows = std::max(1.0, (u - t) / period_s_);
@@ -450,6 +455,7 @@ class Finder {
   const MotionPhaseOptions& options_;
   std::vector<SpeedRow> rows_;
   double noise_ = 0, limit_ = 0, period_s_ = 0.008;
+  double longest_pause_s_ = longest_pause_s, least_dwell_s_ = least_dwell_s;
   double explained_until_s_ = -infinite;  ///< the last motion's end
   double ringing_until_s_ = -infinite, ringing_limit_ = 0;
   std::optional<ArmRinging> ringing_;  ///< of the last motion

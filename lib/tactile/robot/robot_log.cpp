@@ -197,41 +197,60 @@ std::vector<std::int64_t> outputs_in(const LogTable& table, const Columns& colum
   return values;
 }
 
-/// What a mixed row may have from another package.
-using Vector = std::array<double, 6> RobotState::*;
-constexpr std::array<Vector, 2> motion_vectors{&RobotState::tcp_pose, &RobotState::tcp_speed};
-
 bool same_motion(const RobotState& a, const RobotState& b) { return a.tcp_pose == b.tcp_pose && a.tcp_speed == b.tcp_speed; }
 
 double distance(const std::array<double, 6>& a, const std::array<double, 6>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
+double seconds_between(const RobotState& before, const RobotState& after) {
+  return 1e-6 * static_cast<double>((after.t - before.t).count());
+}
+
+/// Whether `first` and `second` have one value, other than their neighbours'.
+bool is_twice(const std::array<double, 6>& before, const std::array<double, 6>& first, const std::array<double, 6>& second,
+              const std::array<double, 6>& after) {
+  return first == second && before != first && second != after;
+}
+
+/// How far a row's speed lies from the line between two others, and its pose from the cubic that has their speeds too (from the
+/// line, where these are not to be had). [m/s], [m]
+double speed_off_line(const RobotState& before, const RobotState& row, const RobotState& after) {
+  const double share = seconds_between(before, row) / seconds_between(before, after);
+  std::array<double, 6> between{};
+  for (std::size_t k = 0; k < 3; ++k) between[k] = before.tcp_speed[k] + share * (after.tcp_speed[k] - before.tcp_speed[k]);
+  return distance(row.tcp_speed, between);
+}
+double pose_off_curve(const RobotState& before, const RobotState& row, const RobotState& after, bool has_speeds) {
+  const double all_s = seconds_between(before, after), s = seconds_between(before, row) / all_s;
+  std::array<double, 6> between{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double way = after.tcp_pose[k] - before.tcp_pose[k];
+    between[k] = before.tcp_pose[k] + s * way;
+    if (has_speeds) {
+      const double u = before.tcp_speed[k] * all_s, v = after.tcp_speed[k] * all_s;
+      between[k] += s * (1.0 - s) * ((1.0 - s) * (u - way) - s * (v - way));
+    }
+  }
+  return distance(row.tcp_pose, between);
+}
+
 /// Drops the rows whose motion is another's, as `read_robot_log` tells.
-void drop_mixed_rows(RobotLog& log) {
+void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
   const std::vector<RobotState>& states = log.states;
   std::vector<bool> dropped(states.size(), false);
   for (std::size_t i = 1; i + 2 < states.size(); ++i) {
     const RobotState &before = states[i - 1], &first = states[i], &second = states[i + 1], &after = states[i + 2];
-    if (dropped[i] || dropped[i - 1] || after.t - before.t > longest_step) continue;
-    const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
-    double first_off = 0, second_off = 0;
-    for (const Vector v : motion_vectors) {
-      if (first.*v != second.*v || before.*v == first.*v || second.*v == after.*v) continue;
-      const double change = distance(before.*v, after.*v);
-      const double speed =
-          v == &RobotState::tcp_pose ? change / seconds : std::max(distance(before.*v, {}), distance(after.*v, {}));
-      if (!(speed > moving) || !(change > 0)) continue;
-      const auto off = [&](const RobotState& state) {
-        const double share = 1e-6 * static_cast<double>((state.t - before.t).count()) / seconds;
-        std::array<double, 6> between{};
-        for (std::size_t k = 0; k < 6; ++k) between[k] = (before.*v)[k] + share * ((after.*v)[k] - (before.*v)[k]);
-        return distance(state.*v, between) / change;
-      };
-      first_off += off(first);
-      second_off += off(second);
-    }
-    if (first_off > 0 || second_off > 0) dropped[first_off > second_off ? i : i + 1] = true;
+    if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_step) continue;
+    const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
+                            distance(before.tcp_pose, after.tcp_pose) > moving * seconds_between(before, after);
+    const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
+                             std::max(distance(before.tcp_speed, {}), distance(after.tcp_speed, {})) > moving;
+    if (!pose_twice && !speed_twice) continue;
+    const auto off = [&](const RobotState& row) {  // a pose tells more, since it changes all the time
+      return pose_twice ? pose_off_curve(before, row, after, has_speeds && has_poses) : speed_off_line(before, row, after);
+    };
+    dropped[off(first) > off(second) ? i : i + 1] = true;
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -323,7 +342,7 @@ class Pieces {
 
 /// Poses of joints, speeds of poses: whatever the columns lack.
 void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions& options) {
-  for (RobotLog& piece : file.pieces) drop_mixed_rows(piece);
+  for (RobotLog& piece : file.pieces) drop_mixed_rows(piece, columns.speed.has_value(), columns.pose && !columns.pose_is_joints);
   if (columns.pose_is_joints && !file.pieces.empty())
     file.arm = options.arm.value_or(rate_hz(file.longest()) > fastest_cb_rate_hz ? ArmModel::ur10e : ArmModel::ur10);
   for (RobotLog& piece : file.pieces) {

@@ -40,14 +40,14 @@ struct SpeedRow {
 };
 
 struct SpeedProfileOptions {
-  double noise = 1e-4;                ///< [m/s] standard deviation of each axis of a row, at rest
-  double smoothed_s = 0;              ///< each row's speed is the mean over so long to either side of its time
-  std::vector<double> knots_s;        ///< roughly where the commanded acceleration changes; at least 3, ascending
-  std::vector<double> other_knots_s;  ///< likewise, if the first do not do; or none
+  double noise = 1e-4;                  ///< [m/s] standard deviation of each axis of a row, at rest
+  double smoothed_s = 0;                ///< each row's speed is the mean over so long to either side of its time
+  std::vector<double> knots_s{};        ///< roughly where the commanded acceleration changes; at least 3, ascending
+  std::vector<double> other_knots_s{};  ///< likewise, if the first do not do; or none
   bool open_begin = false;
   bool open_end = false;
-  std::optional<ArmRinging> ringing;  ///< of an earlier motion of the arm: looked for there first
-  std::size_t most_knots = 10;        ///< may be added to, while the rows ask for it
+  std::optional<ArmRinging> ringing{};  ///< of an earlier motion of the arm: looked for there first
+  std::size_t most_knots = 10;          ///< may be added to, while the rows ask for it
 };
 
 /// Fits the profile that a stretch of motion follows: knots, speeds and ringing by least squares, single rows that lie far off
