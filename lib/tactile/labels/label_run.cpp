@@ -88,13 +88,6 @@ LiftMatch match_lift(const EventRate& rate, const QuietRate& quiet, const std::v
   return match;
 }
 
-UncertainTime end_of(const EventRate& rate, const QuietRate& quiet, const Burst& burst, microseconds quiet_for,
-                     const ActivityOptions& options) {
-  const CameraTime end = std::min(rate.begin_of(first_quiet_bin(rate, quiet, burst.begin, quiet_for, options)), rate.last);
-  // Motion fades into the noise: the marker still creeps when its events no longer stand out.
-  return {end, before(end, 10ms), std::min(after(end, 20ms), CameraTime::max())};
-}
-
 LabelledInterval labelled(Touch touch, const UncertainTime& start, const UncertainTime& end) {
   return {.touch = touch,
           .start = start,
@@ -192,8 +185,8 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"onset_before_us", options.onset.before.count()},
           {"onset_first_contact_us", options.onset.first_contact.count()},
           {"onset_latency_us", options.onset.latency.count()},
-          {"press_ends_us", options.press_ends.count()},
-          {"slip_ends_us", options.slip_ends.count()},
+          {"press_still_us", options.end.press_still.count()},
+          {"slip_still_us", options.end.slip_still.count()},
           {"ambiguous_below", options.ambiguous_below},
           {"longest_disagreement_us", options.longest_disagreement.count()},
           {"shortest_gap_us", options.shortest_gap.count()}};
@@ -267,14 +260,21 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
     slip_burst = bursts.size() - 1;
   }
 
+  const auto touched = [&](Touch touch, std::size_t burst_index) {
+    const LitRate& burst = lit[burst_index];
+    const UncertainTime start =
+        (touch == Touch::press ? press_onset(burst, options.onset) : slip_onset(burst, options.onset)).time;
+    const UncertainTime end =
+        (touch == Touch::press ? press_end(burst, start, options.end) : slip_end(burst, start, options.end)).time;
+    return labelled(touch, start, end);
+  };
+  constexpr double releases = 0.8;
   for (std::size_t i = 0; i < (slip_burst ? *slip_burst : bursts.size()); ++i) {
-    labels.intervals.push_back(labelled(Touch::press, press_onset(lit[i], options.onset).time,
-                                        end_of(rate, quiet, bursts[i], options.press_ends, options.activity)));
+    if (is_after_effect(bursts[i], rate, bursts) || lit[i].undoes > releases) continue;
+    labels.intervals.push_back(touched(Touch::press, i));
   }
   if (slip_burst) {
-    const Burst& burst = bursts[*slip_burst];
-    LabelledInterval slip = labelled(Touch::slip, slip_onset(lit[*slip_burst], options.onset).time,
-                                     end_of(rate, quiet, burst, options.slip_ends, options.activity));
+    LabelledInterval slip = touched(Touch::slip, *slip_burst);
     if (lift) {
       labels.robot_clock = clock_from(slip, *lift, log);
       slip.evidence.robot = labels.robot_clock->relation.camera_from(lift->start);

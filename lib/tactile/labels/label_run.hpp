@@ -7,6 +7,7 @@
 #include "tactile/labels/event_rate.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/labels/onset.hpp"
+#include "tactile/labels/touch_end.hpp"
 
 namespace tactile {
 
@@ -14,9 +15,8 @@ struct LabelOptions {
   EventRateOptions rate{};
   ActivityOptions activity{};
   OnsetOptions onset{};
-  microseconds press_ends{20'000};  ///< a press ends at the first so long quiet
-  microseconds slip_ends{150'000};  ///< a slip likewise: stick phases belong to it
-  double ambiguous_below = 1.2;     ///< flagged if the best match of a burst with the lift is not so much better than the second
+  EndOptions end{};
+  double ambiguous_below = 1.2;  ///< flagged if the best match of a burst with the lift is not so much better than the second
   microseconds longest_disagreement{
       100'000};  ///< flagged if burst and lift differ by more than this in length, starts laid over each other
   microseconds shortest_gap{
@@ -35,9 +35,9 @@ nlohmann::json settings_of(const LabelOptions& options);
 /// ringing the end by
 ///    tens, so that the residual is taken as 10 ms at least: only anchors without such a bias make it smaller. Drift is not
 ///    measurable in one run and taken as 0.
-/// 4. Onsets by maximum likelihood on the events alone (`onset_near`), so that no error of the clocks enters them; ends at the
-/// first quiet.
-///    Bursts before the slip are presses; those behind it are after-effects and stay unlabelled.
+/// 4. Onsets and ends on the events alone (`press_onset`, `slip_onset`, `press_end`, `slip_end`), so that no error of the clocks
+///    enters them. Bursts before the slip are presses, but for what is too brief and too small, and for what undoes a press: that
+///    is its release. Those behind it are after-effects and stay unlabelled.
 ///
 /// Reads the events, the robot log and run.json, nothing else. What cannot be relied on is flagged: a damaged or unfinished
 /// recording, one that lost events on their way, a gap in it or in the robot log, a robot's clock that starts anew, no robot log
