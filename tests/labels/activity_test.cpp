@@ -45,13 +45,14 @@ TEST(Bursts, AreNotFoundInNoiseAlone) {
   }
 }
 
-TEST(FirstQuietBin, IsTheBeginOfTheFirstStretchThatIsLongEnough) {
-  const EventRate rate = rate_of(
-      10'000, [](double t_us) { return (t_us > 200'000 && t_us < 400'000) || (t_us > 450'000 && t_us < 600'000) ? 40.0 : 3.0; },
-      4);
-  const QuietRate quiet = quiet_rate(rate);
-  EXPECT_NEAR(static_cast<double>(first_quiet_bin(rate, quiet, 1'200, 20ms)), 2'000, 15);
-  EXPECT_NEAR(static_cast<double>(first_quiet_bin(rate, quiet, 1'200, 150ms)), 3'000, 15);
+TEST(AfterEffect, IsABriefSmallBurstAndNoLightPress) {
+  const EventRate rate{
+      .begin = {}, .bin = 200us, .counts = {}, .hot_pixels = 0, .last = {}, .hot = {}, .saturated_bins = 0, .flicker_hz = {}};
+  const std::vector<Burst> bursts = {{0, 500, 4'000}, {1'000, 1'150, 2'000}, {2'000, 5'000, 100'000}, {6'000, 6'150, 20'000}};
+  EXPECT_FALSE(is_after_effect(bursts[0], rate, bursts));  // light, but as long as a stage takes
+  EXPECT_TRUE(is_after_effect(bursts[1], rate, bursts));
+  EXPECT_FALSE(is_after_effect(bursts[2], rate, bursts));
+  EXPECT_FALSE(is_after_effect(bursts[3], rate, bursts));  // brief, but large
 }
 
 }  // namespace

@@ -53,26 +53,26 @@ FoundTime slip(const LitRate& lit) { return slip_onset(lit); }
 
 TEST(PressOnset, OfABlowIsFoundToTheReadOut) {
   const OnsetErrors found = errors_over_seeds(
-      0.3, [](double u) { return blow(u, 10.0); }, 200, press);
+      0.3, [](double u) { return blow(u, 10.0); }, 100, press);
   EXPECT_LE(found.error_ms(0.5), 0.2);
   EXPECT_LE(found.error_ms(0.95), 0.5);
-  EXPECT_GE(found.covered, 190);
+  EXPECT_GE(found.covered, 94);
 }
 
 TEST(PressOnset, OfAStartFromRestIsFoundToMilliseconds) {
   const OnsetErrors found = errors_over_seeds(
-      3.0, [](double u) { return start_from_rest(u, 4.0); }, 200, press);
+      3.0, [](double u) { return start_from_rest(u, 4.0); }, 100, press);
   EXPECT_LE(found.error_ms(0.5), 1.0);
   EXPECT_LE(found.error_ms(0.95), 3.0);
-  EXPECT_GE(found.covered, 180);
+  EXPECT_GE(found.covered, 90);
 }
 
 TEST(PressOnset, IsThatOfAWeakContactAheadOfTheStrongOne) {
   const OnsetErrors found = errors_over_seeds(
-      0.2, [](double u) { return blow(u, 0.6) + blow(u - 25'000, 20.0); }, 200, press);
+      0.2, [](double u) { return blow(u, 0.6) + blow(u - 25'000, 20.0); }, 100, press);
   EXPECT_LE(found.error_ms(0.5), 1.0);
   EXPECT_LE(found.error_ms(0.95), 5.0);
-  EXPECT_GE(found.covered, 180);
+  EXPECT_GE(found.covered, 90);
 }
 
 TEST(SlipOnset, IsTheJumpBehindTheRingingAndNotTheRinging) {
@@ -81,18 +81,18 @@ TEST(SlipOnset, IsTheJumpBehindTheRingingAndNotTheRinging) {
     const double ringing = since < 0 ? 0.0 : 8.0 * std::abs(std::sin(2e-6 * 3.14159265 * 18.0 * since));
     return ringing + blow(u, 30.0) + start_from_rest(u, 3.0);
   };
-  const OnsetErrors found = errors_over_seeds(0.3, ringing_then_jump, 200, slip);
+  const OnsetErrors found = errors_over_seeds(0.3, ringing_then_jump, 100, slip);
   EXPECT_LE(found.error_ms(0.5), 0.3);
   EXPECT_LE(found.error_ms(0.95), 1.0);
-  EXPECT_GE(found.covered, 180);
+  EXPECT_GE(found.covered, 90);
 }
 
 TEST(SlipOnset, WithoutRingingIsTheFirstMotion) {
   const OnsetErrors found = errors_over_seeds(
-      0.3, [](double u) { return start_from_rest(u, 10.0); }, 200, slip);
+      0.3, [](double u) { return start_from_rest(u, 10.0); }, 100, slip);
   EXPECT_LE(found.error_ms(0.5), 0.7);
   EXPECT_LE(found.error_ms(0.95), 2.0);
-  EXPECT_GE(found.covered, 180);
+  EXPECT_GE(found.covered, 90);
 }
 
 TEST(SlipOnset, IsNotAheadOfTheLift) {

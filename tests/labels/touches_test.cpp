@@ -30,10 +30,10 @@ ArmMove move_between(std::int64_t start_ms, std::int64_t end_ms, microseconds un
   return {at_ms(start_ms), at_ms(end_ms), uncertainty};
 }
 Kinds kinds(const std::vector<Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts,
-            const std::vector<BrightnessChange>& changes, const std::vector<ArmMove>& taps = {}) {
-  return kinds_of(rate, bursts, lifts, taps, changes);
+            const std::vector<double>& undoes, const std::vector<ArmMove>& taps = {}) {
+  return kinds_of(rate, bursts, lifts, taps, undoes);
 }
-const BrightnessChange inward{{1, -2, 3, 0}}, outward{{-1, 2, -3, 0}}, other{{2, 1, 0, 5}};
+constexpr double inward = -0.9, outward = 0.9, other = 0.1;  // what they undo
 
 TEST(KindsOf, CallsTheBurstInTheLiftTheSlipAndWhatCameBeforeThePress) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};

@@ -90,19 +90,12 @@ std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, cons
   return bursts;
 }
 
-std::size_t first_quiet_bin(const EventRate& rate, const QuietRate& quiet, std::size_t begin, microseconds quiet_for,
-                            const ActivityOptions& options) {
-  // Narrower sums than for finding bursts: the end is wanted to the millisecond.
-  const std::size_t width = bins_in(2ms, rate);
-  const std::vector<double> sums = smoothed(rate, width);
-  const double leave = limit_of(quiet, width, options.leave + 1.0);
-  const std::size_t needed = bins_in(quiet_for, rate);
-  std::size_t quiet_since = begin;
-  for (std::size_t i = begin; i < sums.size(); ++i) {
-    if (sums[i] >= leave) quiet_since = i + 1;
-    if (i + 1 - quiet_since >= needed && i + 1 > quiet_since) break;
-  }
-  return std::min(quiet_since, sums.size());
+bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const Burst> bursts) {
+  constexpr microseconds brief = 40ms;
+  constexpr double small = 0.1;
+  double largest = 0;
+  for (const Burst& other : bursts) largest = std::max(largest, other.events);
+  return burst.end - burst.begin < bins_in(brief, rate) && burst.events < small * largest;
 }
 
 }  // namespace tactile

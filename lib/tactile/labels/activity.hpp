@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "tactile/labels/event_rate.hpp"
@@ -38,9 +39,8 @@ std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, cons
 /// Events in the bins [begin, end) above what the quiet rate gives.
 double events_above(const EventRate& rate, const QuietRate& quiet, std::size_t begin, std::size_t end);
 
-/// The first bin of the first stretch of `quiet_for` from `begin` on in which no sum exceeds the leave limit; the last bin's end
-/// where there is none.
-std::size_t first_quiet_bin(const EventRate& rate, const QuietRate& quiet, std::size_t begin, microseconds quiet_for,
-                            const ActivityOptions& options = {});
+/// Whether a burst is too brief and too small for a touch: less than 40 ms, with less than a tenth of the largest burst's events.
+/// A stage takes 0.1 s to press, and an arm longer to lift; tips that spring back have rung out by then.
+bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const Burst> bursts);
 
 }  // namespace tactile

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_health.hpp"
@@ -15,19 +16,26 @@ constexpr int parts = 8;
 constexpr microseconds longest_run = std::chrono::hours(1);
 
 struct Span {
-  CameraTime first = CameraTime::max();
-  CameraTime last = CameraTime::min();
+  CameraTime first{}, last{};
+  bool empty = true;
+  std::optional<double> readout_us;
 };
 
 Span span_of(RecordingReader& recording, std::int32_t stream_id) {
-  Span span;
-  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
-    for (const Event& event : events) {
-      span.first = std::min(span.first, event.t);
-      span.last = std::max(span.last, event.t);
-    }
-  });
+  EventMeter meter(std::nullopt, {});
+  for_all_events(recording, stream_id, [&](std::span<const Event> events) { meter.add_packet(events); });
+  const StampHealth stamps = meter.stamps();
+  Span span{.first = stamps.first, .last = stamps.last, .empty = stamps.elements == 0, .readout_us = {}};
+  if (!span.empty) span.readout_us = meter.health().readout_period_us;
   return span;
+}
+
+/// Bins of a part of a read-out would beat: some would hold one more than others.
+microseconds whole_readouts(microseconds bin, const std::optional<double>& readout_us) {
+  constexpr double least_us = 10.0;  // shorter: every event has a time of its own, there are no read-outs
+  if (!readout_us || *readout_us <= least_us) return bin;
+  const std::int64_t readout = std::llround(*readout_us);
+  return microseconds{readout * std::max<std::int64_t>(1, (bin.count() + readout / 2) / readout)};
 }
 
 /// Events per pixel in the part that has the fewest: the noise of an ordinary pixel.
@@ -54,12 +62,93 @@ std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, c
   });
   const double expected = quietest_mean(counts);
   const double limit = std::max({2.0, hot_pixel_hz * length_us / parts / 1e6, expected + 10.0 * std::sqrt(expected)});
+  const auto height = pixels / width;
+  const auto count_in = [&](std::size_t pixel, int part) {
+    return static_cast<double>(counts[pixel * parts + static_cast<std::size_t>(part)]);
+  };
+  // Since it was born, or until it healed.
+  const auto fires_at_an_end = [&](std::size_t pixel, int outer, int inner) {
+    const double there = count_in(pixel, outer), next = count_in(pixel, inner);
+    if (there < limit || next < std::max(limit, 0.5 * there - 3.0 * std::sqrt(there))) return false;
+    const std::size_t x = pixel % width, y = pixel / width;
+    double most = 0, second = 0;
+    for (std::size_t v = y - std::min<std::size_t>(y, 2); v <= std::min(height - 1, y + 2); ++v) {
+      for (std::size_t u = x - std::min<std::size_t>(x, 2); u <= std::min(width - 1, x + 2); ++u) {
+        if (u == x && v == y) continue;
+        const double beside = count_in(v * width + u, outer);
+        second = std::max(second, std::min(most, beside));
+        most = std::max(most, beside);
+      }
+    }
+    return there >= 5.0 * second;
+  };
   std::vector<bool> hot(pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const auto first = counts.begin() + static_cast<std::ptrdiff_t>(pixel * parts);
-    hot[pixel] = std::count_if(first, first + parts, [&](std::uint16_t count) { return count >= limit; }) >= parts - 1;
+    hot[pixel] = std::count_if(first, first + parts, [&](std::uint16_t count) { return count >= limit; }) >= parts - 1 ||
+                 fires_at_an_end(pixel, parts - 1, parts - 2) || fires_at_an_end(pixel, 0, 1);
   }
   return hot;
+}
+
+/// How many bins hold the most that any does, if so many do by no chance: without a limit, few counts as high come twice.
+std::size_t saturated_bins_of(const std::vector<std::uint32_t>& counts) {
+  constexpr std::size_t least = 20;
+  const std::uint32_t most = *std::max_element(counts.begin(), counts.end());
+  const auto at_most = static_cast<std::size_t>(std::count(counts.begin(), counts.end(), most));
+  if (most < 10 || at_most < least) return 0;
+  // Of the counts from 3/4 of it on, each has so many bins.
+  const std::uint32_t from = most - most / 4;
+  const auto near = static_cast<double>(
+      std::count_if(counts.begin(), counts.end(), [&](std::uint32_t count) { return count >= from && count < most; }));
+  return static_cast<double>(at_most) > 10.0 * near / static_cast<double>(most - from) ? at_most : 0;
+}
+
+/// The frequency that has at least `share` of the rate's variance in most quarters of a second, the same one in most.
+std::optional<double> flicker_of(const std::vector<std::uint32_t>& counts, microseconds bin, double share) {
+  constexpr double window_s = 0.25, lowest_hz = 40.0, highest_hz = 1000.0;
+  const double bin_s = 1e-6 * static_cast<double>(bin.count());
+  const auto n = static_cast<std::size_t>(window_s / bin_s);
+  if (n < 50 || counts.size() < 2 * n) return std::nullopt;
+  const auto lowest = static_cast<std::size_t>(lowest_hz * window_s);
+  const auto highest = std::min(static_cast<std::size_t>(highest_hz * window_s), n / 2 - 1);
+  std::vector<std::size_t> votes(highest + 1);
+  std::size_t windows = 0, flickering = 0;
+  std::vector<double> roots(n);
+  // Half a minute tells enough.
+  for (std::size_t begin = 0; begin + n <= counts.size() && windows < 120; begin += n, ++windows) {
+    double mean = 0, variance = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      roots[i] = 2.0 * std::sqrt(counts[begin + i] + 0.375);  // its noise is 1 whatever the rate (Anscombe)
+      mean += roots[i] / static_cast<double>(n);
+    }
+    for (const double root : roots) variance += (root - mean) * (root - mean);
+    if (!(variance > 0)) continue;
+    double best = 0;
+    std::size_t best_k = 0;
+    for (std::size_t k = lowest; k <= highest; ++k) {
+      // Goertzel's recurrence for one frequency.
+      const double w = 2.0 * std::cos(2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+      double s1 = 0, s2 = 0;
+      for (const double root : roots) {
+        const double s = root - mean + w * s1 - s2;
+        s2 = s1;
+        s1 = s;
+      }
+      const double power = 2.0 * (s1 * s1 + s2 * s2 - w * s1 * s2) / static_cast<double>(n);
+      if (power <= best) continue;
+      best = power;
+      best_k = k;
+    }
+    if (best < share * variance) continue;
+    ++flickering;
+    ++votes[best_k];
+  }
+  if (2 * flickering <= windows) return std::nullopt;
+  const auto top = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const std::size_t near = votes[top] + (top > 0 ? votes[top - 1] : 0) + (top < highest ? votes[top + 1] : 0);
+  if (2 * near <= windows) return std::nullopt;
+  return static_cast<double>(top) / (static_cast<double>(n) * bin_s);
 }
 
 }  // namespace
@@ -74,23 +163,37 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
                 " pixels");
   }
   const Span span = span_of(recording, stream_id);
-  if (span.last < span.first) throw Error(where + ": holds no event; expected a recording of a run");
+  if (span.empty) throw Error(where + ": holds no event; expected a recording of a run");
   const microseconds length = between(span.first, span.last);
   if (length > longest_run) {
     throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
   }
   const std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
 
+  const microseconds bin = whole_readouts(options.bin, span.readout_us);
   EventRate rate{.begin = span.first,
-                 .bin = options.bin,
-                 .counts = std::vector<std::uint32_t>(static_cast<std::size_t>(length / options.bin) + 1),
+                 .bin = bin,
+                 .counts = std::vector<std::uint32_t>(static_cast<std::size_t>(length / bin) + 1),
                  .hot_pixels = static_cast<std::size_t>(std::count(hot.begin(), hot.end(), true)),
                  .last = span.last,
-                 .hot = {}};
+                 .hot = {},
+                 .saturated_bins = 0,
+                 .flicker_hz = {}};
   for (std::size_t pixel = 0; pixel < hot.size(); ++pixel) {
     if (hot[pixel]) rate.hot.push_back(static_cast<std::uint32_t>(pixel));
   }
-  for_counted_events(recording, stream_id, rate, [&](const Event&, std::size_t bin) { ++rate.counts[bin]; });
+  // The limit of a read-out is one of all its events, those of hot pixels too.
+  std::vector<std::uint32_t> all(rate.counts.size());
+  const auto width = static_cast<std::size_t>(stream.size->width);
+  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
+    for (const Event& event : events) {
+      const auto at = static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin);
+      ++all[at];
+      if (!hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) ++rate.counts[at];
+    }
+  });
+  rate.saturated_bins = saturated_bins_of(all);
+  rate.flicker_hz = flicker_of(rate.counts, rate.bin, options.flickers);
   return rate;
 }
 

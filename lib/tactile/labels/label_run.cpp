@@ -67,13 +67,6 @@ std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std:
   return bursts;
 }
 
-std::vector<BrightnessChange> changes_of(RecordingReader& recording, const RunSignals& signals,
-                                         const std::vector<Burst>& bursts) {
-  std::vector<CameraSpan> spans;
-  for (const Burst& burst : bursts) spans.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
-  return brightness_changes(recording, signals.event_stream, spans, signals.rate.hot);
-}
-
 /// The command ahead of a press that made it: the last change of an output to a greater value within two seconds.
 std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotClocks& clocks, CameraTime press) {
   constexpr microseconds longest_way = 2s;
@@ -162,10 +155,11 @@ class Labeller {
     RecordingReader recording(signals_.run.events());
     const std::vector<Burst> bursts = parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts);
     const bool lifts_are_known = signals_.has_robot && moves_.all_placed;
-    const std::vector<BurstKind> kinds =
-        kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt, moves_.taps,
-                 changes_of(recording, signals_, bursts), options_.touches);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
+    std::vector<double> undoes;
+    for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
+    const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt,
+                                                  moves_.taps, undoes, options_.touches);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] == BurstKind::press) {
         const FoundTime onset = press_onset(lit[i], options_.onset);
@@ -339,12 +333,13 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"shortest_us", options.signals.activity.shortest.count()},
           {"shortest_gap_us", options.signals.shortest_gap.count()},
           {"video_region", region},
-          {"brief_us", options.touches.brief.count()},
-          {"brief_share", options.touches.brief_share},
-          {"release_likeness", options.touches.release_likeness},
+          {"releases", options.touches.releases},
           {"onset_before_us", options.onset.before.count()},
           {"onset_first_contact_us", options.onset.first_contact.count()},
           {"onset_latency_us", options.onset.latency.count()},
+          {"press_still_us", options.end.press_still.count()},
+          {"slip_still_us", options.end.slip_still.count()},
+          {"end_too_wide_ms", options.end.too_wide_ms},
           {"too_wide_ms", options.onset.too_wide_ms},
           {"ambiguous_below", options.clocks.anchors.ambiguous_below},
           {"most_drift_ppm", options.clocks.fit.most_drift_ppm},

@@ -11,6 +11,20 @@ constexpr std::int64_t never = std::int64_t{-1} << 40;
 /// By cell, how many events it had in some stretch of time.
 using CellCounts = std::vector<std::uint32_t>;
 
+/// By cell, how many more events were brighter than darker.
+using Brightening = std::vector<std::int32_t>;
+
+/// About 0, not about the means: no brightening is no likeness.
+double correlation_of(const Brightening& a, const Brightening& b) {
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += static_cast<double>(a[i]) * a[i];
+    bb += static_cast<double>(b[i]) * b[i];
+    ab += static_cast<double>(a[i]) * b[i];
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
 class Cells {
  public:
   Cells(SensorSize size, int cell_px)
@@ -87,12 +101,18 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
   // In which cells each burst has its events.
   CellCounts quiet(cells.count());
   std::vector<CellCounts> of_burst(bursts.size(), CellCounts(cells.count()));
+  std::vector<Brightening> brighter(bursts.size(), Brightening(cells.count()));
   for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
     if (is_quiet[bin]) ++quiet[cells.at(event)];
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (bin >= bursts[i].begin && bin < bursts[i].end) ++of_burst[i][cells.at(event)];
+      if (bin >= bursts[i].begin && bin < bursts[i].end) {
+        const std::size_t cell = cells.at(event);
+        ++of_burst[i][cell];
+        brighter[i][cell] += event.on != 0 ? 1 : -1;
+      }
     }
   });
+  Brightening so_far(cells.count());
   std::vector<std::vector<bool>> lit;
   std::vector<LitRate> rates;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
@@ -106,7 +126,9 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
                   .counts = std::vector<std::uint32_t>(windows[i].end - windows[i].begin),
                   .hot_pixels = rate.hot_pixels,
                   .last = std::min(rate.last, rate.begin_of(windows[i].end)),
-                  .hot = {}};
+                  .hot = {},
+                  .saturated_bins = 0,
+                  .flicker_hz = {}};
     found.repeats.resize(found.rate.counts.size());
     found.burst_begin = bursts[i].begin - windows[i].begin;
     found.burst_end = bursts[i].end - windows[i].begin;
@@ -118,14 +140,16 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
     }
     found.quiet_per_bin = quiet_bins > 0 ? quiet_events / quiet_bins : 0.0;
     found.lit_share = lit_count / static_cast<double>(cells.count());
+    found.undoes = -correlation_of(brighter[i], so_far);
+    for (std::size_t cell = 0; cell < cells.count(); ++cell) so_far[cell] += brighter[i][cell];
     rates.push_back(std::move(found));
   }
   // By pixel the bin and polarity of its last event: 2 * bin + on.
   std::vector<std::int64_t> last_of(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), never);
   const auto repeat_bins = static_cast<std::int64_t>(bins(options.repeat_within));
   for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
-    std::int64_t& last = last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size.width) +
-                                 static_cast<std::size_t>(event.x)];
+    std::int64_t& last =
+        last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(event.x)];
     const std::int64_t now = 2 * static_cast<std::int64_t>(bin) + event.on;
     const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
     last = now;
@@ -135,9 +159,14 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
       if (repeats) ++rates[i].repeats[bin - windows[i].begin];
     }
   });
-  for (LitRate& found : rates) {
-    const std::size_t ahead = found.burst_begin - std::min(found.burst_begin, bins(options.quiet_margin));
-    found.dispersion = dispersion_of(std::span(found.rate.counts).first(ahead), std::max<std::size_t>(1, bins(5ms)));
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    // Ahead of the burst, as far as nothing else was on.
+    const auto loud = static_cast<std::ptrdiff_t>(bursts[i].begin - std::min(bursts[i].begin, bins(options.quiet_margin)));
+    auto from = loud;
+    while (from > static_cast<std::ptrdiff_t>(windows[i].begin) && is_quiet[static_cast<std::size_t>(from - 1)]) --from;
+    const auto ahead = std::span(rates[i].rate.counts)
+                           .subspan(static_cast<std::size_t>(from) - windows[i].begin, static_cast<std::size_t>(loud - from));
+    rates[i].dispersion = dispersion_of(ahead, std::max<std::size_t>(1, bins(5ms)));
   }
   return rates;
 }

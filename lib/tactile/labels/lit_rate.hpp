@@ -14,7 +14,7 @@ namespace tactile {
 /// How often the part of the image that one burst lights fires, around that burst. A touch moves some markers and leaves the
 /// others alone: without the rest of the image a tenth or less of the noise is left, and onsets and ends stand out.
 struct LitRate {
-  EventRate rate;               ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded
+  EventRate rate;  ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded
   /// How many of them repeat their pixel's last event: the same polarity, not more than `repeat_within` later.
   std::vector<std::uint32_t> repeats;
   double quiet_per_bin = 0;     ///< of the lit cells while no burst is on anywhere
@@ -22,14 +22,17 @@ struct LitRate {
   std::size_t burst_begin = 0;  ///< in bins of `rate`
   std::size_t burst_end = 0;
   double lit_share = 0;  ///< of the image
+  /// How far the burst undoes what all bursts before it did, -1 to 1: the correlation of the brightening of pixels. A release
+  /// gives back what its press took, so that it is near 1; the first burst has 0.
+  double undoes = 0;
 };
 
 struct LitRateOptions {
-  int cell_px = 8;                    ///< side of a cell; small against a marker, large enough to hold some events
-  double stands_out = 5.0;            ///< [standard deviations] a lit cell has so many events above its noise, and 4 more
-  microseconds margin{500'000};       ///< kept ahead of a burst and behind it
+  int cell_px = 8;                     ///< side of a cell; small against a marker, large enough to hold some events
+  double stands_out = 5.0;             ///< [standard deviations] a lit cell has so many events above its noise, and 4 more
+  microseconds margin{500'000};        ///< kept ahead of a burst and behind it
   microseconds repeat_within{40'000};  ///< see LitRate::repeats
-  microseconds quiet_margin{20'000};  ///< so near to a burst nothing counts as quiet
+  microseconds quiet_margin{20'000};   ///< so near to a burst nothing counts as quiet
 };
 
 /// Of each burst in turn. Which cells a burst lights is learned from the burst itself, so that nothing is assumed of where the

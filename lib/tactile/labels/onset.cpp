@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace tactile {
 namespace {
@@ -136,6 +137,30 @@ FoundTime found(const LitRate& lit, const Scan& scan, const OnsetOptions& option
   return result;
 }
 
+/// A drag begins at a speed. What begins gradually, and gives way to a sharper jump soon, may have been ringing as strong as a
+/// drag: that jump then, if there is one.
+std::optional<std::size_t> sharper_jump(const LitRate& lit, std::size_t onset, std::size_t width, std::size_t within) {
+  const Sums sums(lit.rate.counts);
+  const std::size_t n = lit.rate.counts.size(), gap = width / 5;
+  if (onset < width + gap || onset + 5 * width > n) return std::nullopt;
+  const auto rise_at = [&](std::size_t at) {  // of the rate's root, whose noise is the same for all rates
+    if (at < width + gap || at + width + gap > n) return 0.0;
+    return std::sqrt(sums.of(at + gap, at + gap + width)) - std::sqrt(sums.of(at - width - gap, at - gap));
+  };
+  const double step = sums.of(onset + 2 * gap, onset + 2 * gap + width) - sums.of(onset - width - gap, onset - gap);
+  const double reached = 0.5 * sums.of(onset + 3 * width, onset + 5 * width);
+  if (step >= 0.5 * reached) return std::nullopt;
+  const double here = std::max(rise_at(onset), rise_at(onset + width / 2));
+  std::size_t best = onset;
+  double most = 0;
+  for (std::size_t i = onset + width + width / 2; i < std::min(n, onset + within); ++i) {
+    if (rise_at(i) <= most) continue;
+    most = rise_at(i);
+    best = i;
+  }
+  return most > 1.3 * here && most > 2.0 ? std::optional(best) : std::nullopt;
+}
+
 /// The first bin of what begins a slip. A few tips that spring back before the lift are a stretch of their own: behind it all is
 /// quiet for long, and it is small against what comes then.
 std::size_t slip_begin(const LitRate& lit) {
@@ -156,7 +181,7 @@ std::size_t slip_begin(const LitRate& lit) {
   for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
     const double here = sums.of(pieces[i].begin, pieces[i].end);
     const double later = sums.of(pieces[i + 1].begin, pieces.back().end) / static_cast<double>(pieces.size() - i - 1);
-    if (here >= 0.25 * later) return pieces[i].begin;
+    if (here >= 0.08 * later) return pieces[i].begin;
   }
   return pieces.empty() ? lit.burst_begin : pieces.back().begin;
 }
@@ -231,18 +256,26 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
     begin = std::min(earliest, first);
   }
 
-  // Up to where the rate first has 0.3 of what it reaches: the drag is on by then, and has told all about its begin.
+  // Up to where the rate first has 0.3 of what the first drag reaches: it is on by then, and has told all about its begin. That
+  // drag is looked for from where more than ringing is on; what later jerks reach does not matter.
   const Sums all(rate.counts);
   const std::size_t width = std::max<std::size_t>(1, bins(1ms));
   const std::size_t rise_end = std::min(rate.counts.size(), first + bins(options.rise));
-  double most = 0;
-  for (std::size_t i = first; i + width <= rise_end; ++i) most = std::max(most, all.of(i, i + width));
-  std::size_t end = rise_end;
-  for (std::size_t i = begin; i + width <= rise_end; ++i) {
-    if (all.of(i, i + width) < 0.3 * most) continue;
-    end = std::min(rise_end, i + 2 * width);
-    break;
-  }
+  const double noise = lit.quiet_per_bin * static_cast<double>(width);
+  const double stands_out = 5.0 * std::sqrt(lit.dispersion * std::max(noise, 0.5));
+  const auto most_in = [&](std::size_t from, std::size_t to) {  // above the noise
+    double most = 0;
+    for (std::size_t i = from; i + width <= to; ++i) most = std::max(most, all.of(i, i + width) - noise);
+    return most;
+  };
+  const auto first_above = [&](std::size_t from, double limit) {
+    std::size_t i = from;
+    while (i + width < rise_end && all.of(i, i + width) - noise < std::max(limit, stands_out)) ++i;
+    return i;
+  };
+  const std::size_t strong = first_above(begin, 0.08 * most_in(first, rise_end));
+  const double most = most_in(strong, std::min(rise_end, strong + bins(options.first_drag)));
+  const std::size_t end = std::min(rise_end, first_above(strong, 0.3 * most) + 2 * width);
   begin = std::max(begin, end - std::min(end, bins(options.before) + bins(options.before) / 2));
   const Counts counts = Counts(rate.counts).subspan(begin, end - begin);
   const Sums sums(counts);
@@ -257,9 +290,12 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   for (std::size_t tau = 0; tau < n; ++tau) {
     const double ahead = log_likelihood_of(sums.of(0, tau), static_cast<double>(tau), quiet);
     plain[tau] = ahead + best_rise(counts.subspan(tau), quiet).log_likelihood;
-    // The ringing that suits what is ahead of tau best, from one of the steps on.
+    // The ringing that suits what is ahead of tau best.
     double best_ahead = minus_infinity, level = 0;
-    for (std::size_t rho = tau % step; rho + step <= tau; rho += step) {
+    // From so many milliseconds ago on.
+    for (const std::size_t ms : {1U, 2U, 3U, 4U, 5U, 6U, 8U, 10U, 12U, 15U, 18U, 22U, 27U, 33U, 40U, 48U, 60U}) {
+      if (ms * step > tau) break;
+      const std::size_t rho = tau - ms * step;
       const double events = sums.of(rho, tau), expected = quiet * static_cast<double>(tau - rho);
       if (events <= expected) continue;
       const double m = static_cast<double>(tau - rho);
@@ -295,9 +331,14 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
     const std::size_t at = begin + chosen.best;
     const double ahead = mean(at - std::min(at, width + gap), at - std::min(at, gap)) - quiet;
     const double behind = mean(at + 3 * width, at + 5 * width) - quiet;
-    if (ahead > 0.1 * behind) chosen.low = std::min(chosen.low, rung_from[rung.best]);
+    if (ahead > 0.05 * behind) chosen.low = std::min(chosen.low, rung_from[rung.best]);
   }
-  return found(lit, {begin + chosen.best, begin + chosen.low, begin + chosen.high}, options);
+  FoundTime onset = found(lit, {begin + chosen.best, begin + chosen.low, begin + chosen.high}, options);
+  if (const auto jump = sharper_jump(lit, begin + chosen.best, width, bins(options.first_drag))) {
+    onset.time.high = std::max(onset.time.high, after(rate.begin_of(*jump), rate.bin));
+    onset.doubt = "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon";
+  }
+  return onset;
 }
 
 }  // namespace tactile

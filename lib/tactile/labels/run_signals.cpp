@@ -74,6 +74,13 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
         fmt::format("the recording is cut off: {} bytes behind its last whole packet", problems.truncated_bytes));
   if (const auto unread = problems.broken_packets + problems.mismatched_packets; unread > 0)
     signals.problems.push_back(fmt::format("{} packets of the recording cannot be read", unread));
+  if (signals.rate.saturated_bins > 0) {
+    signals.problems.push_back(fmt::format(
+        "{} read-outs of the recording are full: events were lost in them, and where the rate is highest it is not known",
+        signals.rate.saturated_bins));
+  }
+  if (signals.rate.flicker_hz)
+    signals.problems.push_back(fmt::format("the light flickers at {:.0f} Hz: touches drown in its events", *signals.rate.flicker_hz));
   if (const auto gap = gap_in(signals.rate, signals.quiet, options.shortest_gap)) {
     signals.problems.push_back(
         fmt::format("the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",

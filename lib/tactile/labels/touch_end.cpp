@@ -30,8 +30,8 @@ struct Steps {
 Steps steps_from(const LitRate& lit, CameraTime onset, microseconds wanted) {
   const EventRate& rate = lit.rate;
   const std::int64_t per_step = std::max<std::int64_t>(1, wanted / rate.bin);
-  const auto first = static_cast<std::size_t>(std::clamp<std::int64_t>(
-      between(rate.begin, onset) / rate.bin, 0, static_cast<std::int64_t>(rate.counts.size())));
+  const auto first = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(between(rate.begin, onset) / rate.bin, 0, static_cast<std::int64_t>(rate.counts.size())));
   // Events of a read-out were caused since the one before it.
   Steps steps{.begin = before(rate.begin_of(first), rate.bin / 2),
               .step = rate.bin * per_step,
@@ -136,7 +136,7 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
   // The decline's last half, or from where it last has 0.6 of its peak.
   std::size_t first = faded;
   while (first > 0 && rates[first - 1] < steps.quiet + 0.6 * peak) --first;
-  first = std::max(first, faded / 2);
+  first = std::max(std::min(first, faded - std::min(faded, steps.in(12ms))), faded / 2);
   const std::size_t last = std::min(steps.events.size(), faded + steps.in(40ms));
   const std::span<const double> events(steps.events.data() + first, last - first);
   const auto fade = static_cast<double>(faded - first);
@@ -153,9 +153,10 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
   Fit best{.whole_press = static_cast<double>(faded), .power = 1, .log_likelihood = -std::numeric_limits<double>::infinity()};
   double best_z = 0, best_chi2 = 0;
   std::vector<double> shape(events.size());
-  for (double power = 0.3; power <= 3.01; power *= 1.12) {
+  for (double power = 0.05; power <= 3.2; power *= 1.2) {
     double z = std::max(steps.quiet, 0.05), g = peak / std::pow(std::max(fade, 1.0), power);
-    for (double still = std::max(2.0, fade - 15.0); still <= std::min(fade + 25.0, static_cast<double>(events.size())); still += 0.5) {
+    for (double still = std::max(2.0, fade - 15.0); still <= std::min(fade + 25.0, static_cast<double>(events.size()));
+         still += 0.5) {
       for (std::size_t i = 0; i < shape.size(); ++i) {
         const double left = still - (static_cast<double>(i) + 0.5);
         shape[i] = left > 0 ? std::pow(left, power) : 0.0;
@@ -210,18 +211,21 @@ FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOpti
   }
   const double peak =
       std::max(1e-6, *std::max_element(rates.begin(), rates.begin() + static_cast<std::ptrdiff_t>(whole)) - steps.quiet);
-  const double visible = std::max(options.still_share * peak, least_limit(steps, lit.dispersion, steps.in(3ms), 2.0));
+  const double visible = std::max(options.still_share * peak, least_limit(steps, lit.dispersion, steps.in(3ms), 3.5));
   // Until then the tips are seen to move; what goes on afterwards is fainter, or somebody else's.
-  const std::size_t seen = std::max<std::size_t>(
-      1, std::min(still_from(rates, 0, steps.quiet + visible, steps.in(options.slip_still)), rates.size()));
+  const std::size_t seen =
+      std::max<std::size_t>(1, std::min(still_from(rates, 0, steps.quiet + visible, steps.in(options.slip_still)), rates.size()));
   const std::size_t from = seen - std::min(seen, steps.in(20ms));
-  const auto top = std::max_element(rates.begin() + static_cast<std::ptrdiff_t>(from), rates.begin() + static_cast<std::ptrdiff_t>(seen));
-  const double fade_steps = static_cast<double>(seen) - static_cast<double>(top - rates.begin());
-  const double tau = fade_steps / std::log(std::max(1.5, (*top - steps.quiet) / visible));
+  const double top =
+      *std::max_element(rates.begin() + static_cast<std::ptrdiff_t>(from), rates.begin() + static_cast<std::ptrdiff_t>(seen)) -
+      steps.quiet;
+  std::size_t half = seen;
+  while (half > from + 1 && rates[half - 1] < steps.quiet + 0.5 * top) --half;
+  const double tau = static_cast<double>(seen - half) / std::log(std::max(2.0, 0.5 * top / visible));
   const auto at = [&](double steps_later, microseconds shift) {
     return after(steps.time_of(static_cast<double>(seen) + steps_later), shift);
   };
-  FoundTime end{.time = {.at = at(3.0 * tau, 0us), .low = at(0.0, -9ms), .high = at(5.0 * tau, 20ms)}, .doubt = {}};
+  FoundTime end{.time = {.at = at(4.0 * tau, 0us), .low = at(0.0, -9ms), .high = at(6.0 * tau, 20ms)}, .doubt = {}};
   // A long, weak tail may be the arm's ringing where it stops, which is nobody's, or a surface that still runs past.
   std::size_t strong = seen;
   while (strong > 1 && rates[strong - 1] < steps.quiet + std::max(0.1 * peak, visible)) --strong;

@@ -5,11 +5,11 @@
 namespace tactile {
 
 struct EndOptions {
-  double still_share = 0.01;             ///< of the peak speed: slower is still
-  microseconds press_still{20'000};      ///< a press ends at the first so long stillness
-  microseconds slip_still{150'000};      ///< a slip likewise: stick phases belong to it
-  microseconds least_error{1'000};       ///< no interval reaches less far to either side
-  double too_wide_ms = 200.0;        ///< doubtful if the interval is wider: it may be off by the guard between a touch and samples of none
+  double still_share = 0.01;         ///< of the peak speed: slower is still
+  microseconds press_still{20'000};  ///< a press ends at the first so long stillness
+  microseconds slip_still{150'000};  ///< a slip likewise: stick phases belong to it
+  microseconds least_error{1'000};   ///< no interval reaches less far to either side
+  double too_wide_ms = 200.0;        ///< doubtful if wider: it may be off by more than the guard between a touch and samples of none
 };
 
 /// When the press's speed fell below 1 % of its peak. A marker's speed shows in its events up to where they fade into the noise;
@@ -25,10 +25,11 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
 /// alone, and of their last ringing only what moves an edge by a tenth of a pixel or so. It dies away exponentially: with t the
 /// last time that the rate has 1 % of its peak, and tau the time in which it fell by a factor of e until then,
 ///
-///   end = t + 3 tau,   from t - 9 ms (an arm that stops within a stick phase) to t + 5 tau + 20 ms (a slip without texture that
-///   goes on unseen)
+///   end = t + 4 tau,   from t - 9 ms (an arm that stops within a stick phase) to t + 6 tau + 20 ms (a surface that runs past
+///   unseen)
 ///
-/// The interval is wide since nothing that the camera sees tells more.
+/// A tail of more than 60 ms below a tenth of the peak may be the arm's ringing where it stops: the interval then reaches back to
+/// its begin. The interval is wide since nothing that the camera sees tells more.
 FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options = {});
 
 }  // namespace tactile

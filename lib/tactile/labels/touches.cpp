@@ -27,19 +27,11 @@ std::optional<std::size_t> slip_of(const EventRate& rate, std::span<const Burst>
   return best;
 }
 
-bool is_brief(const EventRate& rate, const Burst& burst, double most_events, const TouchesOptions& options) {
-  return rate.bin * static_cast<std::int64_t>(burst.end - burst.begin) < options.brief &&
-         burst.events < options.brief_share * most_events;
-}
-
 }  // namespace
 
 std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
-                                std::span<const BrightnessChange> changes, const TouchesOptions& options) {
-  double most_events = 0;
-  for (const Burst& burst : bursts) most_events = std::max(most_events, burst.events);
-
+                                std::span<const double> undoes, const TouchesOptions& options) {
   std::vector<BurstKind> kinds(bursts.size(), BurstKind::press);
   std::optional<std::size_t> last_slip;
   const auto is_slip = [&](std::size_t i) {
@@ -54,25 +46,25 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
     // By order alone: the last burst that is no trifle, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!is_brief(rate, bursts[i], most_events, options)) large.push_back(i);
+      if (!is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }
 
-  std::optional<std::size_t> standing_press;
+  bool press_stands = false;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     if (kinds[i] == BurstKind::slip) continue;
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
       kinds[i] = BurstKind::tap;
     } else if (last_slip && i > *last_slip) {
       kinds[i] = BurstKind::after;
-    } else if (is_brief(rate, bursts[i], most_events, options)) {
+    } else if (is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
-    } else if (standing_press && likeness(changes[i], changes[*standing_press]) < options.release_likeness) {
+    } else if (press_stands && undoes[i] > options.releases) {
       kinds[i] = BurstKind::release;
-      standing_press.reset();
+      press_stands = false;
     } else {
-      standing_press = i;
+      press_stands = true;
     }
   }
   return kinds;

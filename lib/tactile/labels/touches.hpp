@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "tactile/labels/activity.hpp"
-#include "tactile/labels/brightness_change.hpp"
 
 namespace tactile {
 
@@ -26,9 +25,7 @@ enum class BurstKind : std::uint8_t {
 };
 
 struct TouchesOptions {
-  microseconds brief{40'000};       ///< a burst that is shorter than this
-  double brief_share = 0.1;         ///< and has less than this share of the largest burst's events is none of a touch
-  double release_likeness = -0.25;  ///< a burst whose `likeness` to the press before it is below this takes it back; -1 to 0
+  double releases = 0.5;  ///< a burst that undoes what was done before it by more than this is a release, 0 to 1
 };
 
 /// Tells bursts apart, in order of time:
@@ -37,14 +34,14 @@ struct TouchesOptions {
 /// the
 ///   arm is known not to have risen.
 /// - What lies in a tap of the arm is the tap.
-/// - What is short and small is brief; what follows the last slip is `after`.
-/// - Any other burst is a press, unless it takes back the press before it: a marker that goes back leaves dark where it had left
-///   bright.
+/// - What follows the last slip is `after`; what `is_after_effect` brief.
+/// - Any other burst is a press, unless a press stands and it takes that back: a marker that goes back leaves dark where it had
+///   left bright.
 ///
-/// @param lifts    nothing: nobody knows whether the arm rose
-/// @param changes  of each burst
+/// @param lifts   nothing: nobody knows whether the arm rose
+/// @param undoes  of each burst, as `LitRate` has it
 std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
-                                std::span<const BrightnessChange> changes, const TouchesOptions& options = {});
+                                std::span<const double> undoes, const TouchesOptions& options = {});
 
 }  // namespace tactile

@@ -1,0 +1,89 @@
+#include "tactile/labels/lit_rate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/events/recording_writer.hpp"
+
+namespace tactile {
+namespace {
+
+/// 64 x 48 pixels of noise; a press lights a square of 16 x 16, its left half brighter, its right half darker; a release takes
+/// that back; another touch lights a square elsewhere.
+void write_touches(const std::filesystem::path& file) {
+  Random random(1);
+  RecordingWriter writer(file, {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<Event> events;
+  const auto add = [&](std::int64_t t, std::uint64_t x, std::uint64_t y, bool on) {
+    Event event;
+    event.t = camera_time(t);
+    event.x = static_cast<std::int16_t>(x);
+    event.y = static_cast<std::int16_t>(y);
+    event.on = on ? 1 : 0;
+    events.push_back(event);
+  };
+  for (std::int64_t t = 0; t < 3'000'000; t += 200) {
+    for (std::uint64_t n = random.poisson(3.0); n > 0; --n) add(t, random.below(64), random.below(48), random.below(2) == 1);
+    const auto touch = [&](std::int64_t from, std::uint64_t left, std::uint64_t top, bool undo) {
+      if (t < from || t >= from + 200'000) return;
+      for (std::uint64_t n = random.poisson(20.0); n > 0; --n) {
+        const std::uint64_t x = random.below(16);
+        add(t, left + x, top + random.below(16), (x < 8) != undo);
+      }
+    };
+    touch(800'000, 8, 8, false);
+    touch(1'500'000, 8, 8, true);
+    touch(2'200'000, 40, 24, false);
+  }
+  writer.write_events(0, events);
+  writer.close();
+}
+
+TEST(LitRate, KeepsWhatABurstLightsAndATenthOfTheNoise) {
+  const test::TemporaryFolder folder;
+  write_touches(folder / "events.aedat4");
+  RecordingReader recording(folder / "events.aedat4");
+  const EventRate rate = event_rate(recording, 0);
+  const auto bursts = bursts_in(rate, quiet_rate(rate));
+  ASSERT_EQ(bursts.size(), 3U);
+  const auto lit = lit_rates(recording, 0, rate, bursts);
+  ASSERT_EQ(lit.size(), 3U);
+  for (const LitRate& burst : lit) {
+    EXPECT_NEAR(burst.lit_share, 256.0 / (64 * 48), 1e-9);
+    EXPECT_NEAR(burst.quiet_per_bin, 3.0 * 256.0 / (64 * 48), 0.03);
+    EXPECT_EQ(burst.repeats.size(), burst.rate.counts.size());
+    const auto first = burst.rate.counts.begin();
+    const double touched =
+        std::accumulate(first + static_cast<long>(burst.burst_begin), first + static_cast<long>(burst.burst_end), 0.0);
+    EXPECT_NEAR(touched, 20'250, 700);
+    const double ahead = std::accumulate(first + 200, first + 2'400, 0.0) / 2'200;
+    EXPECT_NEAR(ahead, 0.25, 0.06);
+    EXPECT_LT(burst.dispersion, 1.7);
+  }
+  EXPECT_EQ(us_of(lit[0].rate.begin_of(lit[0].burst_begin)), us_of(rate.begin_of(bursts[0].begin)));
+}
+
+TEST(LitRate, TellsAReleaseByTheLightThatItGivesBack) {
+  const test::TemporaryFolder folder;
+  write_touches(folder / "events.aedat4");
+  RecordingReader recording(folder / "events.aedat4");
+  const EventRate rate = event_rate(recording, 0);
+  const auto lit = lit_rates(recording, 0, rate, bursts_in(rate, quiet_rate(rate)));
+  ASSERT_EQ(lit.size(), 3U);
+  EXPECT_NEAR(lit[0].undoes, 0.0, 1e-9);
+  EXPECT_GT(lit[1].undoes, 0.95);
+  EXPECT_LT(lit[2].undoes, 0.5);
+}
+
+TEST(LitRate, OfNoBurstsIsNone) {
+  const test::TemporaryFolder folder;
+  write_touches(folder / "events.aedat4");
+  RecordingReader recording(folder / "events.aedat4");
+  EXPECT_TRUE(lit_rates(recording, 0, event_rate(recording, 0), {}).empty());
+}
+
+}  // namespace
+}  // namespace tactile
