@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "support/run_command.hpp"
@@ -117,10 +118,10 @@ TEST_F(LabelExchange, AnAnswerInLabelStudioConfirmsARunAndLeavesTheOthers) {
                    {{"id", 8}, {"was_cancelled", false}, {"result", tasks[0]["predictions"][0]["result"]}}});
   write_whole(folder / "answered.json", tasks.dump());
   const json imported = result_of("--import answered.json").at("imported");
-  EXPECT_TRUE(imported.at(0).at("looked_at"));
+  EXPECT_TRUE(imported.at(0).at("looked_at").get<bool>());
   EXPECT_GE(imported.at(0).at("confirmed"), 2);
   EXPECT_EQ(imported.at(0).at("moved"), 0);
-  EXPECT_FALSE(imported.at(1).at("looked_at"));
+  EXPECT_FALSE(imported.at(1).at("looked_at").get<bool>());
 }
 
 TEST_F(LabelExchange, WhatIsThereAlreadyIsReplacedOnlyIfForced) {

@@ -1,4 +1,6 @@
 #include <array>
+#include <cstdlib>
+#include <tuple>
 
 #include "bytes_as_file.hpp"
 #include "tactile/core/error.hpp"

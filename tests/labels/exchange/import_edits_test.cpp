@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "labels/exchange/exported.hpp"
 #include "support/error_of.hpp"
 

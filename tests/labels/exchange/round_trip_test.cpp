@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "labels/exchange/exported.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"

@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
