@@ -98,16 +98,25 @@ TEST(FitClock, RefusesAnchorsThatContradictEachOther) {
   anchors[0].camera += 9s;
   anchors[1].camera -= 5s;
   anchors[2].camera += 1s;
-  anchors[2].sigma_us = anchors[3].sigma_us = 299;
-  ClockFit fit = fit_clock(anchors, clock_start_us);
-  if (fit.clock) {  // or else the interval must say how little is known
-    EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 1'000'000);
-  } else {
-    EXPECT_FALSE(fit.refused.empty());
-  }
+  const ClockFit four = fit_clock(anchors, clock_start_us);
+  EXPECT_FALSE(four.clock);
+  EXPECT_NE(four.refused.find("the 4 anchors contradict each other"), std::string::npos) << four.refused;
+  anchors.resize(2);
+  EXPECT_FALSE(fit_clock(anchors, clock_start_us).clock);
   const ClockFit none = fit_clock({}, clock_start_us);
   EXPECT_FALSE(none.clock);
   EXPECT_EQ(none.refused, "nothing relates the two clocks");
+}
+
+TEST(FitClock, OfTwoThatContradictEachOtherBelievesTheFarMoreCertain) {
+  std::vector<ClockAnchor> anchors = anchors_of(2, 1, 0.0, 300);
+  anchors[1].camera += 60ms;
+  anchors[1].sigma_us = 3'000;
+  const ClockFit fit = fit_clock(anchors, clock_start_us);
+  ASSERT_TRUE(fit.clock) << fit.refused;
+  EXPECT_EQ(fit.clock->anchors, 1);
+  EXPECT_NEAR(static_cast<double>(fit.clock->relation.offset_us - true_offset_us), 0.0, 1'000.0);
+  EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 2'000);
 }
 
 TEST(FitClock, CoversTheTruthAsOftenAsItSays) {

@@ -71,7 +71,7 @@ double scatter_of(const std::vector<Point>& points, const Line& line, std::size_
     if (p.used) sizes.push_back(std::abs(line.residual(p)) / p.sigma);
   }
   if (sizes.size() <= free_parameters) return 1.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) / 2);  // of two the one that fits
   std::nth_element(sizes.begin(), middle, sizes.end());
   const auto n = static_cast<double>(sizes.size());
   return std::max(1.0, 1.4826 * *middle * std::sqrt(n / (n - static_cast<double>(free_parameters))));
@@ -233,9 +233,12 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
     all_weight += own;
     weight += points[i].used ? own : 0.0;
   }
-  if (!(weight > 0.5 * all_weight)) {
-    return refuse(fmt::format("the {} anchors contradict each other: no line has most of them within {:.0f} standard deviations",
-                              anchors.size(), options.reject_beyond));
+  constexpr double least_share = 0.6, most_scatter = 30.0;
+  if (!(weight > least_share * all_weight) || scatter > most_scatter) {
+    return refuse(fmt::format(
+        "the {} anchors contradict each other: most of the weight must lie within {:.0f} standard deviations of a line, and "
+        "they may scatter by {:.0f} times their own",
+        anchors.size(), options.reject_beyond, most_scatter));
   }
 
   // Each anchor's share in the value at the middle.

@@ -61,8 +61,8 @@ struct ClockFit {
 ///
 /// Runs that share both clocks are one call with the anchors of all.
 ///
-/// Refused: no anchor, a drift beyond `most_drift_ppm`, clocks further apart than int64 holds, fewer than half of the weight in
-/// agreement.
+/// Refused: no anchor, a drift beyond `most_drift_ppm`, clocks further apart than int64 holds, anchors of which two fifths
+/// of the weight are left out, or that scatter by thirty times what they say.
 ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_us, const ClockFitOptions& options = {});
 
 }  // namespace tactile
