@@ -61,10 +61,14 @@ TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
   ASSERT_EQ(labels.robot_clocks.size(), 1U);
-  EXPECT_NEAR(static_cast<double>(labels.robot_clocks[0].relation.offset_us), -123'456'789, 5'000);
+  // Events that do not follow the arm's speed, as no skin's do: the interval says how little they tell.
+  EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
+  EXPECT_GE(labels.robot_clocks[0].offset_high_us, -123'456'789);
+  EXPECT_LE(labels.robot_clocks[0].uncertainty(), 40ms);
   EXPECT_EQ(labels.robot_clocks[0].relation.drift_ppm, 0.0);
   ASSERT_TRUE(labels.intervals[1].evidence.robot.has_value());
-  EXPECT_NEAR(ms_from_begin(*labels.intervals[1].evidence.robot), 1500.0, 5.0);
+  EXPECT_NEAR(ms_from_begin(*labels.intervals[1].evidence.robot), 1500.0,
+              1e-3 * static_cast<double>(labels.robot_clocks[0].uncertainty().count()));
 }
 
 TEST(LabelRun, TellsTheSlipByTheLiftWhenThePressIsTheLongerOne) {
@@ -92,12 +96,15 @@ TEST(LabelRun, OfNoiseAloneFindsNothingAndSaysSo) {
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
-TEST(LabelRun, OfAnArmThatNeverRisesIsFlagged) {
+TEST(LabelRun, OfAnArmThatNeverRisesHasNoSlip) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}}}, made_lift(9e9, 1, 0.06, 0)));
   ASSERT_EQ(labels.intervals.size(), 1U);
   EXPECT_EQ(labels.intervals[0].touch, Touch::press);
-  EXPECT_TRUE(labels.run_is_flagged());
+  EXPECT_FALSE(labels.run_is_flagged()) << "robot and skin agree that there was no slip";
+  ASSERT_FALSE(labels.remarks.empty());
+  EXPECT_TRUE(std::any_of(labels.remarks.begin(), labels.remarks.end(),
+                          [](const std::string& remark) { return remark == "no slip, and the robot log has no lift"; }));
 }
 
 TEST(LabelRun, FlagsAGapInTheRecording) {
@@ -146,9 +153,12 @@ TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {
   std::filesystem::remove(run.robot());
   write_whole(run.robot(), text);
   const Labels labels = label_run(run);
-  EXPECT_TRUE(says(labels, "starts anew 1 times within its log: 5 rows of other clocks are not used"));
-  ASSERT_EQ(labels.robot_clocks.size(), 1U);
-  EXPECT_NEAR(static_cast<double>(labels.robot_clocks[0].relation.offset_us), -123'456'789, 5'000);
+  EXPECT_TRUE(says(labels, "starts anew 1 time within its log"));
+  ASSERT_EQ(labels.robot_clocks.size(), 1U) << "nothing tells of the five rows' clock";
+  EXPECT_EQ(labels.robot_clocks[0].relation.reference_us, us_of(lift.states.front().t));
+  EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
+  EXPECT_GE(labels.robot_clocks[0].offset_high_us, -123'456'789);
+  EXPECT_TRUE(labels.robot_clocks[0].from && labels.robot_clocks[0].to);
 }
 
 TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {

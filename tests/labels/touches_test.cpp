@@ -29,8 +29,8 @@ Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
 ArmMove move_between(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
   return {at_ms(start_ms), at_ms(end_ms), uncertainty};
 }
-Kinds kinds(const std::vector<Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts,
-            const std::vector<double>& undoes, const std::vector<ArmMove>& taps = {}) {
+Kinds kinds(const std::vector<Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts, const std::vector<double>& undoes,
+            const std::vector<ArmMove>& taps = {}) {
   return kinds_of(rate, bursts, lifts, taps, undoes);
 }
 constexpr double inward = -0.9, outward = 0.9, other = 0.1;  // what they undo
@@ -48,8 +48,7 @@ TEST(KindsOf, TakesTheBurstWithTheMostEventsInTheLift) {
 TEST(KindsOf, ReachesAsFarAsTheClockMayBeOff) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'300)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
-  EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500, 20ms)}, {inward, other}),
-            (Kinds{BurstKind::press, BurstKind::slip}));
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500, 20ms)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, TellsAReleaseByWhatItTakesBack) {
@@ -62,6 +61,15 @@ TEST(KindsOf, LeavesWhatIsShortAndSmallAloneButNotALightPress) {
   const std::vector<Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other}),
             (Kinds{BurstKind::brief, BurstKind::press, BurstKind::slip}));
+}
+
+TEST(KindsOf, TakesTipsThatSpringBackInAStandingPressForNoOther) {
+  const std::vector<Burst> bursts = {burst(300, 500), burst(700, 765, 20'000), burst(1'200, 1'800)};
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, outward, other}),
+            (Kinds{BurstKind::press, BurstKind::brief, BurstKind::slip}));
+  const std::vector<Burst> pressed_again = {burst(300, 500), burst(700, 850, 20'000), burst(1'200, 1'800)};
+  EXPECT_EQ(kinds(pressed_again, Moves{move_between(1'190, 1'800)}, {inward, other, other}),
+            (Kinds{BurstKind::press, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
@@ -77,8 +85,7 @@ TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {
 
 TEST(KindsOf, GoesByTheOrderWhereNobodyKnowsOfALift) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'410, 500)};
-  EXPECT_EQ(kinds(bursts, std::nullopt, {inward, other, other}),
-            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}));
+  EXPECT_EQ(kinds(bursts, std::nullopt, {inward, other, other}), (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}));
   EXPECT_EQ(kinds({bursts[0]}, std::nullopt, {inward}), (Kinds{BurstKind::press}));
   EXPECT_EQ(kinds({}, std::nullopt, {}), Kinds{});
 }

@@ -14,16 +14,16 @@ namespace tactile {
 struct EventRate {
   CameraTime begin{};     ///< the first event's time, where bin 0 begins
   microseconds bin{200};  ///< half-open: [begin + i * bin, begin + (i + 1) * bin); a whole number of read-outs
-  std::vector<std::uint32_t> counts;
-  std::size_t hot_pixels = 0;      ///< left out
-  CameraTime last{};               ///< the last event's time
-  std::vector<std::uint32_t> hot;  ///< their places, y * width + x, ascending
+  std::vector<std::uint32_t> counts = {};
+  std::size_t hot_pixels = 0;           ///< left out
+  CameraTime last{};                    ///< the last event's time
+  std::vector<std::uint32_t> hot = {};  ///< their places, y * width + x, ascending
   /// Bins that hold as many events as the way to the host takes: what they lack is unknown, and the rate is cut off there.
   /// Nothing below 20 of them is told from chance.
   std::size_t saturated_bins = 0;
   /// At which the rate swings throughout the recording, as it does under lamps without a filter: where that is most of what the
   /// rate does, touches drown in it.
-  std::optional<double> flicker_hz;
+  std::optional<double> flicker_hz = {};
 
   CameraTime begin_of(std::size_t bin_index) const { return after(begin, bin * static_cast<std::int64_t>(bin_index)); }
 };

@@ -158,8 +158,9 @@ class Labeller {
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
-    const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt,
-                                                  moves_.taps, undoes, options_.touches);
+    const std::vector<BurstKind> kinds =
+        kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
+                 options_.touches);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] == BurstKind::press) {
         const FoundTime onset = press_onset(lit[i], options_.onset);
@@ -236,7 +237,8 @@ class Labeller {
       interval.evidence.video = filmed->at;
     } else if (interval.touch == Touch::slip && labels_.video_clock && filmed_at(interval)) {
       // A stage that closes slowly on an object of its own grey shows in few films; an arm that rises shows in any.
-      flag(fmt::format("the film sees nothing rise within {:.0f} ms of this slip's start", ms(options_.longest_disagreement)), index);
+      flag(fmt::format("the film sees nothing rise within {:.0f} ms of this slip's start", ms(options_.longest_disagreement)),
+           index);
     }
   }
 
@@ -334,6 +336,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"shortest_gap_us", options.signals.shortest_gap.count()},
           {"video_region", region},
           {"releases", options.touches.releases},
+          {"shortest_press_us", options.touches.shortest_press.count()},
           {"onset_before_us", options.onset.before.count()},
           {"onset_first_contact_us", options.onset.first_contact.count()},
           {"onset_latency_us", options.onset.latency.count()},

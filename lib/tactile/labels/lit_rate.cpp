@@ -87,14 +87,19 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
 
   std::vector<bool> is_quiet(bin_count, true);
   std::vector<Stretch> windows;
-  for (const Burst& burst : bursts) {
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    const Burst& burst = bursts[i];
     const auto around = [&](std::size_t margin) {
       return Stretch{burst.begin - std::min(burst.begin, margin), std::min(bin_count, burst.end + margin)};
     };
     const Stretch loud = around(bins(options.quiet_margin));
     std::fill(is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.begin),
               is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.end), false);
-    windows.push_back(around(bins(options.margin)));
+    // What another burst did is none of this one's.
+    Stretch window = around(bins(options.margin));
+    if (i > 0) window.begin = std::max(window.begin, std::min(bursts[i - 1].end, burst.begin));
+    if (i + 1 < bursts.size()) window.end = std::min(window.end, std::max(bursts[i + 1].begin, burst.end));
+    windows.push_back(window);
   }
   const auto quiet_bins = static_cast<double>(std::count(is_quiet.begin(), is_quiet.end(), true));
 

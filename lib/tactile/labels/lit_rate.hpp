@@ -14,7 +14,8 @@ namespace tactile {
 /// How often the part of the image that one burst lights fires, around that burst. A touch moves some markers and leaves the
 /// others alone: without the rest of the image a tenth or less of the noise is left, and onsets and ends stand out.
 struct LitRate {
-  EventRate rate;  ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded
+  EventRate
+      rate;  ///< of the lit cells, from `margin` ahead of the burst until `margin` behind it, where recorded and no other is
   /// How many of them repeat their pixel's last event: the same polarity, not more than `repeat_within` later.
   std::vector<std::uint32_t> repeats;
   double quiet_per_bin = 0;     ///< of the lit cells while no burst is on anywhere

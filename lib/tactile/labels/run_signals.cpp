@@ -80,7 +80,8 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
         signals.rate.saturated_bins));
   }
   if (signals.rate.flicker_hz)
-    signals.problems.push_back(fmt::format("the light flickers at {:.0f} Hz: touches drown in its events", *signals.rate.flicker_hz));
+    signals.problems.push_back(
+        fmt::format("the light flickers at {:.0f} Hz: touches drown in its events", *signals.rate.flicker_hz));
   if (const auto gap = gap_in(signals.rate, signals.quiet, options.shortest_gap)) {
     signals.problems.push_back(
         fmt::format("the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",
@@ -140,7 +141,8 @@ void read_robot(RunSignals& signals) {
     signals.robot.push_back({std::move(log), std::move(phases)});
   }
   if (signals.robot.size() > 1)
-    signals.problems.push_back(fmt::format("the robot's clock starts anew {} times within its log", signals.robot.size() - 1));
+    signals.problems.push_back(fmt::format("the robot's clock starts anew {} time{} within its log", signals.robot.size() - 1,
+                                           signals.robot.size() == 2 ? "" : "s"));
   if (file.cut_off) signals.problems.emplace_back("the robot log is cut off in its last row");
 }
 

@@ -9,7 +9,7 @@ struct EndOptions {
   microseconds press_still{20'000};  ///< a press ends at the first so long stillness
   microseconds slip_still{150'000};  ///< a slip likewise: stick phases belong to it
   microseconds least_error{1'000};   ///< no interval reaches less far to either side
-  double too_wide_ms = 200.0;        ///< doubtful if wider: it may be off by more than the guard between a touch and samples of none
+  double too_wide_ms = 200.0;  ///< doubtful if wider: it may be off by more than the guard between a touch and samples of none
 };
 
 /// When the press's speed fell below 1 % of its peak. A marker's speed shows in its events up to where they fade into the noise;

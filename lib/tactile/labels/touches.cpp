@@ -51,7 +51,10 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
     if (large.size() > 1) is_slip(large.back());
   }
 
-  bool press_stands = false;
+  const auto is_short = [&](std::size_t i) {
+    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < options.shortest_press;
+  };
+  std::optional<std::size_t> standing_press;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     if (kinds[i] == BurstKind::slip) continue;
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
@@ -60,11 +63,13 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
       kinds[i] = BurstKind::after;
     } else if (is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
-    } else if (press_stands && undoes[i] > options.releases) {
+    } else if (standing_press && undoes[i] > options.releases && !is_short(i)) {
       kinds[i] = BurstKind::release;
-      press_stands = false;
+      standing_press.reset();
+    } else if (standing_press && is_short(i) && bursts[i].events < bursts[*standing_press].events) {
+      kinds[i] = BurstKind::brief;
     } else {
-      press_stands = true;
+      standing_press = i;
     }
   }
   return kinds;

@@ -25,7 +25,8 @@ enum class BurstKind : std::uint8_t {
 };
 
 struct TouchesOptions {
-  double releases = 0.5;  ///< a burst that undoes what was done before it by more than this is a release, 0 to 1
+  microseconds shortest_press{100'000};  ///< of a second press on top of the first
+  double releases = 0.5;                 ///< a burst that undoes what was done before it by more than this is a release, 0 to 1
 };
 
 /// Tells bursts apart, in order of time:
@@ -34,7 +35,9 @@ struct TouchesOptions {
 /// the
 ///   arm is known not to have risen.
 /// - What lies in a tap of the arm is the tap.
-/// - What follows the last slip is `after`; what `is_after_effect` brief.
+/// - What follows the last slip is `after`; what `is_after_effect` brief. So is, while a press stands, what is shorter than a
+/// stage
+///   takes and smaller than that press: tips that spring back.
 /// - Any other burst is a press, unless a press stands and it takes that back: a marker that goes back leaves dark where it had
 ///   left bright.
 ///
