@@ -44,25 +44,28 @@ ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
   return moves;
 }
 
-/// Bursts, those that go on into a lift parted where it begins: an object that is lifted as soon as it is pressed leaves no quiet
-/// between the two.
+/// Bursts, those that go on into a lift parted where it begins: an object that is lifted as soon as it is pressed, or tips that
+/// spring back just before, leave no quiet between the two.
 std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
-                             const std::vector<ArmMove>& lifts) {
-  constexpr microseconds press_before = 60ms, well_placed = 30ms;
+                             const std::vector<ArmMove>& lifts, const ActivityOptions& options) {
+  constexpr microseconds well_before = 60ms, well_placed = 30ms;
   for (const ArmMove& lift : lifts) {
     if (lift.uncertainty > well_placed) continue;
     const CameraTime part_at = before(lift.start, lift.uncertainty);
-    for (std::size_t i = 0; i < bursts.size(); ++i) {
-      Burst& burst = bursts[i];
-      if (rate.begin_of(burst.begin) >= before(part_at, press_before) || rate.begin_of(burst.end) <= lift.start) continue;
-      const auto place = static_cast<std::size_t>(between(rate.begin, part_at) / rate.bin);
-      Burst second = burst;
-      second.begin = place;
-      burst.end = place;
-      for (Burst* part : {&burst, &second}) part->events = events_above(rate, quiet, part->begin, part->end);
-      bursts.insert(bursts.begin() + static_cast<std::ptrdiff_t>(i) + 1, second);
-      break;
-    }
+    const auto parted = std::find_if(bursts.begin(), bursts.end(), [&](const Burst& burst) {
+      return rate.begin_of(burst.begin) < before(part_at, well_before) && rate.begin_of(burst.end) > lift.start;
+    });
+    if (parted == bursts.end()) continue;
+    const auto place = static_cast<std::size_t>(between(rate.begin, part_at) / rate.bin);
+    EventRate ahead = rate;
+    ahead.counts.resize(place);
+    std::vector<Burst> parts = bursts_in(ahead, quiet, options);
+    std::erase_if(parts, [&](const Burst& part) { return part.end <= parted->begin; });
+    Burst rest = *parted;
+    rest.begin = place;
+    rest.events = events_above(rate, quiet, rest.begin, rest.end);
+    parts.push_back(rest);
+    bursts.insert(bursts.erase(parted), parts.begin(), parts.end());
   }
   return bursts;
 }
@@ -153,7 +156,8 @@ class Labeller {
 
   void find_intervals() {
     RecordingReader recording(signals_.run.events());
-    const std::vector<Burst> bursts = parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts);
+    const std::vector<Burst> bursts =
+        parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts, options_.signals.activity);
     const bool lifts_are_known = signals_.has_robot && moves_.all_placed;
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
