@@ -39,11 +39,11 @@ struct OutputChange {
 
 /// What one clock has counted: the rows of a log between two starts of the controller.
 struct RobotLog {
-  std::vector<RobotState> states;            ///< ascending in time; repeated and mixed rows dropped
-  std::vector<RobotGap> gaps;                ///< among `states`: a lost connection, or no row for more than 100 ms
-  std::vector<OutputChange> output_changes;  ///< by time; what an output was before the first row is not known
-  microseconds smoothed_over{0};             ///< a speed is the mean over so long to either side: it was made from poses
-  std::size_t mixed_rows = 0;                ///< were dropped, or made whole from their repetition
+  std::vector<RobotState> states{};            ///< ascending in time; repeated and mixed rows dropped
+  std::vector<RobotGap> gaps{};                ///< among `states`: a lost connection, or no row for more than 100 ms
+  std::vector<OutputChange> output_changes{};  ///< by time; what an output was before the first row is not known
+  microseconds smoothed_over{0};               ///< a speed is the mean over so long to either side: it was made from poses
+  std::size_t mixed_rows = 0;                  ///< were dropped, or made whole from their repetition
 };
 
 /// The columns that a log's speeds are made from. Those of the target say where the arm was sent, not where it was.
@@ -57,10 +57,10 @@ constexpr bool is_target(RobotSpeedSource source) { return source >= RobotSpeedS
 
 /// What a log file holds. A controller that starts anew counts from zero again: times before and after are of two clocks.
 struct RobotLogFile {
-  std::vector<RobotLog> pieces;  ///< in the file's order, each with a state at least; none if the file has no row
-  bool cut_off = false;          ///< the last row is not whole: its writer was killed. It is left out
+  std::vector<RobotLog> pieces{};  ///< in the file's order, each with a state at least; none if the file has no row
+  bool cut_off = false;            ///< the last row is not whole: its writer was killed. It is left out
   RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;
-  std::optional<ArmModel> arm;  ///< whose kinematics made poses of joints, if any did
+  std::optional<ArmModel> arm{};  ///< whose kinematics made poses of joints, if any did
 
   const RobotLog& longest() const;     ///< the piece with the most rows, the first of such; one without rows if there is none
   std::size_t restarts() const;        ///< how often the controller's clock started anew within the file
