@@ -14,8 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const LabelFlag& flag : labels.flags) {
       if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) std::abort();
     }
-    for (const auto& clock : {labels.robot_clock, labels.video_clock}) {
-      if (clock) clock->relation.clock_us_from(clock->relation.camera_from(1'000'000));
+    std::vector<FittedClock> clocks = labels.robot_clocks;
+    if (labels.video_clock) clocks.push_back(*labels.video_clock);
+    for (const FittedClock& clock : clocks) {
+      clock.relation.clock_us_from(clock.relation.camera_from(1'000'000));
     }
   } catch (const Error&) {
   }

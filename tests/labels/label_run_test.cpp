@@ -60,9 +60,9 @@ TEST(LabelRun, FlagsARecordingThatLostEventsOnTheirWay) {
 TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
-  ASSERT_TRUE(labels.robot_clock.has_value());
-  EXPECT_NEAR(static_cast<double>(labels.robot_clock->relation.offset_us), -123'456'789, 5'000);
-  EXPECT_EQ(labels.robot_clock->relation.drift_ppm, 0.0);
+  ASSERT_EQ(labels.robot_clocks.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(labels.robot_clocks[0].relation.offset_us), -123'456'789, 5'000);
+  EXPECT_EQ(labels.robot_clocks[0].relation.drift_ppm, 0.0);
   ASSERT_TRUE(labels.intervals[1].evidence.robot.has_value());
   EXPECT_NEAR(ms_from_begin(*labels.intervals[1].evidence.robot), 1500.0, 5.0);
 }
@@ -81,7 +81,7 @@ TEST(LabelRun, WithoutRobotLogGoesByTheOrderAndSaysSo) {
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, {}));
   ASSERT_EQ(labels.intervals.size(), 2U);
   EXPECT_EQ(labels.intervals[1].touch, Touch::slip);
-  EXPECT_FALSE(labels.robot_clock.has_value());
+  EXPECT_TRUE(labels.robot_clocks.empty());
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
@@ -147,8 +147,8 @@ TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {
   write_whole(run.robot(), text);
   const Labels labels = label_run(run);
   EXPECT_TRUE(says(labels, "starts anew 1 times within its log: 5 rows of other clocks are not used"));
-  ASSERT_TRUE(labels.robot_clock.has_value());
-  EXPECT_NEAR(static_cast<double>(labels.robot_clock->relation.offset_us), -123'456'789, 5'000);
+  ASSERT_EQ(labels.robot_clocks.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(labels.robot_clocks[0].relation.offset_us), -123'456'789, 5'000);
 }
 
 TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {

@@ -19,14 +19,23 @@ LabelledInterval interval(Touch touch, std::int64_t start_us, std::int64_t end_u
   return made;
 }
 
+FittedClock clock_of(std::int64_t offset_us) {
+  return {.relation = {.offset_us = offset_us, .drift_ppm = 1.5, .reference_us = 7},
+          .residual_us = 2.5,
+          .offset_low_us = offset_us - 3,
+          .offset_high_us = offset_us + 4,
+          .anchors = 2,
+          .method = "m"};
+}
+
 TEST(Labels, SurviveTheWayThroughTheirFile) {
   const test::TemporaryFolder folder;
   Labels labels;
   labels.intervals = {interval(Touch::press, 1'000, 2'000), interval(Touch::slip, 3'000, 4'000)};
   labels.intervals[1].evidence.robot = camera_time(2'990);
   labels.intervals[1].confirmed = true;
-  labels.robot_clock = FittedClock{
-      .relation = {.offset_us = 5, .drift_ppm = 1.5, .reference_us = 7}, .residual_us = 2.5, .anchors = 2, .method = "m"};
+  labels.robot_clocks = {clock_of(5)};
+  labels.rejected = {{Touch::press, camera_time(7'000), camera_time(8'000)}};
   labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false},
                   {.interval_index = {}, .reason = "whole", .confirmed = true}};
   labels.provenance = {{"made_by", "a test"}};
@@ -40,10 +49,46 @@ TEST(Labels, SurviveTheWayThroughTheirFile) {
   EXPECT_EQ(read.intervals[1].evidence.robot, camera_time(2'990));
   EXPECT_FALSE(read.intervals[1].evidence.video.has_value());
   EXPECT_TRUE(read.intervals[1].confirmed);
-  ASSERT_TRUE(read.robot_clock.has_value());
-  EXPECT_EQ(read.robot_clock->relation.drift_ppm, 1.5);
+  ASSERT_EQ(read.robot_clocks.size(), 1U);
+  EXPECT_EQ(read.robot_clocks[0].relation.drift_ppm, 1.5);
+  EXPECT_EQ(read.robot_clocks[0].offset_low_us, 2);
+  EXPECT_EQ(read.robot_clocks[0].offset_high_us, 9);
   EXPECT_FALSE(read.video_clock.has_value());
+  ASSERT_EQ(read.rejected.size(), 1U);
+  EXPECT_EQ(read.rejected[0].touch, Touch::press);
+  EXPECT_EQ(read.rejected[0].end, camera_time(8'000));
   EXPECT_EQ(read.provenance, labels.provenance);
+}
+
+TEST(Labels, KeepAClockForEachPieceOfALogWhoseControllerStartedAnew) {
+  const test::TemporaryFolder folder;
+  Labels labels;
+  labels.robot_clocks = {clock_of(5), clock_of(50)};
+  labels.robot_clocks[0].to = camera_time(1'000);
+  labels.robot_clocks[1].from = camera_time(2'000);
+  write_labels(folder / "labels.json", labels);
+  const Labels read = read_labels(folder / "labels.json");
+  ASSERT_EQ(read.robot_clocks.size(), 2U);
+  EXPECT_EQ(read.robot_clock_at(camera_time(0))->relation.offset_us, 5);
+  EXPECT_EQ(read.robot_clock_at(camera_time(1'400))->relation.offset_us, 5);
+  EXPECT_EQ(read.robot_clock_at(camera_time(1'600))->relation.offset_us, 50);
+  EXPECT_EQ(read.robot_clock_at(camera_time(9'000))->relation.offset_us, 50);
+  EXPECT_EQ(Labels{}.robot_clock_at(camera_time(0)), nullptr);
+}
+
+TEST(Labels, NameTheirIntervalsOnceAndForAll) {
+  const test::TemporaryFolder folder;
+  Labels labels;
+  labels.intervals = {interval(Touch::press, 1'000, 2'000), interval(Touch::press, 2'500, 2'600),
+                      interval(Touch::slip, 3'000, 4'000)};
+  labels.intervals[1].id = "press-1";
+  write_labels(folder / "labels.json", labels);
+  const Labels read = read_labels(folder / "labels.json");
+  EXPECT_EQ(read.intervals[0].id, "press-2");
+  EXPECT_EQ(read.intervals[1].id, "press-1");
+  EXPECT_EQ(read.intervals[2].id, "slip-1");
+  labels.intervals[0].id = "press-1";
+  EXPECT_THROW(write_labels(folder / "labels.json", labels), Error);
 }
 
 TEST(Labels, AreFlaggedOnlyWhileNobodyConfirmed) {

@@ -50,8 +50,8 @@ TEST(TruthComparison, CountsMissedAndSpurious) {
 
 TEST(TruthComparison, BringsTheLiftThroughTheFittedClock) {
   Labels labels;
-  labels.robot_clock = FittedClock{
-      .relation = {.offset_us = 1'030, .drift_ppm = 0, .reference_us = 0}, .residual_us = 1, .anchors = 1, .method = ""};
+  labels.robot_clocks = {
+      {.relation = {.offset_us = 1'030, .drift_ppm = 0, .reference_us = 0}, .residual_us = 1, .anchors = 1, .method = ""}};
   Truth truth;
   truth.lift_start = camera_time(5'000);
   EXPECT_EQ(compare_with_truth(labels, truth).robot_clock_error, std::nullopt) << "a real robot, whose clock nobody knows";

@@ -96,7 +96,8 @@ UncertainTime end_of(const EventRate& rate, const QuietRate& quiet, const Burst&
 }
 
 LabelledInterval labelled(Touch touch, const UncertainTime& start, const UncertainTime& end) {
-  return {.touch = touch,
+  return {.id = {},
+          .touch = touch,
           .start = start,
           .end = end,
           .source = "events",
@@ -122,6 +123,8 @@ FittedClock clock_from(const LabelledInterval& slip, const MotionPhase& lift, co
                        .drift_ppm = 0,
                        .reference_us = us_of(log.states.front().t)},
           .residual_us = std::max(least_residual_us, std::abs(half_difference)),
+          .offset_low_us = std::min(start_offset, end_offset) - 20'000,
+          .offset_high_us = std::max(start_offset, end_offset) + 20'000,
           .anchors = 2,
           .method = "lift start and end"};
 }
@@ -277,8 +280,8 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
     LabelledInterval slip =
         labelled(Touch::slip, onset_of(burst), end_of(rate, quiet, burst, options.slip_ends, options.activity));
     if (lift) {
-      labels.robot_clock = clock_from(slip, *lift, log);
-      slip.evidence.robot = labels.robot_clock->relation.camera_from(lift->start);
+      labels.robot_clocks = {clock_from(slip, *lift, log)};
+      slip.evidence.robot = labels.robot_clocks.front().relation.camera_from(lift->start);
       const microseconds longer = between(slip.start.at, slip.end.at) - (lift->end - lift->start);
       if (std::chrono::abs(longer) > options.longest_disagreement) {
         flag(fmt::format("the slip lasts {} ms {} than the lift; expected at most {} ms between them",
@@ -289,7 +292,7 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
       // The last command ahead of the first press is the one that made it.
       for (const OutputChange& change : log.output_changes) {
         if (!(change.output.starts_with("digital output") && change.to == 1)) continue;
-        const CameraTime command = labels.robot_clock->relation.camera_from(change.at);
+        const CameraTime command = labels.robot_clocks.front().relation.camera_from(change.at);
         if (!labels.intervals.empty() && command <= labels.intervals.front().start.at)
           labels.intervals.front().evidence.robot = command;
       }
@@ -297,6 +300,7 @@ Labels label_run(const RunFolder& run, const LabelOptions& options) {
     labels.intervals.push_back(std::move(slip));
   }
   cut_overlaps(labels.intervals);
+  name_intervals(labels.intervals);
 
   const auto has = [&](Touch touch) {
     return std::any_of(labels.intervals.begin(), labels.intervals.end(),

@@ -1,6 +1,7 @@
 #include "tactile/labels/labels.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -29,13 +30,25 @@ UncertainTime uncertain_time_in(const json& object, const std::string& name, con
   return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
 }
 
-json json_of(const std::optional<FittedClock>& clock) {
-  if (!clock) return nullptr;
-  json object = clock->relation;
-  object["residual_us"] = clock->residual_us;
-  object["anchors"] = clock->anchors;
-  object["method"] = clock->method;
+json json_of(const FittedClock& clock) {
+  json object = clock.relation;
+  object["residual_us"] = clock.residual_us;
+  object["offset_low_us"] = clock.offset_low_us;
+  object["offset_high_us"] = clock.offset_high_us;
+  object["anchors"] = clock.anchors;
+  object["method"] = clock.method;
+  if (clock.from) object["from_us"] = us_of(*clock.from);
+  if (clock.to) object["to_us"] = us_of(*clock.to);
   return object;
+}
+
+/// A clock that ran through is an object, one that started anew a list of its pieces, as `truth.json` has it.
+json json_of(const std::vector<FittedClock>& pieces) {
+  if (pieces.empty()) return nullptr;
+  if (pieces.size() == 1) return json_of(pieces.front());
+  json list = json::array();
+  for (const FittedClock& piece : pieces) list.push_back(json_of(piece));
+  return list;
 }
 
 json list_in(const json& object, const char* key, const std::string& where) {
@@ -44,17 +57,32 @@ json list_in(const json& object, const char* key, const std::string& where) {
   return list;
 }
 
-std::optional<FittedClock> clock_in(const json& clocks, const char* key, const std::string& where) {
+FittedClock clock_in(const json& object, const std::string& where) {
+  FittedClock clock{.relation = object.get<ClockRelation>(),
+                    .residual_us = member<double>(object, "residual_us", where),
+                    .anchors = member<int>(object, "anchors", where),
+                    .method = member<std::string>(object, "method", where),
+                    .from = time_in(object, "from_us", where),
+                    .to = time_in(object, "to_us", where)};
+  clock.offset_low_us =
+      object.contains("offset_low_us") ? member<std::int64_t>(object, "offset_low_us", where) : clock.relation.offset_us;
+  clock.offset_high_us =
+      object.contains("offset_high_us") ? member<std::int64_t>(object, "offset_high_us", where) : clock.relation.offset_us;
+  return clock;
+}
+
+std::vector<FittedClock> clocks_in(const json& clocks, const char* key, const std::string& where) {
   const auto found = clocks.find(key);
-  if (found == clocks.end() || found->is_null()) return std::nullopt;
-  return FittedClock{.relation = member<ClockRelation>(clocks, key, where),
-                     .residual_us = member<double>(*found, "residual_us", where),
-                     .anchors = member<int>(*found, "anchors", where),
-                     .method = member<std::string>(*found, "method", where)};
+  if (found == clocks.end() || found->is_null()) return {};
+  if (!found->is_array()) return {clock_in(*found, where + ": clocks." + key)};
+  std::vector<FittedClock> pieces;
+  for (const json& piece : *found) pieces.push_back(clock_in(piece, where + ": clocks." + key));
+  return pieces;
 }
 
 LabelledInterval interval_in(const json& object, const std::string& where) {
-  LabelledInterval interval{.touch = touch_named(member<std::string>(object, "class", where)),
+  LabelledInterval interval{.id = object.contains("id") ? member<std::string>(object, "id", where) : std::string(),
+                            .touch = touch_named(member<std::string>(object, "class", where)),
                             .start = uncertain_time_in(object, "start", where),
                             .end = uncertain_time_in(object, "end", where),
                             .source = member<std::string>(object, "source", where),
@@ -67,9 +95,12 @@ LabelledInterval interval_in(const json& object, const std::string& where) {
 }
 
 void check_intervals(const std::vector<LabelledInterval>& intervals, const std::string& where) {
+  std::set<std::string> ids;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     if (intervals[i].touch == Touch::none)
       throw Error(where + ": interval " + std::to_string(i) + " is of class none; expected press or slip");
+    if (!ids.insert(intervals[i].id).second)
+      throw Error(where + ": two intervals are called '" + intervals[i].id + "'; expected ids of their own");
     if (intervals[i].end.at < intervals[i].start.at) {
       throw Error(where + ": interval " + std::to_string(i) + " ends before it starts; expected start_us <= end_us");
     }
@@ -81,6 +112,31 @@ void check_intervals(const std::vector<LabelledInterval>& intervals, const std::
 }
 
 }  // namespace
+
+const FittedClock* Labels::robot_clock_at(CameraTime t) const {
+  const FittedClock* nearest = nullptr;
+  microseconds least = microseconds::max();
+  for (const FittedClock& clock : robot_clocks) {
+    const microseconds ahead = clock.from && t < *clock.from ? between(t, *clock.from) : 0us;
+    const microseconds behind = clock.to && t > *clock.to ? between(*clock.to, t) : 0us;
+    if (nearest == nullptr || std::max(ahead, behind) < least) {
+      nearest = &clock;
+      least = std::max(ahead, behind);
+    }
+  }
+  return nearest;
+}
+
+void name_intervals(std::vector<LabelledInterval>& intervals) {
+  std::set<std::string> taken;
+  for (const LabelledInterval& interval : intervals) taken.insert(interval.id);
+  for (LabelledInterval& interval : intervals) {
+    for (int number = 1; interval.id.empty(); ++number) {
+      const std::string id = std::string(name_of(interval.touch)) + "-" + std::to_string(number);
+      if (taken.insert(id).second) interval.id = id;
+    }
+  }
+}
 
 bool Labels::run_is_flagged() const {
   return std::any_of(flags.begin(), flags.end(), [](const LabelFlag& flag) { return !flag.confirmed && !flag.interval_index; });
@@ -98,8 +154,17 @@ Labels read_labels(const std::filesystem::path& file) {
   try {
     for (const json& interval : list_in(object, "intervals", where)) labels.intervals.push_back(interval_in(interval, where));
     const auto clocks = member<json>(object, "clocks", where);
-    labels.robot_clock = clock_in(clocks, "robot", where);
-    labels.video_clock = clock_in(clocks, "video", where);
+    labels.robot_clocks = clocks_in(clocks, "robot", where);
+    const std::vector<FittedClock> video = clocks_in(clocks, "video", where);
+    if (video.size() > 1) throw Error(where + ": clocks.video is a list; expected one clock, or null");
+    if (!video.empty()) labels.video_clock = video.front();
+    if (object.contains("rejected")) {
+      for (const json& rejected : list_in(object, "rejected", where)) {
+        labels.rejected.push_back({touch_named(member<std::string>(rejected, "class", where)),
+                                   camera_time(member<std::int64_t>(rejected, "start_us", where)),
+                                   camera_time(member<std::int64_t>(rejected, "end_us", where))});
+      }
+    }
     for (const json& flag : list_in(object, "flags", where)) {
       const json index = flag.value("interval", json(nullptr));
       if (!index.is_null() && !index.is_number_unsigned())
@@ -112,6 +177,7 @@ Labels read_labels(const std::filesystem::path& file) {
   } catch (const json::exception& e) {
     throw Error(where + ": not laid out as labels are (" + e.what() + "); expected what 'tactile label' writes");
   }
+  name_intervals(labels.intervals);
   check_intervals(labels.intervals, where);
   for (const LabelFlag& flag : labels.flags) {
     if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) {
@@ -123,13 +189,19 @@ Labels read_labels(const std::filesystem::path& file) {
 }
 
 void write_labels(const std::filesystem::path& file, const Labels& labels) {
-  check_intervals(labels.intervals, file.string());
-  json object = {{"intervals", json::array()},
-                 {"clocks", {{"robot", json_of(labels.robot_clock)}, {"video", json_of(labels.video_clock)}}},
-                 {"flags", json::array()},
-                 {"provenance", labels.provenance}};
-  for (const LabelledInterval& interval : labels.intervals) {
-    json entry = {{"class", name_of(interval.touch)},
+  std::vector<LabelledInterval> intervals = labels.intervals;
+  name_intervals(intervals);
+  check_intervals(intervals, file.string());
+  json object = {
+      {"intervals", json::array()},
+      {"clocks",
+       {{"robot", json_of(labels.robot_clocks)}, {"video", labels.video_clock ? json_of(*labels.video_clock) : json(nullptr)}}},
+      {"flags", json::array()},
+      {"rejected", json::array()},
+      {"provenance", labels.provenance}};
+  for (const LabelledInterval& interval : intervals) {
+    json entry = {{"id", interval.id},
+                  {"class", name_of(interval.touch)},
                   {"source", interval.source},
                   {"confirmed", interval.confirmed},
                   {"evidence",
@@ -145,6 +217,10 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
     object["flags"].push_back({{"interval", flag.interval_index ? json(*flag.interval_index) : json(nullptr)},
                                {"reason", flag.reason},
                                {"confirmed", flag.confirmed}});
+  }
+  for (const TouchInterval& rejected : labels.rejected) {
+    object["rejected"].push_back(
+        {{"class", name_of(rejected.touch)}, {"start_us", us_of(rejected.start)}, {"end_us", us_of(rejected.end)}});
   }
   write_json(file, object);
 }

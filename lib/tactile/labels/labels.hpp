@@ -24,9 +24,10 @@ struct Evidence {
 };
 
 struct LabelledInterval {
+  std::string id = {};  ///< unique in its run, such as "press-1"; kept wherever the interval goes, so that it is known again
   Touch touch = Touch::none;
   UncertainTime start, end;
-  std::string source;  ///< what the onset was taken from, "events"
+  std::string source;  ///< what the onset was taken from: "events", or "person" once somebody has made or moved it
   Evidence evidence;
   bool confirmed = false;  ///< a person has looked at it
 
@@ -36,9 +37,12 @@ struct LabelledInterval {
 /// A clock as it was found, and how well.
 struct FittedClock {
   ClockRelation relation;
-  double residual_us = 0;  ///< robust standard deviation at the anchors
+  double residual_us = 0;          ///< robust standard deviation at the anchors
+  std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`, in the run's middle
+  std::int64_t offset_high_us = 0;
   int anchors = 0;
   std::string method;
+  std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that starts anew within the run
 };
 
 /// What a person should look at: one interval, or the whole run.
@@ -50,15 +54,25 @@ struct LabelFlag {
 
 struct Labels {
   std::vector<LabelledInterval> intervals;  ///< by start; never overlapping
-  std::optional<FittedClock> robot_clock, video_clock;
+  std::vector<FittedClock> robot_clocks;    ///< one for each unbroken piece of the robot log that could be related, by time
+  std::optional<FittedClock> video_clock;
   std::vector<LabelFlag> flags;
+  std::vector<TouchInterval>
+      rejected;  ///< what a person took away: an interval of the class that overlaps one is not found again
   nlohmann::json provenance = nlohmann::json::object();  ///< settings and hashes of what they were made from
 
   bool run_is_flagged() const;                        ///< a flag on the whole run stands
   bool interval_is_flagged(std::size_t index) const;  ///< a flag on this interval stands
+
+  /// The piece of the robot's clock that holds at `t`, else the one nearest to it; nothing if there is none.
+  const FittedClock* robot_clock_at(CameraTime t) const;
 };
 
-/// @throws Error  if the file is missing or not of labels, or its intervals overlap
+/// Gives every interval that has no id one: its class and the least number from 1 that is free, in order.
+void name_intervals(std::vector<LabelledInterval>& intervals);
+
+/// Intervals without an id are named. @throws Error  if the file is missing or not of labels, or its intervals overlap or share
+/// an id
 Labels read_labels(const std::filesystem::path& file);
 void write_labels(const std::filesystem::path& file, const Labels& labels);
 

@@ -38,9 +38,10 @@ TruthComparison compare_with_truth(const Labels& labels, const Truth& truth) {
     comparison.intervals.push_back(compared);
   }
   comparison.spurious = static_cast<std::size_t>(std::count(paired.begin(), paired.end(), false));
-  if (labels.robot_clock && truth.robot_clock && truth.lift_start) {
+  if (!labels.robot_clocks.empty() && truth.robot_clock && truth.lift_start) {
     const std::int64_t lift_in_robot = truth.robot_clock->clock_us_from(*truth.lift_start);
-    comparison.robot_clock_error = between(*truth.lift_start, labels.robot_clock->relation.camera_from(lift_in_robot));
+    const ClockRelation& found = labels.robot_clock_at(*truth.lift_start)->relation;
+    comparison.robot_clock_error = between(*truth.lift_start, found.camera_from(lift_in_robot));
   }
   return comparison;
 }

@@ -68,8 +68,8 @@ struct RobotLogFile {
 };
 
 struct RobotLogOptions {
-  std::optional<ArmModel>
-      arm;  ///< else by the rate: a UR10e sends more than 250 rows a second. record.py asks for 125 of any arm
+  /// Else by the rate: a UR10e sends more than 250 rows a second, unless it was asked for less, as record.py does.
+  std::optional<ArmModel> arm{};
 };
 
 /// Rows a second, from the median step; 125 of a CB controller, 500 of an e-Series one. 0 with less than two rows.
@@ -91,8 +91,7 @@ std::uint64_t lost_packages(const RobotLog& log);
 ///   packages twice.
 /// - Such a recorder also mixes packages: a row's time is new and its motion still the old one's, or the other way round. Then a
 ///   motion stands in two rows, while before and after it changes and the arm moves (5 mm/s). Of the two the row that fits
-///   their neighbours worse is dropped. What is mixed without a repetition is not seen; it lies within
-///   one period.
+///   their neighbours worse is dropped. What is mixed without a repetition is not seen; it is one period off.
 /// - An empty line in a log with `host_time_us` is a lost connection, in any other it means nothing.
 /// - The clock has started anew where `timestamp` falls; where it and the host's time differ by more than a second in how long a
 ///   lost connection was away; and, without a host's time to agree, where it leaps by more than a minute.
