@@ -321,6 +321,8 @@ class Finder {
       const bool last = i + 1 == lobes.size();
       Instant until = stop, next = stop;
       if (!last) std::tie(until, next) = between(lobes[i], lobes[i + 1], whole ? start_fit : std::nullopt, direction);
+      until.t_s = std::clamp(until.t_s, from.t_s, stop.t_s);
+      next.t_s = std::clamp(next.t_s, until.t_s, stop.t_s);
       add_phase(lobes[i], from, until, start_fit ? start_fit : end_fit, whole);
       from = next;
     }
@@ -408,9 +410,10 @@ class Finder {
     if (phase.peak_speed == 0) phase.peak_speed = corners_of(lobe).height;
     if (profile) phase.ringing = profile->ringing;
 
-    std::size_t first = row_at_or_after(start.t_s), last = row_at_or_after(end.t_s);
+    std::size_t first = std::min(row_at_or_after(start.t_s), rows_.size() - 1);
+    std::size_t last = std::min(row_at_or_after(end.t_s), rows_.size() - 1);
     if (first > 0 && !gap_before(first)) --first;
-    if (last == rows_.size() || (last > 0 && gap_before(last))) --last;
+    if (last > 0 && gap_before(last) && rows_[last].t_s > end.t_s) --last;
     const RobotState &before = log_.states[std::min(first, last)], &after = log_.states[last];
     for (std::size_t a = 0; a < 3; ++a) phase.displacement[a] = after.tcp_pose[a] - before.tcp_pose[a];
     phase.height_change = phase.displacement[2];

@@ -20,15 +20,15 @@ struct MotionPhase {
   MotionKind kind = MotionKind::sideways;
   RobotTime start{};  ///< the commanded speed leaves zero
   RobotTime end{};    ///< and is back there
-  double start_sigma_us =
-      0;  ///< standard deviation; infinite if the arm already moved where the rows begin, in the log or behind a gap
-  double end_sigma_us = 0;        ///< likewise
-  std::optional<RobotTime> turn;  ///< of a tap: the far end of its way
+  /// Standard deviation; infinite if the arm already moved where the rows begin, in the log or behind a gap.
+  double start_sigma_us = 0;
+  double end_sigma_us = 0;          ///< likewise of moving on where they end
+  std::optional<RobotTime> turn{};  ///< of a tap: the far end of its way
   double turn_sigma_us = 0;
   double peak_speed = 0;                 ///< [m/s] commanded, if that is known
   double height_change = 0;              ///< [m] along the base's z, up is positive
   std::array<double, 3> displacement{};  ///< [m] base frame
-  std::optional<ArmRinging> ringing;     ///< nothing where the rows were too few to tell it from the motion
+  std::optional<ArmRinging> ringing{};   ///< nothing where the rows were too few to tell it from the motion
 };
 
 struct MotionPhaseOptions {

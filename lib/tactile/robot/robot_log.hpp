@@ -39,11 +39,11 @@ struct OutputChange {
 
 /// What one clock has counted: the rows of a log between two starts of the controller.
 struct RobotLog {
-  std::vector<RobotState> states;            ///< ascending in time; repeated and mixed rows dropped
-  std::vector<RobotGap> gaps;                ///< among `states`: a lost connection, or no row for more than 100 ms
-  std::vector<OutputChange> output_changes;  ///< by time; what an output was before the first row is not known
-  microseconds smoothed_over{0};             ///< a speed is the mean over so long to either side: it was made from poses
-  std::size_t mixed_rows = 0;                ///< were dropped, or made whole from their repetition
+  std::vector<RobotState> states{};            ///< ascending in time; repeated and mixed rows dropped
+  std::vector<RobotGap> gaps{};                ///< among `states`: a lost connection, or no row for more than 100 ms
+  std::vector<OutputChange> output_changes{};  ///< by time; what an output was before the first row is not known
+  microseconds smoothed_over{0};               ///< a speed is the mean over so long to either side: it was made from poses
+  std::size_t mixed_rows = 0;                  ///< were dropped, or made whole from their repetition
 };
 
 /// The columns that a log's speeds are made from. Those of the target say where the arm was sent, not where it was.
@@ -57,10 +57,10 @@ constexpr bool is_target(RobotSpeedSource source) { return source >= RobotSpeedS
 
 /// What a log file holds. A controller that starts anew counts from zero again: times before and after are of two clocks.
 struct RobotLogFile {
-  std::vector<RobotLog> pieces;  ///< in the file's order, each with a state at least; none if the file has no row
-  bool cut_off = false;          ///< the last row is not whole: its writer was killed. It is left out
+  std::vector<RobotLog> pieces{};  ///< in the file's order, each with a state at least; none if the file has no row
+  bool cut_off = false;            ///< the last row is not whole: its writer was killed. It is left out
   RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;
-  std::optional<ArmModel> arm;  ///< whose kinematics made poses of joints, if any did
+  std::optional<ArmModel> arm{};  ///< whose kinematics made poses of joints, if any did
 
   const RobotLog& longest() const;     ///< the piece with the most rows, the first of such; one without rows if there is none
   std::size_t restarts() const;        ///< how often the controller's clock started anew within the file
@@ -68,8 +68,8 @@ struct RobotLogFile {
 };
 
 struct RobotLogOptions {
-  std::optional<ArmModel>
-      arm;  ///< else by the rate: a UR10e sends more than 250 rows a second. record.py asks for 125 of any arm
+  /// Else by the rate: a UR10e sends more than 250 rows a second, unless it was asked for less, as record.py does.
+  std::optional<ArmModel> arm{};
 };
 
 /// Rows a second, from the median step; 125 of a CB controller, 500 of an e-Series one. 0 with less than two rows.
@@ -91,8 +91,7 @@ std::uint64_t lost_packages(const RobotLog& log);
 ///   packages twice.
 /// - Such a recorder also mixes packages: a row's time is new and its motion still the old one's, or the other way round. Then a
 ///   motion stands in two rows, while before and after it changes and the arm moves (5 mm/s). Of the two the row that fits
-///   their neighbours worse is dropped. What is mixed without a repetition is not seen; it lies within
-///   one period.
+///   their neighbours worse is dropped. What is mixed without a repetition is not seen; it is one period off.
 /// - An empty line in a log with `host_time_us` is a lost connection, in any other it means nothing.
 /// - The clock has started anew where `timestamp` falls; where it and the host's time differ by more than a second in how long a
 ///   lost connection was away; and, without a host's time to agree, where it leaps by more than a minute.
