@@ -25,11 +25,11 @@ struct SeenMotion {
 SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock);
 
 struct VideoClockOptions {
-  std::optional<std::int64_t> coarse_offset_us;  ///< where it is known: camera time of the film's first frame less its own
-  microseconds search{5'000'000};                ///< round that, else everywhere where the two overlap
-  double least_likeness = 0.8;                   ///< refused below: correlation of energy and speed where they match best
-  double least_ambiguity = 1.5;                  ///< refused below: best likeness over that of the next best place
-  double most_disagreement_us = 60'000;          ///< refused if starts and stops of motions place the film further apart
+  std::optional<std::int64_t> coarse_offset_us = {};  ///< where it is known: camera time of the film's first frame less its own
+  microseconds search{5'000'000};                     ///< round that, else everywhere where the two overlap
+  double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed where they match best
+  double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best place
+  double most_disagreement_us = 60'000;               ///< refused if starts and stops of motions place the film further apart
 };
 
 /// The video's clock, or why it could not be found.

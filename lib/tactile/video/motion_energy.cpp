@@ -36,8 +36,7 @@ constexpr AVRational microsecond{1, 1'000'000};
 // Of a pixel's change: thresholds a fourth of an octave apart from half a grey level on.
 constexpr std::size_t threshold_count = 28;
 constexpr double least_threshold = 1.0;  // [grey levels] coders change still pixels by less
-constexpr double threshold_per_noise = 1.5;
-constexpr double share_of_noise = 0.99;         // of the pixels are still in a quiet step
+constexpr double threshold_per_noise = 1.25;
 constexpr microseconds longest_repeat = 150ms;  // a film that repeats a frame for longer has stopped
 
 double threshold_at(std::size_t i) { return 0.5 * std::exp2(0.25 * static_cast<double>(i)); }
@@ -363,18 +362,18 @@ class Differences {
     const Brightness line = fit_brightness(before, now, pairs_, residuals_);
     result.brightness = line.changed;
     count(before, now, region, line);
+    const auto middle = largest_.begin() + static_cast<std::ptrdiff_t>(largest_.size() / 2);
+    std::nth_element(largest_.begin(), middle, largest_.end());
+    result.noise = static_cast<float>(*middle) / 256;
 
     // From the greatest change down.
     const double pixels = static_cast<double>(region.width) * region.height;
-    double count_above = 0, sum_above = 0;
+    double sum_above = 0;
     std::size_t level = threshold_count;
     for (std::size_t bin = bins; bin-- > least_bin;) {
       double counted = 0;
       for (const auto& table : tables_) counted += table[bin];
-      count_above += counted;
       sum_above += counted * (static_cast<double>(bin) + 0.5) / bins_per_grey;
-      if (result.noise == 0 && count_above > (1 - share_of_noise) * pixels)
-        result.noise = static_cast<float>(static_cast<double>(bin + 1) / bins_per_grey);
       while (level > 0 && threshold_at(level - 1) * bins_per_grey >= static_cast<double>(bin))
         result.above[--level] = static_cast<float>(sum_above / pixels);
     }
@@ -385,9 +384,13 @@ class Differences {
   static constexpr std::size_t bins_per_grey = 8, bins = 256 * bins_per_grey, table_count = 4;
   static constexpr std::size_t least_bin = bins_per_grey / 2;  // smaller changes, which most pixels have, are not counted
   static constexpr float saturated = 230 * 256;
+  static constexpr int most_parts = 8, least_part = 16;  // [px] of the picture, each way: what moves is in less than half of them
 
   void count(const Picture& before, const Picture& now, const cv::Rect& region, const Brightness& line) {
     for (auto& table : tables_) table.fill(0);
+    const auto parts_of = [](int side) { return static_cast<std::size_t>(std::clamp(side / least_part, 1, most_parts)); };
+    const std::size_t columns = parts_of(region.width), rows = parts_of(region.height);
+    largest_.assign(columns * rows, 0);
     const auto width = static_cast<std::size_t>(region.width);
     changes_.assign((width + table_count - 1) / table_count * table_count, 0);
     for (int y = region.y; y < region.y + region.height; ++y) {
@@ -399,6 +402,14 @@ class Differences {
       if (line.changed) {  // what was white cannot become whiter
         for (std::size_t x = 0; x < width; ++x)
           if (static_cast<float>(std::max(p[x], q[x])) >= saturated) changes_[x] = 0;
+      }
+      const std::size_t row = static_cast<std::size_t>(y - region.y) * rows / static_cast<std::size_t>(region.height);
+      for (std::size_t column = 0; column < columns; ++column) {
+        std::uint16_t largest = 0;
+        for (std::size_t x = column * width / columns; x < (column + 1) * width / columns; ++x)
+          largest = std::max(largest, changes_[x]);
+        std::uint16_t& of_part = largest_[row * columns + column];
+        of_part = std::max(of_part, largest);
       }
       constexpr std::uint64_t any_counted = 0xff80'ff80'ff80'ff80;  // of four changes, half a grey level or more
       constexpr unsigned shift = 5;                                 // 256 / bins_per_grey
@@ -414,6 +425,7 @@ class Differences {
   std::vector<std::array<float, 2>> pairs_;
   std::vector<float> residuals_;
   std::vector<std::uint16_t> changes_;
+  std::vector<std::uint16_t> largest_;  ///< change in each part
   std::array<std::array<std::uint32_t, bins>, table_count>
       tables_{};  // several, so that equal neighbours do not wait for each other
 };
@@ -478,19 +490,35 @@ QuietSteps quiet_steps(const std::vector<double>& values) {
   return quiet;
 }
 
-/// Which frames only repeat the one before, in the midst of motion: of a film made to a constant rate. Where nothing moves,
-/// coders repeat frames too, and that is no gap.
+/// Which frames only repeat the one before: of a film made to a constant rate. Known by motion that they interrupt; where nothing
+/// moves, coders repeat frames too, and that is no gap.
 std::vector<bool> duplicates_among(const std::vector<FilmFrame>& frames, std::size_t level, double moving) {
   std::vector<bool> duplicates(frames.size(), false);
   const auto same = [&](std::size_t i) { return frames[i].compared && frames[i].difference.same; };
   const auto moves = [&](std::size_t i) { return frames[i].compared && frames[i].difference.above[level] > moving; };
+  const auto drop = [&](std::size_t begin, std::size_t end) {
+    std::fill(duplicates.begin() + static_cast<std::ptrdiff_t>(begin), duplicates.begin() + static_cast<std::ptrdiff_t>(end),
+              true);
+  };
+  std::vector<double> repeats;                               // in the midst of motion
+  std::vector<std::pair<std::size_t, std::size_t>> leading;  // repeats before motion: how many of them the film itself has made?
   for (std::size_t i = 1; i < frames.size(); ++i) {
     if (!same(i)) continue;
     const std::size_t begin = i;
     while (i < frames.size() && same(i)) ++i;
+    if (i == frames.size() || !moves(i)) continue;
     const auto from = frames[begin - 1].us, to = frames[i - 1].us;
-    if (i == frames.size() || !moves(begin - 1) || !moves(i) || !from || !to || *to - *from > longest_repeat.count()) continue;
-    std::fill(duplicates.begin() + static_cast<std::ptrdiff_t>(begin), duplicates.begin() + static_cast<std::ptrdiff_t>(i), true);
+    if (moves(begin - 1) && from && to && *to - *from <= longest_repeat.count()) {
+      drop(begin, i);
+      repeats.push_back(static_cast<double>(i - begin));
+    } else {
+      leading.emplace_back(begin, i);
+    }
+  }
+  constexpr std::size_t enough = 3;
+  if (repeats.size() >= enough) {
+    const auto usual = static_cast<std::size_t>(quantile_of(repeats, 0.5));
+    for (const auto& [begin, end] : leading) drop(end - std::min(usual, end - begin), end);
   }
   return duplicates;
 }
@@ -559,17 +587,14 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
         std::count_if(frames.begin(), frames.end(), [&](const FilmFrame& frame) { return frame.index >= rows.size(); }));
   }
 
-  // Steps to a key frame have a noise of their own, and may be all there are. A few of them do not tell it: all may show motion.
-  constexpr std::size_t enough = 4;
+  // Steps to a key frame have a noise of their own, and may be all there are.
   std::vector<double> noises, key_noises;
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const FilmFrame& frame = frames[i];
     energy.exposure_steps += frame.difference.brightness ? 1 : 0;
     if (frame.compared && !frame.difference.same) (frame.key ? key_noises : noises).push_back(frame.difference.noise);
   }
-  const bool key_noise_known = key_noises.size() >= enough;
-  double noise = quantile_of(std::move(noises), 0.25);
-  if (key_noise_known) noise = std::max(noise, quantile_of(std::move(key_noises), 0.25));
+  const double noise = std::max(quantile_of(std::move(noises), 0.25), quantile_of(std::move(key_noises), 0.25));
   const double wanted = std::max(least_threshold, threshold_per_noise * noise);
   std::size_t level = 0;
   while (level + 1 < threshold_count && threshold_at(level) < wanted) ++level;
@@ -577,7 +602,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
 
   std::vector<double> changes;
   for (const FilmFrame& frame : frames) {
-    if (frame.compared && !frame.difference.same) changes.push_back(frame.difference.above[level]);
+    if (frame.compared) changes.push_back(frame.difference.above[level]);
   }
   const QuietSteps quiet = quiet_steps(changes);
   constexpr double least_pixels = 5;  // so few moving ones cannot be told from noise
@@ -595,7 +620,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
     change += std::max(0.0, frame.difference.above[level] - quiet.median);
     strongest = std::max(strongest, strongest_of(frame.difference, level));
     joined = joined && frame.compared;
-    doubtful = doubtful || frame.difference.brightness || (frame.key && !key_noise_known);
+    doubtful = doubtful || frame.difference.brightness;
     if (duplicates[i]) {
       ++energy.duplicates;
       continue;

@@ -12,8 +12,8 @@
 namespace tactile {
 
 struct MotionEnergyOptions {
-  int width = 320;                 ///< [px] wider films are looked at in this width, > 0
-  std::optional<cv::Rect> region;  ///< of the film's own pixels: only what moves there counts; nothing: the whole picture
+  int width = 320;                      ///< [px] wider films are looked at in this width, > 0
+  std::optional<cv::Rect> region = {};  ///< of the film's own pixels: only what moves there counts; nothing: the whole picture
 };
 
 /// From one frame to the next that differs from it.
@@ -21,7 +21,7 @@ struct MotionStep {
   VideoTime begin{}, end{};  ///< the two frames' times, begin < end
   double energy = 0;         ///< mean change of the pixels by motion, per time, above the film's own noise [grey levels/s], >= 0
   double strongest = 0;      ///< the pixels that changed by more than this make a tenth of it [grey levels]
-  bool doubtful = false;     ///< the whole picture changed too: its exposure, or a rare key frame; no sign of motion by itself
+  bool doubtful = false;  ///< the camera set its exposure anew, of which a little energy may be left: no sign of motion by itself
 
   VideoTime middle() const { return begin + (end - begin) / 2; }  ///< what `energy` is stamped with
 };
@@ -53,10 +53,11 @@ struct MotionEnergy {
 ///   s_k = mean over pixels of |d_k| where |d_k| > T, else 0,   d_k = I_k - (a I_(k-1) + b),
 ///   energy_k = max(0, s_k - floor) / (t_k - t_(k-1))
 ///
-/// T is 1.5 times what 99 % of the pixels stay below in a quiet step, a step to a key frame if those are louder: noise
-/// and coding change every pixel a little, an edge that moves changes few of them much. `floor` is the median of s over quiet
-/// steps. For motions of less than an object's size s is proportional to the way it has gone. One thread, all frames in their
-/// order; memory follows the frames' count, 150 B for each.
+/// T is 1.25 times a quiet step's noise, a step to a key frame being taken if that is louder. A step's noise is the median over
+/// up to 8 x 8 parts of the picture of the largest change in each: noise and coding change every part a little, what moves
+/// changes a few of them much. `floor` is the median of s over quiet steps. For motions of less than an object's size s is
+/// proportional to the way that it has gone. One thread, all frames in their order; memory follows the frames' count, 150 B for
+/// each.
 ///
 /// @param film   any file that libavformat reads: MP4, MKV, AVI, of any rate
 /// @param times  of the film's frames, by `video.csv`: they are the video's clock, and the frame of row i is the file's i-th,
@@ -64,9 +65,8 @@ struct MotionEnergy {
 ///               times, shifted. Empty: the container's own times, the first decoded frame being at 0
 /// @return       no steps if fewer than two frames can be decoded
 /// @throws Error if the file holds no video, its frames are larger than 8192 x 4320 px, there are more than a million of them,
-/// they
-///               lie more than an hour apart, or the region is outside the picture
-/// Source: frame differencing; times as FFmpeg's demuxers give them.
+/// they lie more than an hour apart, or the region is outside the picture Source: frame differencing; times as FFmpeg's demuxers
+/// give them.
 MotionEnergy motion_energy(const std::filesystem::path& film, std::span<const VideoTime> times = {},
                            const MotionEnergyOptions& options = {});
 
