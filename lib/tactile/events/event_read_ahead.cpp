@@ -26,7 +26,7 @@ constexpr std::size_t largest_kept_buffer = std::size_t{4} << 20;
 
 }  // namespace
 
-bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size) {
+bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size, Expected expected) {
   if (compression_ == Compression::none) {
     content.grow(packet.payload_size, 0);
     file_->read(packet.payload_offset, {content.data(), packet.payload_size});
@@ -36,7 +36,7 @@ bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content,
   Decompressed result;
   const std::size_t limit = largest_content(compression_, packet.payload_size);
   const auto decompress = [&](std::span<const std::byte> bytes) {
-    result = decompressor_.decompress(compression_, bytes, content, limit);
+    result = decompressor_.decompress(compression_, bytes, content, limit, expected);
   };
   if (!window_->use(file_->descriptor(), packet.payload_offset, packet.payload_size, file_->size(), decompress)) {
     decompressor_ = {};  // it may have been left in the middle
@@ -55,7 +55,7 @@ std::span<const std::byte> EventPacketDecoder::stored(const PacketRecord& packet
 DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize sensor, PacketBuffer& content) {
   DecodedEvents decoded;
   std::size_t size = 0;
-  if (!load(packet, content, size)) return decoded;
+  if (!load(packet, content, size, Expected::events)) return decoded;
   decoded.contents = decode_events(content, size, decoded.events);
   if (decoded.contents != Contents::whole) return decoded;
   const EventsCheck check = check_events(decoded.events, sensor);

@@ -31,7 +31,7 @@ class EventPacketDecoder {
 
   /// Brings a packet's contents to the front of `content`; false if they do not decompress. @throws Error if the file cannot be
   /// read
-  bool load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size);
+  bool load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size, Expected expected = Expected::anything);
   /// Its events. @param sensor 1 to 32768 pixels each way. @throws Error likewise
   DecodedEvents decode(const PacketRecord& packet, SensorSize sensor, PacketBuffer& content);
   /// The bytes as they are stored; valid until the next call of any of these. @throws Error likewise

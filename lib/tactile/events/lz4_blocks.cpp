@@ -13,6 +13,9 @@ constexpr std::size_t shortest_match = 4;  ///< which a match's length counts fr
 /// What `take_short` may read and write at a time: 5 literals and 18 bytes of a match, in writes of 8 bytes [B].
 constexpr std::ptrdiff_t short_stored = 9, short_made = 24;
 
+/// The first bytes of eight, as many as there are literals.
+constexpr std::array<std::uint64_t, 6> masks{0, 0xff, 0xffff, 0xffffff, 0xffffffff, 0xffffffffff};
+
 template <class Number>
 Number number_at(const std::uint8_t* bytes) {
   Number number;
@@ -42,7 +45,6 @@ struct Progress {
 /// Takes a sequence of at most 5 literals and of a match of 4 to 18 bytes, no less than 8 back; false, and nothing is changed, if
 /// the next one is another. There must be room.
 [[gnu::always_inline]] inline bool take_short(const std::uint8_t*& in, std::uint8_t*& out, const std::uint8_t* oldest) {
-  constexpr std::array<std::uint64_t, 6> masks{0, 0xff, 0xffff, 0xffffff, 0xffffffff, 0xffffffffff};
   const std::size_t token = *in, literals = token >> 4, match = token & 15;
   if (literals >= masks.size() || match == long_length) [[unlikely]]
     return false;

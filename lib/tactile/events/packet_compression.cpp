@@ -62,7 +62,7 @@ std::optional<FrameBlock> next_block(std::span<const std::byte> frame, std::size
   return FrameBlock{.stored = frame.subspan(at - size, size), .compressed = head >> 31 == 0};
 }
 
-/// Such a frame, faster than the library. What is another or not sound is the library's: then nothing is whole here.
+/// Such a frame of events, faster than the library. What is another or not sound is the library's: then nothing is whole here.
 Decompressed decompress_usual_lz4(std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
   const auto starts_with = [&](const auto& head) {
     return stored.size() >= head.size() && std::memcmp(stored.data(), head.data(), head.size()) == 0;
@@ -236,9 +236,11 @@ PacketDecompressor::PacketDecompressor(PacketDecompressor&&) noexcept = default;
 PacketDecompressor& PacketDecompressor::operator=(PacketDecompressor&&) noexcept = default;
 
 Decompressed PacketDecompressor::decompress(Compression compression, std::span<const std::byte> stored, PacketBuffer& content,
-                                            std::size_t limit) {
+                                            std::size_t limit, Expected expected) {
   if (is_lz4(compression)) {
-    if (const Decompressed usual = decompress_usual_lz4(stored, content, limit); usual.whole) return usual;
+    if (expected == Expected::events) {
+      if (const Decompressed usual = decompress_usual_lz4(stored, content, limit); usual.whole) return usual;
+    }
     if (!state_->lz4) {
       LZ4F_dctx* context = nullptr;
       check_lz4(LZ4F_createDecompressionContext(&context, LZ4F_VERSION));
