@@ -113,6 +113,28 @@ TEST(PacketQueue, KeepsNoMoreSpareBuffersThanItsLimit) {
   EXPECT_EQ(kept, 100'000 / (1000 * sizeof(Event) + sizeof(QueuedPacket)));
 }
 
+TEST(PacketQueue, LetsGoOfWhatABurstLeftAndNobodyTookSince) {
+  PacketQueue queue(1 << 20);
+  const auto burst = [&queue](std::size_t count) {
+    std::vector<Packet> packets;
+    for (std::size_t i = 0; i < count; ++i) {
+      packets.push_back(queue.take());
+      fill(packets.back(), 1000);
+    }
+    for (Packet& packet : packets) queue.give_back(std::move(packet));
+  };
+  const auto made_for = [&](std::size_t count) {
+    const std::uint64_t before = queue.packets_made();
+    burst(count);
+    return queue.packets_made() - before;
+  };
+  burst(20);
+  EXPECT_EQ(made_for(20), 0U);  // soon after it they are still there
+  for (int i = 0; i < 100'000; ++i) burst(3);
+  EXPECT_EQ(made_for(3), 0U);
+  EXPECT_EQ(made_for(20), 17U);
+}
+
 TEST(PacketQueue, LetsThoseWaitForRoomWhoWantTo) {
   PacketQueue queue(20'000);
   std::thread source([&] {

@@ -1,9 +1,14 @@
 #include "tactile/capture/packet_queue.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace tactile {
 namespace {
+
+/// Packets given back between two looks at which of the spare ones nobody needed: half a minute of packets of 1 ms. Not less, for
+/// a machine that was busy once may soon be so again, and fresh memory is slow.
+constexpr unsigned between_looks = 1U << 15;
 
 std::size_t allocated_bytes(const QueuedPacket& packet) {
   const CameraPacket& e = packet.elements;
@@ -26,6 +31,7 @@ PacketQueue::Packet PacketQueue::take() {
     if (!spare_.empty()) {
       spare_bytes_ -= allocated_bytes(spare_.front());
       packet.splice(packet.begin(), spare_, spare_.begin());
+      never_taken_ = std::min(never_taken_, spare_.size());
       return packet;
     }
   }
@@ -52,6 +58,7 @@ bool PacketQueue::push(Packet& packet, bool wait) {
   while (!spare_.empty() && waiting_bytes_ + spare_bytes_ + bytes > limit_) {
     spare_bytes_ -= allocated_bytes(spare_.back());
     surplus.splice(surplus.begin(), spare_, std::prev(spare_.end()));
+    never_taken_ -= std::min<std::size_t>(never_taken_, 1);
   }
   waiting_bytes_ += bytes;
   waiting_.splice(waiting_.end(), packet);
@@ -75,7 +82,16 @@ void PacketQueue::give_back(Packet packet) {
   if (packet.empty()) return;
   packet.front().elements.clear();
   const std::size_t bytes = allocated_bytes(packet.front());
+  Packet surplus;  // freed behind the lock
   const std::scoped_lock lock(guard_);
+  if (++given_back_ == between_looks) {
+    for (; never_taken_ > 0; --never_taken_) {
+      spare_bytes_ -= allocated_bytes(spare_.back());
+      surplus.splice(surplus.begin(), spare_, std::prev(spare_.end()));
+    }
+    given_back_ = 0;
+    never_taken_ = spare_.size();
+  }
   if (waiting_bytes_ + spare_bytes_ + bytes > limit_) return;
   spare_bytes_ += bytes;
   spare_.splice(spare_.begin(), packet);

@@ -22,7 +22,8 @@ struct QueuedPacket {
 
 /// Takes packets from the threads that receive them to the one that writes them. Its memory is bounded: a packet counts with all
 /// that its buffers have allocated, and one that finds no room is refused. Emptied packets are used again, so that once it is
-/// warm nothing is allocated. Elements are never copied: a packet moves as a node of a list.
+/// warm nothing is allocated; those that nobody needed for some ten thousand packets, since a burst left them behind, are freed.
+/// Elements are never copied: a packet moves as a node of a list.
 class PacketQueue {
  public:
   using Packet = std::list<QueuedPacket>;  ///< one packet; or none
@@ -57,6 +58,8 @@ class PacketQueue {
   std::list<QueuedPacket> waiting_, spare_;
   std::atomic<std::size_t> waiting_bytes_{0};
   std::size_t spare_bytes_ = 0;
+  std::size_t never_taken_ = 0;  ///< of the spare ones, those at the end, since the last look at them
+  unsigned given_back_ = 0;      ///< likewise
   std::atomic<std::uint64_t> made_{0};
   bool open_ = true;
 };

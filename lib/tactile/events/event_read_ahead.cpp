@@ -17,16 +17,18 @@
 namespace tactile {
 namespace {
 
-/// Handing a batch from thread to thread costs some microseconds, decoding it hundreds.
-constexpr std::size_t batch_bytes = std::size_t{512} << 10;
+/// A thread's own batches should stay in its second-level cache, which has 1 MiB or 512 KiB; with fewer it would often have to
+/// wait until the reader has come to one of them.
+constexpr std::size_t batch_bytes = std::size_t{128} << 10;
+constexpr std::size_t batches_each = 4;
 constexpr std::size_t batch_packets = 16;
 constexpr std::size_t most_bytes_ahead = std::size_t{64} << 20;
 /// A buffer that a huge packet left behind is not kept for small ones.
-constexpr std::size_t largest_kept_buffer = std::size_t{4} << 20;
+constexpr std::size_t largest_kept_buffer = std::size_t{2} << 20;
 
 }  // namespace
 
-bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size) {
+bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size, Expected expected) {
   if (compression_ == Compression::none) {
     content.grow(packet.payload_size, 0);
     file_->read(packet.payload_offset, {content.data(), packet.payload_size});
@@ -36,9 +38,9 @@ bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content,
   Decompressed result;
   const std::size_t limit = largest_content(compression_, packet.payload_size);
   const auto decompress = [&](std::span<const std::byte> bytes) {
-    result = decompressor_.decompress(compression_, bytes, content, limit);
+    result = decompressor_.decompress(compression_, bytes, content, limit, expected);
   };
-  if (!window_->use(file_->descriptor(), packet.payload_offset, packet.payload_size, file_->size(), decompress)) {
+  if (!window_.use(file_->descriptor(), packet.payload_offset, packet.payload_size, file_->size(), decompress)) {
     decompressor_ = {};  // it may have been left in the middle
     decompress(stored(packet));
   }
@@ -55,7 +57,7 @@ std::span<const std::byte> EventPacketDecoder::stored(const PacketRecord& packet
 DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize sensor, PacketBuffer& content) {
   DecodedEvents decoded;
   std::size_t size = 0;
-  if (!load(packet, content, size)) return decoded;
+  if (!load(packet, content, size, Expected::events)) return decoded;
   decoded.contents = decode_events(content, size, decoded.events);
   if (decoded.contents != Contents::whole) return decoded;
   const EventsCheck check = check_events(decoded.events, sensor);
@@ -69,19 +71,28 @@ DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize 
 }
 
 struct EventReadAhead::State {
-  /// Some packets in a row that one thread decodes.
-  struct Batch {
-    enum class Stage { planned, taken, done } stage = Stage::planned;
-    std::span<const EventPacket> packets;
-    std::vector<std::optional<DecodedEvents>> decoded;  ///< nothing where that failed or would have been too much
-    std::vector<PacketBuffer> contents;
-    std::size_t bytes = 0;  ///< of the contents that are kept
+  /// Memory for a batch's contents. It stays with the thread that it was made for: another one's cache would first have to give
+  /// it up.
+  using Memory = std::vector<PacketBuffer>;
+  struct Worker {
+    EventPacketDecoder decoder;
+    std::vector<Memory> spare = std::vector<Memory>(batches_each);
   };
 
-  const RecordingFile& file;
-  Compression compression;
+  /// Some packets in a row that one thread decodes.
+  struct Batch {
+    enum class Stage : std::uint8_t { planned, taken, done } stage = Stage::planned;
+    std::span<const EventPacket> packets;
+    std::vector<std::optional<DecodedEvents>> decoded;  ///< nothing where that failed or would have been too much
+    Worker* worker = nullptr;                           ///< who took it, and whose `contents` are
+    Memory contents;
+    std::size_t bytes = 0;     ///< of the contents that are kept
+    std::size_t expected = 0;  ///< of them, by what is known beforehand
+  };
+
   std::vector<EventPacket> expected;
-  std::size_t planned = 0;  ///< of those expected
+  std::size_t planned = 0;        ///< of those expected
+  std::size_t planned_bytes = 0;  ///< that are ahead, decoded or not [B]
 
   std::mutex guard;
   std::condition_variable work, progress;
@@ -90,16 +101,15 @@ struct EventReadAhead::State {
   std::atomic<std::size_t> bytes_ahead{0};
   bool stopping = false;
 
-  std::size_t cursor = 0;  ///< in the batch at the front
-  EventPacketDecoder own_decoder;
+  std::size_t cursor = 0;       ///< in the batch at the front
+  std::vector<Worker> workers;  ///< the reader, and the helpers
   std::vector<std::thread> helpers;
 
-  State(const RecordingFile& recording, Compression method, unsigned count)
-      : file(recording), compression(method), own_decoder(recording, method) {
-    // One for each thread, one that is read; what is fresh memory costs more than waiting now and then.
-    for (std::size_t i = 0; i < std::size_t{count} + 2; ++i) spare.push_back(std::make_unique<Batch>());
+  State(const RecordingFile& recording, Compression compression, unsigned count) {
+    for (unsigned i = 0; i <= count; ++i) workers.push_back({.decoder = {recording, compression}});
+    for (std::size_t i = 0; i < batches_each * workers.size(); ++i) spare.push_back(std::make_unique<Batch>());
     try {
-      for (unsigned i = 0; i < count; ++i) helpers.emplace_back([this] { help(); });
+      for (unsigned i = 0; i < count; ++i) helpers.emplace_back([this, i] { help(workers[i + 1]); });
     } catch (const std::system_error&) {
       // The machine gives no more threads: those that are there do the work.
     }
@@ -113,7 +123,9 @@ struct EventReadAhead::State {
     for (std::thread& helper : helpers) helper.join();
   }
 
-  Batch* next_planned() {
+  /// The next batch that this one can take. What is at the front finds memory always: none behind it is taken before it.
+  Batch* next_for(const Worker& worker) {
+    if (worker.spare.empty()) return nullptr;
     for (const auto& batch : ahead) {
       if (batch->stage == Batch::Stage::planned) return batch.get();
     }
@@ -134,30 +146,32 @@ struct EventReadAhead::State {
     }
   }
 
-  void work_on(Batch& batch, EventPacketDecoder& decoder, std::unique_lock<std::mutex>& lock) {
+  void work_on(Batch& batch, Worker& worker, std::unique_lock<std::mutex>& lock) {
     batch.stage = Batch::Stage::taken;
+    batch.worker = &worker;
+    batch.contents = std::move(worker.spare.back());
+    worker.spare.pop_back();
     lock.unlock();
-    decode(batch, decoder);
+    decode(batch, worker.decoder);
     lock.lock();
     batch.stage = Batch::Stage::done;
   }
 
-  void help() {
-    EventPacketDecoder decoder(file, compression);
+  void help(Worker& worker) {
     std::unique_lock lock(guard);
     for (;;) {
       Batch* batch = nullptr;
-      work.wait(lock, [&] { return stopping || (batch = next_planned()) != nullptr; });
+      work.wait(lock, [&] { return stopping || (batch = next_for(worker)) != nullptr; });
       if (stopping) return;
-      work_on(*batch, decoder, lock);
+      work_on(*batch, worker, lock);
       progress.notify_one();
     }
   }
 
-  /// Plans as many batches as there is room for.
+  /// Plans as many batches as there is room for: fewer of large packets.
   void plan() {
-    bool any = false;
-    while (!spare.empty() && planned < expected.size()) {
+    const std::size_t enough = workers.size() * batches_each * batch_bytes;
+    while (!spare.empty() && planned < expected.size() && (planned_bytes < enough || ahead.size() <= workers.size())) {
       std::size_t count = 0, bytes = 0;
       do {
         const PacketRecord& record = expected[planned + count].record;
@@ -169,11 +183,12 @@ struct EventReadAhead::State {
       batch->stage = Batch::Stage::planned;
       batch->packets = std::span(expected).subspan(planned, count);
       batch->bytes = 0;
+      batch->expected = bytes;
       planned += count;
+      planned_bytes += bytes;
       ahead.push_back(std::move(batch));
-      any = true;
     }
-    if (any) work.notify_all();
+    work.notify_all();
   }
 
   /// The batch at the front has been read, or is not wanted.
@@ -182,9 +197,13 @@ struct EventReadAhead::State {
     std::unique_ptr<Batch> batch = std::move(ahead.front());
     ahead.pop_front();
     bytes_ahead -= batch->bytes;
-    batch->bytes = 0;
+    planned_bytes -= batch->expected;
+    batch->bytes = batch->expected = 0;
     for (PacketBuffer& buffer : batch->contents) {
       if (buffer.capacity() > largest_kept_buffer) buffer = {};
+    }
+    if (Worker* worker = std::exchange(batch->worker, nullptr); worker != nullptr) {
+      worker->spare.push_back(std::move(batch->contents));
     }
     spare.push_back(std::move(batch));
     cursor = 0;
@@ -193,8 +212,8 @@ struct EventReadAhead::State {
   /// Until the batch at the front is done. Who waits works.
   void finish_front(std::unique_lock<std::mutex>& lock) {
     while (ahead.front()->stage != Batch::Stage::done) {
-      if (Batch* batch = next_planned()) {
-        work_on(*batch, own_decoder, lock);
+      if (Batch* batch = next_for(workers.front())) {
+        work_on(*batch, workers.front(), lock);
       } else {
         progress.wait(lock);
       }

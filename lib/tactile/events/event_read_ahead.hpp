@@ -27,11 +27,12 @@ struct DecodedEvents {
 /// work on one file at the same time.
 class EventPacketDecoder {
  public:
-  EventPacketDecoder(const RecordingFile& file, Compression compression) : file_(&file), compression_(compression) {}
+  EventPacketDecoder(const RecordingFile& file, Compression compression)
+      : file_(&file), compression_(compression), window_(file.parts()) {}
 
   /// Brings a packet's contents to the front of `content`; false if they do not decompress. @throws Error if the file cannot be
   /// read
-  bool load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size);
+  bool load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size, Expected expected = Expected::anything);
   /// Its events. @param sensor 1 to 32768 pixels each way. @throws Error likewise
   DecodedEvents decode(const PacketRecord& packet, SensorSize sensor, PacketBuffer& content);
   /// The bytes as they are stored; valid until the next call of any of these. @throws Error likewise
@@ -40,7 +41,7 @@ class EventPacketDecoder {
  private:
   const RecordingFile* file_;
   Compression compression_;
-  std::unique_ptr<FileWindow> window_ = std::make_unique<FileWindow>();
+  FileWindow window_;
   PacketBuffer stored_;
   PacketDecompressor decompressor_;
 };

@@ -1,7 +1,6 @@
 #include "tactile/events/file_window.hpp"
 
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -9,7 +8,9 @@
 namespace tactile {
 namespace {
 
-constexpr std::size_t least_size = std::size_t{4} << 20;  ///< only what is touched becomes part of this process
+/// Parts begin at multiples of this, so that threads a few packets from each other meet in one; each is longer by what a packet
+/// may have. Only what is touched becomes part of this process.
+constexpr std::size_t part_size = std::size_t{4} << 20, overlap = std::size_t{1} << 20;
 
 /// What this thread looks at, and where it goes on when that cannot be read.
 struct Guarded {
@@ -40,28 +41,33 @@ bool watch_for_bus_errors() {
 
 }  // namespace
 
-void FileWindow::close() {
-  if (data_ != nullptr) ::munmap(data_, size_);
-  data_ = nullptr;
-  begin_ = size_ = 0;
+FileParts::Part::~Part() { ::munmap(data, size); }
+
+std::shared_ptr<const FileParts::Part> FileParts::part(int file, std::uint64_t offset, std::size_t size,
+                                                       std::uint64_t file_size) {
+  const std::scoped_lock lock(guard_);
+  std::erase_if(parts_, [](const auto& part) { return part.expired(); });
+  for (const auto& candidate : parts_) {
+    if (auto part = candidate.lock(); part && part->has(offset, size)) return part;
+  }
+  const std::uint64_t begin = offset / part_size * part_size;
+  const auto length = static_cast<std::size_t>(std::min(std::max(offset + size, begin + part_size + overlap), file_size) - begin);
+  void* data = ::mmap(nullptr, length, PROT_READ, MAP_SHARED, file, static_cast<off_t>(begin));
+  if (data == MAP_FAILED) return nullptr;
+  auto part = std::make_shared<const Part>(static_cast<std::byte*>(data), begin, length);
+  parts_.push_back(part);
+  return part;
 }
 
-void FileWindow::guard(sigjmp_buf* way_out) const { guarded = {data_, data_ + size_, way_out}; }
+void FileWindow::guard(sigjmp_buf* way_out) const { guarded = {part_->data, part_->data + part_->size, way_out}; }
 
 bool FileWindow::open(int file, std::uint64_t offset, std::size_t size, std::uint64_t file_size) {
   static const bool watches = watch_for_bus_errors();
-  static const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   if (!watches || size == 0) return false;
-  if (data_ != nullptr && offset >= begin_ && offset + size <= begin_ + size_) return true;
-  close();
-  const std::uint64_t begin = offset / page * page;
-  const auto length = static_cast<std::size_t>(std::min(std::max(offset + size, begin + least_size), file_size) - begin);
-  void* data = ::mmap(nullptr, length, PROT_READ, MAP_SHARED, file, static_cast<off_t>(begin));
-  if (data == MAP_FAILED) return false;
-  data_ = static_cast<std::byte*>(data);
-  begin_ = begin;
-  size_ = length;
-  return true;
+  if (part_ && part_->has(offset, size)) return true;
+  part_.reset();
+  part_ = parts_->part(file, offset, size, file_size);
+  return part_ != nullptr;
 }
 
 }  // namespace tactile

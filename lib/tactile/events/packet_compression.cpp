@@ -4,12 +4,16 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/events/lz4_blocks.hpp"
 
 namespace tactile {
 namespace {
@@ -34,6 +38,72 @@ bool make_room(PacketBuffer& content, std::size_t known, std::size_t limit) {
   const std::size_t wanted = claimed > known ? claimed : std::min(limit, 2 * known + lz4_block);
   content.grow(wanted + lz4_block, known);
   return true;
+}
+
+/// The frames that recordings have: blocks of 64 KiB without checksums or a size, linked or not. Their headers and its checksum.
+constexpr std::array<std::uint8_t, 7> linked_frame{0x04, 0x22, 0x4D, 0x18, 0x40, 0x40, 0xC0};
+constexpr std::array<std::uint8_t, 7> unlinked_frame{0x04, 0x22, 0x4D, 0x18, 0x60, 0x40, 0x82};
+
+/// A block as a frame has it; the mark of the end where `stored` is empty.
+struct FrameBlock {
+  std::span<const std::byte> stored;
+  bool compressed = false;
+};
+
+/// The block at `at`, which is led behind it; nothing where the frame ends in it.
+std::optional<FrameBlock> next_block(std::span<const std::byte> frame, std::size_t& at) {
+  std::uint32_t head = 0;
+  if (frame.size() - at < sizeof head) return std::nullopt;
+  std::memcpy(&head, frame.data() + at, sizeof head);
+  at += sizeof head;
+  const std::size_t size = head & 0x7FFFFFFF;
+  if (size > frame.size() - at || (size == 0 && head != 0)) return std::nullopt;
+  at += size;
+  return FrameBlock{.stored = frame.subspan(at - size, size), .compressed = head >> 31 == 0};
+}
+
+/// Such a frame of events, faster than the library. What is another or not sound is the library's: then nothing is whole here.
+Decompressed decompress_usual_lz4(std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
+  const auto starts_with = [&](const auto& head) {
+    return stored.size() >= head.size() && std::memcmp(stored.data(), head.data(), head.size()) == 0;
+  };
+  const bool linked = starts_with(linked_frame);
+  if (!linked && !starts_with(unlinked_frame)) return {};
+  content.grow(std::min(4 * stored.size(), limit) + lz4_block, 0);
+  std::size_t at = linked_frame.size(), made = 0;
+  const auto room_for = [&](const FrameBlock& block, std::size_t place) {
+    return Lz4Block{.stored = block.stored, .room = {content.data() + place, lz4_block}, .before = linked ? made : 0};
+  };
+  for (;;) {
+    const std::optional<FrameBlock> block = next_block(stored, at);
+    if (!block) return {};
+    if (block->stored.empty()) return {.whole = at == stored.size() && made <= limit, .size = made};
+    while (content.capacity() - made < lz4_block) {
+      if (!make_room(content, made, limit)) return {};
+    }
+    if (!block->compressed) {
+      if (block->stored.size() > lz4_block) return {};
+      std::memcpy(content.data() + made, block->stored.data(), block->stored.size());
+      made += block->stored.size();
+      continue;
+    }
+    if (!linked && content.capacity() - made >= 2 * lz4_block) {
+      std::size_t behind = at;
+      const std::optional<FrameBlock> next = next_block(stored, behind);
+      if (next && next->compressed && !next->stored.empty()) {
+        const auto sizes = decode_lz4_blocks(room_for(*block, made), room_for(*next, made + lz4_block));
+        if (!sizes) return {};
+        const auto [first, second] = *sizes;
+        if (first < lz4_block) std::memmove(content.data() + made + first, content.data() + made + lz4_block, second);
+        made += first + second;
+        at = behind;
+        continue;
+      }
+    }
+    const std::optional<std::size_t> size = decode_lz4_block(room_for(*block, made));
+    if (!size) return {};
+    made += *size;
+  }
 }
 
 Decompressed decompress_lz4(LZ4F_dctx* context, std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
@@ -166,8 +236,11 @@ PacketDecompressor::PacketDecompressor(PacketDecompressor&&) noexcept = default;
 PacketDecompressor& PacketDecompressor::operator=(PacketDecompressor&&) noexcept = default;
 
 Decompressed PacketDecompressor::decompress(Compression compression, std::span<const std::byte> stored, PacketBuffer& content,
-                                            std::size_t limit) {
+                                            std::size_t limit, Expected expected) {
   if (is_lz4(compression)) {
+    if (expected == Expected::events) {
+      if (const Decompressed usual = decompress_usual_lz4(stored, content, limit); usual.whole) return usual;
+    }
     if (!state_->lz4) {
       LZ4F_dctx* context = nullptr;
       check_lz4(LZ4F_createDecompressionContext(&context, LZ4F_VERSION));

@@ -37,6 +37,9 @@ struct Decompressed {
   std::size_t size = 0;  ///< [B]
 };
 
+/// What a packet should hold: how it is decompressed fastest, not to what.
+enum class Expected : std::uint8_t { anything, events };
+
 /// Decompresses packets one after the other with one set of working memory.
 class PacketDecompressor {
  public:
@@ -47,7 +50,8 @@ class PacketDecompressor {
 
   /// `stored`, exactly one LZ4 or zstd frame of any legal kind, into the front of `content`, which grows as the contents turn
   /// out, up to `limit` bytes.
-  Decompressed decompress(Compression compression, std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit);
+  Decompressed decompress(Compression compression, std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit,
+                          Expected expected = Expected::anything);
 
  private:
   struct State;

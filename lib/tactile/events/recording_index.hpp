@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/file_window.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_reader.hpp"
 
@@ -21,6 +22,7 @@ class RecordingFile {
   const std::string& name() const { return name_; }  ///< for errors
   std::uint64_t size() const { return size_; }
   int descriptor() const { return file_.number(); }
+  FileParts& parts() const { return parts_; }  ///< for several threads
   /// Fills `bytes` from `offset` on. @throws Error if they cannot be read, or the file has become shorter
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
@@ -28,6 +30,7 @@ class RecordingFile {
   std::string name_;
   FileDescriptor file_;
   std::uint64_t size_ = 0;
+  mutable FileParts parts_;
 };
 
 /// A recording's header, checked, and where the packets begin behind it [B].

@@ -145,7 +145,8 @@ bool DvStreamParser::take_packet() {
   Contents contents = Contents::broken;
   if (compression_ != Compression::none) {
     const std::size_t limit = largest_content(compression_, size_);
-    const Decompressed result = decompressor_.decompress(compression_, {stored_.data(), size_}, content_, limit);
+    const Expected expected = stream_.type == StreamType::events ? Expected::events : Expected::anything;
+    const Decompressed result = decompressor_.decompress(compression_, {stored_.data(), size_}, content_, limit, expected);
     if (!result.whole) {
       ++problems_.broken_packets;
       return false;
