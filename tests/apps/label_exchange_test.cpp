@@ -151,6 +151,8 @@ TEST_F(LabelExchange, WhatCannotBeImportedChangesNothing) {
   expect_refused("--import data", "holds no file of the runs");
   expect_refused("--export one.eaf", "holds one run, and there are 2");
   expect_refused("--export folder", "its ending says no format");
+  std::filesystem::remove(folder / "data/fan/01/video.mp4");
+  ASSERT_EQ(label("data/fan/01").exit_code, 0);
   expect_refused("data/fan/01 --export labels.txt --origin video", "its film's clock relates to the camera's is unknown");
 }
 

@@ -244,8 +244,9 @@ void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
     if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_step) continue;
     const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
                             distance(before.tcp_pose, after.tcp_pose) > moving * seconds_between(before, after);
+    // A speed that does not change may be written in the same digits twice.
     const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
-                             std::max(distance(before.tcp_speed, {}), distance(after.tcp_speed, {})) > moving;
+                             distance(before.tcp_speed, after.tcp_speed) > moving;
     if (!pose_twice && !speed_twice) continue;
     const auto off = [&](const RobotState& row) {  // a pose tells more, since it changes all the time
       return pose_twice ? pose_off_curve(before, row, after, has_speeds && has_poses) : speed_off_line(before, row, after);
