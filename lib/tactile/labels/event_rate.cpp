@@ -37,9 +37,28 @@ double quietest_mean(const std::vector<std::uint16_t>& counts) {
   return *std::min_element(sums.begin(), sums.end()) * parts / static_cast<double>(counts.size());
 }
 
-/// By pixel, whether it fires throughout: a press and a slip together take half of a short run, and a pixel at a marker fires in
+/// Whether the pixel fires often in this part, and its neighbours do not.
+bool is_alone(const std::vector<std::uint16_t>& counts, SensorSize size, std::size_t pixel, std::size_t part, double limit) {
+  constexpr double times_neighbours = 8.0;
+  const double count = counts[pixel * parts + part];
+  if (count < limit) return false;
+  const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
+  const std::size_t x = pixel % width, y = pixel / width;
+  std::vector<std::uint16_t> neighbours;
+  for (std::size_t v = y - std::min<std::size_t>(y, 1); v <= std::min(y + 1, height - 1); ++v) {
+    for (std::size_t u = x - std::min<std::size_t>(x, 1); u <= std::min(x + 1, width - 1); ++u) {
+      if (u != x || v != y) neighbours.push_back(counts[(v * width + u) * parts + part]);
+    }
+  }
+  if (neighbours.empty()) return false;
+  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>(neighbours.size() / 2);
+  std::nth_element(neighbours.begin(), middle, neighbours.end());
+  return count >= times_neighbours * *middle;
+}
+
+/// By pixel, whether it fires throughout, or from some time on without its neighbours: a press and a slip together take half of a short run, and a pixel at a marker fires in
 /// both.
-std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, double hot_pixel_hz) {
+std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, const EventRateOptions& options) {
   const auto width = static_cast<std::size_t>(stream.size->width);
   const std::size_t pixels = width * static_cast<std::size_t>(stream.size->height);
   const double length_us = static_cast<double>(between(span.first, span.last).count()) + 1.0;
@@ -53,11 +72,17 @@ std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, c
     }
   });
   const double expected = quietest_mean(counts);
-  const double limit = std::max({2.0, hot_pixel_hz * length_us / parts / 1e6, expected + 10.0 * std::sqrt(expected)});
+  const double part_s = length_us / parts / 1e6, beyond_noise = expected + 10.0 * std::sqrt(expected);
+  const double limit = std::max({2.0, options.hot_pixel_hz * part_s, beyond_noise});
+  const double lone_limit = std::max({20.0, options.lone_pixel_hz * part_s, beyond_noise});
   std::vector<bool> hot(pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const auto first = counts.begin() + static_cast<std::ptrdiff_t>(pixel * parts);
     hot[pixel] = std::count_if(first, first + parts, [&](std::uint16_t count) { return count >= limit; }) >= parts - 1;
+    int alone = 0;
+    for (std::size_t part = 0; part < parts && !hot[pixel]; ++part)
+      alone += is_alone(counts, *stream.size, pixel, part, lone_limit) ? 1 : 0;
+    hot[pixel] = hot[pixel] || alone >= 2;
   }
   return hot;
 }
@@ -79,7 +104,7 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
   if (length > longest_run) {
     throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
   }
-  const std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+  const std::vector<bool> hot = hot_pixels(recording, stream, span, options);
 
   EventRate rate{.begin = span.first,
                  .bin = options.bin,

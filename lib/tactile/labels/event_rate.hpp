@@ -25,10 +25,13 @@ struct EventRateOptions {
   microseconds bin{200};      ///< a whole number of read-outs, > 0
   double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least seven of eight equal parts of the recording it fires at least so
                               ///< often, and ten standard deviations above the mean of all pixels in the quietest part
+  double lone_pixel_hz = 200;  ///< so is one that starts or stops amid the recording: in two parts at least it fires so often,
+                               ///< and eight times as often as the middle one of its eight neighbours
 };
 
 /// Reads the recording three times: for its span, which no table is trusted to tell, to find the hot pixels, and to count. A
-/// pixel that a moving marker lights fires in a few of the eight parts only, a hot one in most.
+/// pixel that a moving marker lights fires in a few of the eight parts only, a hot one in most; and blur lets no pixel fire
+/// without its neighbours.
 /// @throws Error  if the stream has no event or no sane size, or spans more than an hour (a run takes seconds)
 EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
 

@@ -8,6 +8,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/labels/activity.hpp"
+#include "tactile/labels/brightness_change.hpp"
 #include "tactile/labels/clock_anchors.hpp"
 #include "tactile/labels/event_rate.hpp"
 #include "tactile/robot/motion_phases.hpp"
@@ -38,6 +39,7 @@ struct RunSignals {
   EventRate rate;
   QuietRate quiet;
   std::vector<Burst> bursts;
+  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
   bool has_robot = false;  ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
