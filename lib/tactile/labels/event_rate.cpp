@@ -56,9 +56,10 @@ bool is_alone(const std::vector<std::uint16_t>& counts, SensorSize size, std::si
   return count >= times_neighbours * *middle;
 }
 
-/// By pixel, whether it fires throughout, or from some time on without its neighbours: a press and a slip together take half of a short run, and a pixel at a marker fires in
-/// both.
-std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, const EventRateOptions& options) {
+/// By pixel, whether it fires throughout, or from some time on without its neighbours: a press and a slip together take half of a
+/// short run, and a pixel at a marker fires in both.
+std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span,
+                             const EventRateOptions& options) {
   const auto width = static_cast<std::size_t>(stream.size->width);
   const std::size_t pixels = width * static_cast<std::size_t>(stream.size->height);
   const double length_us = static_cast<double>(between(span.first, span.last).count()) + 1.0;

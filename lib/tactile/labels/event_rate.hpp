@@ -22,9 +22,9 @@ struct EventRate {
 };
 
 struct EventRateOptions {
-  microseconds bin{200};      ///< a whole number of read-outs, > 0
-  double hot_pixel_hz = 8.0;  ///< a pixel is hot if in at least seven of eight equal parts of the recording it fires at least so
-                              ///< often, and ten standard deviations above the mean of all pixels in the quietest part
+  microseconds bin{200};       ///< a whole number of read-outs, > 0
+  double hot_pixel_hz = 8.0;   ///< a pixel is hot if in at least seven of eight equal parts of the recording it fires at least so
+                               ///< often, and ten standard deviations above the mean of all pixels in the quietest part
   double lone_pixel_hz = 200;  ///< so is one that starts or stops amid the recording: in two parts at least it fires so often,
                                ///< and eight times as often as the middle one of its eight neighbours
 };

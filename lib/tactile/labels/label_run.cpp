@@ -141,9 +141,10 @@ class Labeller {
     if (!signals_.has_robot) {
       flag("no robot log: press and slip are told apart by their order alone");
     } else if (!lifts_are_known() && !moves_.rises) {
-      flag(fmt::format("the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
-                       "their order alone",
-                       1e-3 * ms(moves_.logged), 1e-3 * ms(recorded())));
+      flag(fmt::format(
+          "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
+          "their order alone",
+          1e-3 * ms(moves_.logged), 1e-3 * ms(recorded())));
     }
 
     find_intervals();

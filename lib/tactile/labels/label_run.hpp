@@ -22,8 +22,8 @@ struct LabelOptions {
   VideoClockOptions video_clock{};
   microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more than this in length, or film and
                                                ///< events in an onset
-  microseconds latest_slip{250'000};  ///< flagged if the slip starts so long after the lift
-  microseconds earliest_slip{5'000};  ///< flagged if it starts so long before, the clock's uncertainty taken off
+  microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
+  microseconds earliest_slip{5'000};           ///< flagged if it starts so long before, the clock's uncertainty taken off
 };
 
 nlohmann::json settings_of(const LabelOptions& options);

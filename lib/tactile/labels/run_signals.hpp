@@ -40,7 +40,7 @@ struct RunSignals {
   QuietRate quiet;
   std::vector<Burst> bursts;
   std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
-  bool has_robot = false;  ///< there is a log, be it empty
+  bool has_robot = false;        ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
   std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none

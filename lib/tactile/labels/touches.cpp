@@ -71,8 +71,6 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
     } else if (standing_press && likeness(changes[i], changes[*standing_press]) < options.release_likeness) {
       kinds[i] = BurstKind::release;
       standing_press.reset();
-    } else if (standing_press && bursts[i].events < options.brief_share * bursts[*standing_press].events) {
-      kinds[i] = BurstKind::brief;
     } else {
       standing_press = i;
     }

@@ -37,7 +37,7 @@ struct TouchesOptions {
 /// the
 ///   arm is known not to have risen.
 /// - What lies in a tap of the arm is the tap.
-/// - What is short and small is brief, and so is what is small against a press that nothing has taken back; what follows the last slip is `after`.
+/// - What is short and small is brief; what follows the last slip is `after`.
 /// - Any other burst is a press, unless it takes back the press before it: a marker that goes back leaves dark where it had left
 ///   bright.
 ///
