@@ -23,11 +23,13 @@ struct ArmMoves {
   std::vector<ArmMove> lifts, taps;
   bool rises = false;      ///< there is a lift in the log
   bool all_placed = true;  ///< the clock of every piece that has one is known
+  microseconds logged{0};  ///< time of which the log tells
 };
 
 ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
   ArmMoves moves;
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
+    moves.logged += signals.robot[i].log.states.back().t - signals.robot[i].log.states.front().t;
     for (const MotionPhase& phase : signals.robot[i].phases) {
       if (phase.kind != MotionKind::lift && phase.kind != MotionKind::tap) continue;
       const bool is_lift = phase.kind == MotionKind::lift;
@@ -133,7 +135,14 @@ class Labeller {
     labels_.remarks = signals_.remarks;
     // What one anchor leaves open is no matter where another has settled it, or where there is no lift to place.
     for (const std::string& doubt : clocks_.doubts) moves_.all_placed ? labels_.remarks.push_back(doubt) : flag(doubt);
-    if (!signals_.has_robot) flag("no robot log: press and slip are told apart by their order alone");
+    if (!signals_.has_robot) {
+      flag("no robot log: press and slip are told apart by their order alone");
+    } else if (!lifts_are_known() && !moves_.rises) {
+      flag(fmt::format(
+          "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
+          "their order alone",
+          1e-3 * ms(moves_.logged), 1e-3 * ms(recorded())));
+    }
 
     find_intervals();
     relate_clocks();
@@ -154,16 +163,20 @@ class Labeller {
     labels_.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
   }
 
+  microseconds recorded() const { return between(signals_.rate.begin, signals_.rate.last); }
+
+  /// True if the log tells of every lift, be there none: a log that is shorter than the recording may lack it.
+  bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged >= recorded()); }
+
   void find_intervals() {
     RecordingReader recording(signals_.run.events());
     const std::vector<Burst> bursts =
         parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts, options_.signals.activity);
-    const bool lifts_are_known = signals_.has_robot && moves_.all_placed;
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
     const std::vector<BurstKind> kinds =
-        kinds_of(signals_.rate, bursts, lifts_are_known ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
+        kinds_of(signals_.rate, bursts, lifts_are_known() ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
                  options_.touches);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] == BurstKind::press) {
@@ -176,7 +189,21 @@ class Labeller {
     }
   }
 
-  void add(Touch touch, const FoundTime& start, const FoundTime& end) {
+  /// What began or ended in a gap is found at its rim: it may lie anywhere within.
+  void allow_for_gaps(UncertainTime& t, const std::string& what) {
+    constexpr microseconds near = 20ms;
+    for (const CameraSpan& gap : signals_.gaps) {
+      if (gap.begin > after(t.high, near) || gap.end < before(t.low, near)) continue;
+      t.low = std::min(t.low, gap.begin);
+      t.high = std::max(t.high, gap.end);
+      flag(fmt::format("its {} may lie in the recording's gap of {:.0f} ms", what, ms(between(gap.begin, gap.end))),
+           labels_.intervals.size());
+    }
+  }
+
+  void add(Touch touch, FoundTime start, FoundTime end) {
+    allow_for_gaps(start.time, "onset");
+    allow_for_gaps(end.time, "end");
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
     // What is kept of a touch for learning is its begin: a doubtful end needs a look only if it may be far off.
     const bool end_is_wide = ms(between(end.time.low, end.time.high)) > options_.end.too_wide_ms;
@@ -272,7 +299,7 @@ class Labeller {
     if (moves_.all_placed && slips < moves_.lifts.size()) {
       flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
                        moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
-    } else if (slips == 0 && signals_.has_robot && !moves_.rises) {
+    } else if (slips == 0 && lifts_are_known() && !moves_.rises) {
       labels_.remarks.emplace_back("no slip, and the robot log has no lift");
     } else if (slips == 0) {
       flag("no slip found: the event rate has no burst for it");
@@ -332,6 +359,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
   return {{"bin_us", options.signals.rate.bin.count()},
           {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
+          {"lone_pixel_hz", options.signals.rate.lone_pixel_hz},
           {"smoothing_us", options.signals.activity.smoothing.count()},
           {"enter", options.signals.activity.enter},
           {"leave", options.signals.activity.leave},

@@ -16,20 +16,19 @@ namespace {
 
 std::string s_behind(std::int64_t us) { return fmt::format("{:.3f} s", 1e-6 * static_cast<double>(us)); }
 
-/// The longest stretch without one event, if it is too long for chance.
-std::optional<std::pair<CameraTime, microseconds>> gap_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
+/// The stretches without one event that are too long for chance.
+std::vector<CameraSpan> gaps_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
   constexpr double beyond_chance = 30.0;  // events missing: e^-30, and far less where noise comes in clumps of ten
-  std::size_t best = 0, best_begin = 0, length = 0;
-  for (std::size_t i = 0; i < rate.counts.size(); ++i) {
-    length = rate.counts[i] == 0 ? length + 1 : 0;
-    if (length > best) {
-      best = length;
-      best_begin = i + 1 - length;
-    }
+  std::vector<CameraSpan> gaps;
+  for (std::size_t begin = 0; begin < rate.counts.size();) {
+    std::size_t end = begin;
+    while (end < rate.counts.size() && rate.counts[end] == 0) ++end;
+    const microseconds silent = rate.bin * static_cast<std::int64_t>(end - begin);
+    if (silent >= shortest && quiet.mean * static_cast<double>(end - begin) >= beyond_chance * quiet.dispersion)
+      gaps.push_back({rate.begin_of(begin), rate.begin_of(end)});
+    begin = end + 1;
   }
-  const microseconds silent = rate.bin * static_cast<std::int64_t>(best);
-  if (silent < shortest || quiet.mean * static_cast<double>(best) < beyond_chance * quiet.dispersion) return std::nullopt;
-  return std::pair(rate.begin_of(best_begin), silent);
+  return gaps;
 }
 
 /// What was lost on its way to the file, where time of any length may lack its events. Elements that did not fit their stream
@@ -82,10 +81,15 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   if (signals.rate.flicker_hz)
     signals.problems.push_back(
         fmt::format("the light flickers at {:.0f} Hz: touches drown in its events", *signals.rate.flicker_hz));
-  if (const auto gap = gap_in(signals.rate, signals.quiet, options.shortest_gap)) {
+  signals.gaps = gaps_in(signals.rate, signals.quiet, options.shortest_gap);
+  const auto longest = std::max_element(signals.gaps.begin(), signals.gaps.end(), [](const CameraSpan& a, const CameraSpan& b) {
+    return between(a.begin, a.end) < between(b.begin, b.end);
+  });
+  if (longest != signals.gaps.end()) {
     signals.problems.push_back(
         fmt::format("the recording has a gap: no pixel fires for {} ms from {} behind its first event on ({} us)",
-                    gap->second.count() / 1000, s_behind(between(signals.rate.begin, gap->first).count()), us_of(gap->first)));
+                    between(longest->begin, longest->end).count() / 1000,
+                    s_behind(between(signals.rate.begin, longest->begin).count()), us_of(longest->begin)));
   }
 }
 
@@ -140,6 +144,7 @@ void read_robot(RunSignals& signals) {
     signals.coarse_offsets.push_back(coarse_offset(signals.info, log));
     signals.robot.push_back({std::move(log), std::move(phases)});
   }
+  if (signals.robot.empty()) signals.problems.emplace_back("the robot log has no row");
   if (signals.robot.size() > 1)
     signals.problems.push_back(fmt::format("the robot's clock starts anew {} time{} within its log", signals.robot.size() - 1,
                                            signals.robot.size() == 2 ? "" : "s"));
@@ -166,6 +171,8 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
       const std::vector<VideoTime> times =
           std::filesystem::exists(run.video_times()) ? read_video_times(run.video_times()) : std::vector<VideoTime>();
       signals.video = motion_energy(run.video(), times, options.video);
+      if (const std::size_t lost = signals.video->rows_without_frame; lost > 0)
+        signals.problems.push_back(fmt::format("the film lacks {} of the {} frames of video.csv", lost, times.size()));
     } catch (const Error& e) {
       signals.problems.push_back(fmt::format("the film cannot be used: {}", e.what()));
     }

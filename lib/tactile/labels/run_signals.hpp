@@ -24,6 +24,11 @@ struct RunSignalsOptions {
       5'000};  ///< told if no pixel fires for so long, where the noise alone should have given 30 events at least
 };
 
+/// A stretch of camera time, half-open.
+struct CameraSpan {
+  CameraTime begin{}, end{};
+};
+
 /// A piece of the robot's log, which counts on one clock, and what the arm does in it.
 struct RobotPiece {
   RobotLog log;
@@ -38,7 +43,8 @@ struct RunSignals {
   EventRate rate;
   QuietRate quiet;
   std::vector<Burst> bursts;
-  bool has_robot = false;  ///< there is a log, be it empty
+  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;        ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
   std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none

@@ -1,0 +1,354 @@
+// Runs as labs have them at their worst: each is simulated, its files are altered, and its labels are held against the truth.
+
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <limits>
+
+#include "labels/altered_run.hpp"
+#include "support/error_of.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/labels/label_runs.hpp"
+#include "tactile/video/video_times.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+using test::AlteredRun;
+using test::expect_as_true;
+using test::expect_lift_as_true;
+using test::flags_say;
+using test::only_runs;
+using test::plain_physics;
+using test::remarks_say;
+using test::told_by;
+
+const fs::path scenes = fs::path(TACTILE_TEST_DATA).parent_path().parent_path() / "configs" / "scenes";
+
+AlteredRun scene(const std::string& name, const std::string& preset = "quick") {
+  return AlteredRun(read_physics(scenes / (name + ".json")), "sprayer", 1, preset);
+}
+
+std::size_t count(const Labels& labels, Touch touch) {
+  return static_cast<std::size_t>(
+      std::count_if(labels.intervals.begin(), labels.intervals.end(), [&](const auto& i) { return i.touch == touch; }));
+}
+
+TEST(Extremes, APlainRunIsRightAndUnflagged) {
+  const AlteredRun made;
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+  EXPECT_TRUE(labels.flags.empty()) << told_by(labels);
+}
+
+TEST(Extremes, WithoutSlipThereIsNoneAndThePressIsRight) {
+  const AlteredRun made(only_runs(&SpecialRuns::without_slip));
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_EQ(count(labels, Touch::slip), 0U);
+}
+
+TEST(Extremes, WithoutPressThereIsNoneAndTheSlipIsRight) {
+  const AlteredRun made(only_runs(&SpecialRuns::without_press));
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_EQ(count(labels, Touch::press), 0U);
+}
+
+TEST(Extremes, OfNoiseAloneFindsNothingAndSaysSo) {
+  AlteredRun made;
+  // What the first half second has, over and over, with the hot pixels that it has.
+  const CameraTime until = after(made.truly("press").start, -100ms);
+  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
+    const CameraTime first = events.front().t;
+    const CameraTime last = events.back().t;
+    std::erase_if(events, [&](const Event& event) { return event.t >= until; });
+    const std::vector<Event> quiet = events;
+    for (microseconds later = until - first; first + later <= last; later += until - first) {
+      for (Event event : quiet) {
+        event.t += later;
+        events.push_back(event);
+      }
+    }
+  });
+  const Labels labels = made.labels();
+  EXPECT_TRUE(labels.intervals.empty()) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "no press found")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "no slip found") || flags_say(labels, "without a slip")) << told_by(labels);
+}
+
+TEST(Extremes, OfTwoPressesTheReleaseBetweenIsNoPress) {
+  const AlteredRun made(only_runs(&SpecialRuns::two_presses));
+  const Labels labels = made.labels();
+  EXPECT_NO_THROW(made.truly("release"));
+  EXPECT_EQ(count(labels, Touch::press), 2U) << told_by(labels);
+  expect_as_true(labels, made.truth);
+}
+
+TEST(Extremes, AHotPixelThatStartsDuringTheRunIsNoTouch) {
+  for (const std::string when : {"before the press", "within the press", "after it", "after the slip"}) {
+    AlteredRun made;
+    const TouchInterval press = made.truly("press"), slip = made.truly("slip");
+    const CameraTime from = when == "before the press"   ? after(press.start, -200ms)
+                            : when == "within the press" ? after(press.start, 50ms)
+                            : when == "after it"         ? after(press.end, 120ms)
+                                                         : after(slip.end, 200ms);
+    made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
+      std::vector<Event> hot;
+      for (CameraTime t = from; t < events.back().t; t += 200us) {
+        Event event;
+        event.t = t;
+        event.x = 333;
+        event.y = 77;
+        event.on = 1;
+        hot.push_back(event);
+      }
+      std::vector<Event> all;
+      std::merge(events.begin(), events.end(), hot.begin(), hot.end(), std::back_inserter(all),
+                 [](const Event& a, const Event& b) { return a.t < b.t; });
+      events = all;
+    });
+    SCOPED_TRACE(when);
+    const Labels labels = made.labels();
+    expect_as_true(labels, made.truth);
+  }
+}
+
+TEST(Extremes, ARobotLogThatEndsWithinTheLiftIsFlagged) {
+  AlteredRun made;
+  const RobotTime last = made.in_robot_time(after(*made.truth.lift_start, 250ms));
+  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_TRUE(labels.run_is_flagged()) << told_by(labels);
+}
+
+TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
+  AlteredRun made;
+  const RobotTime last = made.in_robot_time(before(*made.truth.lift_start, 100ms));
+  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_TRUE(flags_say(labels, "press and slip are told apart by their order alone")) << told_by(labels);
+}
+
+TEST(Extremes, ARobotLogThatBeginsAfterThePressStillTellsTheLift) {
+  AlteredRun made;
+  const RobotTime first = made.in_robot_time(after(made.truly("press").end, 50ms));
+  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t < first; }); });
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+}
+
+/// A controller that starts anew at `reset` counts from here: the power came back a while ago.
+constexpr microseconds up_since = 12s;
+
+/// @return the second piece's clock, in truth
+ClockRelation start_anew(AlteredRun& made, RobotTime reset) {
+  const CameraTime seam = made.truth.robot_clock->camera_from(reset);
+  made.alter_robot([&](std::vector<RobotState>& states) {
+    for (RobotState& state : states) {
+      if (state.t >= reset) state.t = RobotTime{up_since + (state.t - reset)};
+    }
+  });
+  return {.offset_us = us_of(seam) - up_since.count(),
+          .drift_ppm = made.truth.robot_clock->drift_ppm,
+          .reference_us = up_since.count()};
+}
+
+TEST(Extremes, ARobotsClockThatStartsAnewBeforeTheLift) {
+  AlteredRun made;
+  made.truth.robot_clock = start_anew(made, made.in_robot_time(before(*made.truth.lift_start, 150ms)));
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 times within its log")) << told_by(labels);
+}
+
+TEST(Extremes, ARobotsClockThatStartsAnewAfterTheLift) {
+  AlteredRun made;
+  start_anew(made, made.in_robot_time(after(made.truly("slip").end, 200ms)));
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 times within its log")) << told_by(labels);
+}
+
+TEST(Extremes, EachPieceOfARobotsClockIsRelatedWhereTheArmMovesInIt) {
+  SimulationPhysics physics = only_runs(&SpecialRuns::taps);
+  physics.imu.share = 1;
+  AlteredRun made(physics);
+  const RobotTime reset = made.in_robot_time(before(*made.truth.lift_start, 150ms));
+  const CameraTime seam = made.truth.robot_clock->camera_from(reset);
+  start_anew(made, reset);
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  ASSERT_EQ(labels.robot_clocks.size(), 2U) << told_by(labels);
+  write_labels(made.run.labels(), labels);
+  EXPECT_EQ(read_labels(made.run.labels()).robot_clocks.size(), 2U);
+  const CameraTime here = labels.robot_clocks[0].relation.camera_from(reset),
+                   there = labels.robot_clocks[1].relation.camera_from(RobotTime{up_since});
+  EXPECT_LE(std::chrono::abs(here - seam), 10ms) << told_by(labels);
+  EXPECT_LE(std::chrono::abs(there - seam), 10ms) << told_by(labels);
+}
+
+TEST(Extremes, ARobotLogOf500HzIsAsGood) {
+  SimulationPhysics physics = plain_physics();
+  physics.robot.rate_hz = 500;
+  const AlteredRun made(physics);
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+  EXPECT_TRUE(labels.flags.empty()) << told_by(labels);
+}
+
+TEST(Extremes, AFilmOfVariableRateIsRelatedByItsFramesOwnTimes) {
+  SimulationPhysics physics = plain_physics();
+  physics.video.jitter_ms = 8;
+  physics.video.lost_frame_share = 0.25;
+  const AlteredRun made(physics);
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  const TruthComparison compared = compare_with_truth(labels, made.truth);
+  if (compared.video_clock) {
+    EXPECT_TRUE(compared.video_clock->covered) << compared.video_clock->error.count() << " us" << told_by(labels);
+  } else {
+    EXPECT_TRUE(remarks_say(labels, "the film's clock is not related")) << told_by(labels);
+  }
+}
+
+TEST(Extremes, AFilmThatLacksItsSecondHalfIsFlagged) {
+  AlteredRun made;
+  fs::resize_file(made.run.video(), fs::file_size(made.run.video()) / 2);
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_TRUE(flags_say(labels, "the film lacks ")) << told_by(labels);
+  if (const auto clock = compare_with_truth(labels, made.truth).video_clock) {
+    EXPECT_TRUE(clock->covered) << clock->error.count() << " us" << told_by(labels);
+  }
+}
+
+TEST(Extremes, AGapInQuietTimeIsFlaggedAndDoesNoHarm) {
+  AlteredRun made;
+  const CameraTime press = made.truly("press").start;
+  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
+    std::erase_if(events, [&](const Event& e) { return e.t > after(press, -350ms) && e.t < after(press, -250ms); });
+  });
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_TRUE(flags_say(labels, "the recording has a gap: no pixel fires for ")) << told_by(labels);
+}
+
+TEST(Extremes, AnOnsetInAGapIsFlaggedAndItsIntervalHoldsTheGap) {
+  AlteredRun made;
+  const CameraTime slip = made.truly("slip").start;
+  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
+    std::erase_if(events, [&](const Event& e) { return e.t > after(slip, -40ms) && e.t < after(slip, 60ms); });
+  });
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  EXPECT_TRUE(flags_say(labels, "the recording has a gap: no pixel fires for ")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "its onset may lie in the recording's gap of 100 ms")) << told_by(labels);
+}
+
+TEST(Extremes, EventsAtTheEndsOfInt64AreLabelledAsAnywhere) {
+  for (const bool high : {true, false}) {
+    SimulationPhysics physics = plain_physics();
+    physics.imu.share = 1;
+    AlteredRun made(physics);
+    std::int64_t shift = 0;
+    made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>& imu) {
+      const std::int64_t first = std::min(us_of(events.front().t), us_of(imu.front().t)),
+                         last = std::max(us_of(events.back().t), us_of(imu.back().t));
+      shift = high ? std::numeric_limits<std::int64_t>::max() - 1 - last : std::numeric_limits<std::int64_t>::min() + 1 - first;
+      for (Event& e : events) e.t += microseconds{shift};
+      for (ImuSample& s : imu) s.t += microseconds{shift};
+    });
+    for (TrueInterval& i : made.truth.intervals) {
+      if (!i.labelled) continue;
+      i.interval.start += microseconds{shift};
+      i.interval.end += microseconds{shift};
+      i.first_event.reset();
+      i.gross.reset();
+    }
+    made.truth.robot_clock.reset();
+    made.truth.video_clock.reset();
+    made.truth.lift_start.reset();
+    SCOPED_TRACE(high ? "2^63" : "-2^63");
+    const Labels labels = made.labels();
+    expect_as_true(labels, made.truth);
+    if (!high) EXPECT_TRUE(flags_say(labels, "the two clocks lie further apart than 64 bits of microseconds")) << told_by(labels);
+    write_labels(made.run.labels(), labels);
+    EXPECT_EQ(read_labels(made.run.labels()).intervals.size(), labels.intervals.size());
+  }
+}
+
+TEST(Extremes, AnEmptyRobotLogIsFlaggedOrRefused) {
+  for (const bool header : {true, false}) {
+    AlteredRun made;
+    fs::remove(made.run.robot());
+    if (header)
+      write_robot_log(made.run.robot(), {});
+    else
+      write_whole(made.run.robot(), "");
+    const RunOutcome done = label_runs({made.run}).at(0);
+    if (!header) {
+      EXPECT_NE(done.error.find("is empty; expected a header row with RTDE's names"), std::string::npos) << done.error;
+      continue;
+    }
+    EXPECT_EQ(done.error, "");
+    expect_as_true(done.labels, made.truth);
+    EXPECT_TRUE(flags_say(done.labels, "the robot log has no row")) << told_by(done.labels);
+  }
+}
+
+TEST(Extremes, WithoutRunJsonIsLabelled) {
+  AlteredRun made;
+  fs::remove(made.run.info());
+  const std::vector<RunOutcome> done = label_runs({made.run});
+
+  EXPECT_EQ(done[0].error, "");
+  expect_as_true(done[0].labels, made.truth);
+}
+
+TEST(Extremes, TheTruthIsNotRead) {
+  AlteredRun made;
+  label_runs({made.run});
+  const std::string first = read_text(made.run.labels());
+  fs::remove(made.run.labels());
+  fs::remove(made.run.truth());
+  label_runs({made.run});
+  EXPECT_EQ(read_text(made.run.labels()), first);
+}
+
+TEST(Extremes, SyncTapsAreNoPresses) {
+  const AlteredRun made = scene("sync-taps", "tiny");
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+  expect_lift_as_true(labels, made);
+}
+
+TEST(Extremes, ASaturatedReadoutLeavesOnsetsTrue) {
+  const AlteredRun made = scene("saturated-readout");
+  const Labels labels = made.labels();
+  expect_as_true(labels, made.truth);
+}
+
+TEST(Extremes, BlindingFlickerHidesEverythingAndThatIsSaid) {
+  const AlteredRun made = scene("blinding-flicker");
+  const Labels labels = made.labels();
+  EXPECT_TRUE(flags_say(labels, "no press found")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "no slip found") || flags_say(labels, "without a slip")) << told_by(labels);
+}
+
+TEST(Extremes, DeadQuietIsAnError) {
+  const AlteredRun made = scene("dead-quiet");
+  EXPECT_NE(test::error_of([&] { made.labels(); }).find("holds no event; expected a recording of a run"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tactile
