@@ -14,7 +14,8 @@
 namespace tactile {
 namespace {
 
-constexpr microseconds frame_of_film = 50ms;  // a film's motion may show a frame ahead of it
+constexpr microseconds start_and_stop = 500ms;  // recorders of one run may begin and end so far apart
+constexpr microseconds frame_of_film = 50ms;    // a film's motion may show a frame ahead of it
 
 double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
 
@@ -166,7 +167,7 @@ class Labeller {
   microseconds recorded() const { return between(signals_.rate.begin, signals_.rate.last); }
 
   /// True if the log tells of every lift, be there none: a log that is shorter than the recording may lack it.
-  bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged >= recorded()); }
+  bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
   void find_intervals() {
     RecordingReader recording(signals_.run.events());
@@ -359,7 +360,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
   return {{"bin_us", options.signals.rate.bin.count()},
           {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
-          {"lone_pixel_hz", options.signals.rate.lone_pixel_hz},
+          {"flickers", options.signals.rate.flickers},
           {"smoothing_us", options.signals.activity.smoothing.count()},
           {"enter", options.signals.activity.enter},
           {"leave", options.signals.activity.leave},
