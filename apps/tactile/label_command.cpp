@@ -63,15 +63,28 @@ CLI::Validator is_region() {
       "x,y,width,height [px]");
 }
 
-/// Runs, and data folders as all of their runs; each once.
+/// The runs of an object, where its own folder is given.
+std::vector<RunFolder> runs_of_object(const fs::path& place) {
+  std::vector<RunFolder> runs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+    if (is_run_id(entry.path().filename().string()) && fs::exists(entry.path() / "events.aedat4"))
+      runs.push_back(run_folder_at(entry.path()));
+  }
+  std::sort(runs.begin(), runs.end(), [](const RunFolder& a, const RunFolder& b) { return a.run < b.run; });
+  return runs;
+}
+
+/// Runs, folders of an object's runs, and data folders as all of their runs; each once.
 std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
   std::vector<RunFolder> runs;
   for (const std::string& place : places) {
+    if (fs::is_regular_file(place)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs");
     if (fs::exists(fs::path(place) / "events.aedat4")) {
       runs.push_back(run_folder_at(place));
       continue;
     }
-    const std::vector<RunFolder> found = find_runs(place);
+    std::vector<RunFolder> found = find_runs(place);
+    if (found.empty()) found = runs_of_object(place);
     if (found.empty())
       throw Error(place + ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
     runs.insert(runs.end(), found.begin(), found.end());
@@ -151,7 +164,8 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   pictures.tell();
   const auto so_many = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
   if (!outcome.kept.empty())
-    spdlog::info("{} unchanged since they were labelled; --force labels them again", so_many(outcome.kept.size()));
+    spdlog::info("{} unchanged since labelled; --force labels again, and forgets what a person did to labels",
+                 so_many(outcome.kept.size()));
   spdlog::info("{} labelled, {} of all {} flagged", so_many(labelled),
                std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged), outcome.labelled.size());
   return outcome;

@@ -22,6 +22,8 @@ nlohmann::json us_or_null(const std::optional<microseconds>& time) {
   return time ? nlohmann::json(time->count()) : nlohmann::json(nullptr);
 }
 
+constexpr microseconds widest_clock = 20ms;
+
 const LabelledInterval* first_of(const Labels& labels, Touch touch) {
   const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
                                   [&](const LabelledInterval& interval) { return interval.touch == touch; });
@@ -31,6 +33,8 @@ const LabelledInterval* first_of(const Labels& labels, Touch touch) {
 std::optional<microseconds> lag_of(const Labels& labels) {
   const LabelledInterval* slip = first_of(labels, Touch::slip);
   if (slip == nullptr || !slip->evidence.robot) return std::nullopt;
+  const FittedClock* clock = labels.robot_clock_at(slip->start.at);
+  if (clock == nullptr || clock->uncertainty() > widest_clock) return std::nullopt;  // it would say more of the clock
   return between(*slip->evidence.robot, slip->start.at);
 }
 

@@ -166,7 +166,7 @@ TEST(Extremes, ARobotsClockThatStartsAnewBeforeTheLift) {
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   expect_lift_as_true(labels, made);
-  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 times within its log")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 time within its log")) << told_by(labels);
 }
 
 TEST(Extremes, ARobotsClockThatStartsAnewAfterTheLift) {
@@ -175,7 +175,7 @@ TEST(Extremes, ARobotsClockThatStartsAnewAfterTheLift) {
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   expect_lift_as_true(labels, made);
-  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 times within its log")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 time within its log")) << told_by(labels);
 }
 
 TEST(Extremes, EachPieceOfARobotsClockIsRelatedWhereTheArmMovesInIt) {
@@ -281,7 +281,7 @@ TEST(Extremes, EventsAtTheEndsOfInt64AreLabelledAsAnywhere) {
     SCOPED_TRACE(high ? "2^63" : "-2^63");
     const Labels labels = made.labels();
     expect_as_true(labels, made.truth);
-    if (!high) EXPECT_TRUE(flags_say(labels, "the two clocks lie further apart than 64 bits of microseconds")) << told_by(labels);
+    EXPECT_EQ(flags_say(labels, "the two clocks lie further apart than 64 bits of microseconds"), !high) << told_by(labels);
     write_labels(made.run.labels(), labels);
     EXPECT_EQ(read_labels(made.run.labels()).intervals.size(), labels.intervals.size());
   }

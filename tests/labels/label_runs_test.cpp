@@ -81,8 +81,27 @@ TEST(LabelRuns, SharesTheClockOfASessionAlsoWithARunThatHasNothingToTellIt) {
   write_robot_log(runs[1].robot(), made_lift(9e9, 1, 0.06, -123'456'789));
   const std::vector<RunOutcome> labelled = label_runs({runs[1]});
   ASSERT_EQ(labelled[0].labels.robot_clocks.size(), 1U);
-  EXPECT_NEAR(static_cast<double>(labelled[0].labels.robot_clocks[0].relation.offset_us), -123'456'789, 12'000);
+  EXPECT_LE(labelled[0].labels.robot_clocks[0].offset_low_us, -123'456'789);
+  EXPECT_GE(labelled[0].labels.robot_clocks[0].offset_high_us, -123'456'789);
+  EXPECT_LE(labelled[0].labels.robot_clocks[0].uncertainty(), 60ms);
   EXPECT_FALSE(std::filesystem::exists(runs[0].labels())) << "only what was asked for is labelled";
+}
+
+TEST(LabelRuns, FitsARunApartWhoseControllerWasStartedAnewWithinTheSession) {
+  const TemporaryFolder data;
+  std::vector<RunFolder> runs = write_two_runs(data, "morning");
+  runs.push_back(test::write_made_run(data.path(), press_and_slip, made_lift(1'500'000, 500'000, 0.06, 987'654'321), "03"));
+  RunInfo info = read_run_info(runs.back());
+  info.session = "morning";
+  write_run_info(runs.back(), info);
+  const std::vector<RunOutcome> labelled = label_runs(runs);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::int64_t truly_us = i < 2 ? -123'456'789 : 987'654'321;
+    ASSERT_EQ(labelled[i].labels.robot_clocks.size(), 1U) << i;
+    EXPECT_LE(labelled[i].labels.robot_clocks[0].offset_low_us, truly_us) << i;
+    EXPECT_GE(labelled[i].labels.robot_clocks[0].offset_high_us, truly_us) << i;
+    EXPECT_EQ(labelled[i].labels.intervals.size(), 2U) << i;
+  }
 }
 
 TEST(LabelRuns, GoesOnWithTheOthersWhenOneCannotBeRead) {

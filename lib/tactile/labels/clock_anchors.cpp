@@ -507,7 +507,7 @@ std::vector<StageCommand> stage_commands(const RobotLog& log, const Origins& ori
 // From a stage's command to its contact; it is not known how far it travels.
 constexpr double least_travel_s = 0.03, most_travel_s = 1.0;
 // From a stage's opening until the tips are seen to move, and its spread.
-constexpr double opening_s = 0.006, opening_sigma_s = 0.008;
+constexpr double opening_s = 0.006, opening_sigma_s = 0.03;
 
 /// Camera seconds at which the skin begins to do something, and how many events there were.
 struct Begin {
@@ -609,7 +609,7 @@ class EventMatch {
       found.anchors.push_back(origins_.anchor(begin_s + (is_tap ? motion->turn_s() : motion->change_s[0]), placed->shift_s,
                                               std::hypot(placed->sigma_s, motion->sigma_s),
                                               is_tap ? AnchorKind::sync_tap : AnchorKind::first_shear,
-                                              is_tap ? tap_common_s : shear_common_s));
+                                              is_tap ? tap_common_s : std::hypot(shear_common_s, placed->common_s)));
     }
   }
 
@@ -656,11 +656,13 @@ class EventMatch {
     const auto other = std::find_if(ways.begin(), ways.end(), [&](const Way& way) {
       return std::abs(way.shift_s - ways.front().shift_s) > 0.5 * most_travel_s;
     });
-    if (other != ways.end() && ways.front().explained < options_.ambiguous_below * other->explained) {
+    // One command has no pattern to be known by: the largest activity must be it beyond doubt.
+    const double needed = commands_.size() == 1 ? std::max(3.0, options_.ambiguous_below) : options_.ambiguous_below;
+    if (other != ways.end() && ways.front().explained < needed * other->explained) {
       found.doubts.push_back(
           fmt::format("which activity of the skin the stage's commands made is ambiguous: the best match explains only "
                       "{:.2f} times as many events as the second, expected {:.2f}",
-                      ways.front().explained / other->explained, options_.ambiguous_below));
+                      ways.front().explained / other->explained, needed));
       return;
     }
     for (const StageCommand& command : commands_) {

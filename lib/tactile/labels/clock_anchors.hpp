@@ -41,7 +41,7 @@ struct AnchorOptions {
   microseconds grid{4'000};           ///< of the first search, over all lags; whole milliseconds
   double ambiguous_below = 1.2;       ///< a best match is refused that is not so many times as good as the second
   double least_likeness = 0.3;        ///< of the IMU: or is worse than this; 1 is perfect
-  double most_slack_m = 0.5e-3;       ///< of skin and object: so far the arm may go before anything shears
+  double most_slack_m = 1e-3;         ///< of skin and object: so far the arm may go before anything shears
   microseconds stage_delay{350'000};  ///< a stage's command to its contact, in the middle of 0.05 to 0.65 s or so
 };
 

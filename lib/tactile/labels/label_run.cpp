@@ -88,7 +88,7 @@ std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotCl
   return command;
 }
 
-/// The speeds that the film must have seen, in camera time: the arm's by its log; without one, what the skin's events tell.
+/// The arm's speeds that the film must have seen, in camera time.
 std::optional<SeenMotion> seen_motion(const RunSignals& signals, const RobotClocks& clocks) {
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
     const auto motion = arm_motion(signals.robot[i].log);
@@ -101,13 +101,19 @@ std::optional<SeenMotion> seen_motion(const RunSignals& signals, const RobotCloc
     for (const auto& v : motion->velocity) seen.speed.push_back(std::hypot(v[0], v[1], v[2]));
     return seen;
   }
-  if (signals.bursts.empty()) return std::nullopt;
-  constexpr microseconds step = 4ms;
-  const auto width = static_cast<std::size_t>(step / signals.rate.bin);
-  SeenMotion seen{.begin = signals.rate.begin, .step = step, .speed = {}, .sigma_us = 2'000};
-  for (std::size_t begin = 0; begin + width <= signals.rate.counts.size(); begin += width)
-    seen.speed.push_back(std::max(0.0, events_above(signals.rate, signals.quiet, begin, begin + width)));
-  return seen;
+  return std::nullopt;
+}
+
+/// Relates the film's clock by the arm, or, where no log tells of it, by the bursts of events.
+VideoClockFit fitted_video_clock(const RunSignals& signals, const RobotClocks& clocks, const VideoClockOptions& options) {
+  // Without its end a film may show one motion where another is looked for.
+  if (10 * signals.video->rows_without_frame > signals.video->frames)
+    return {.clock = {}, .refused = "the film lacks frames", .likeness = 0, .ambiguity = 0, .anchors = {}};
+  if (const std::optional<SeenMotion> seen = seen_motion(signals, clocks)) return fit_video_clock(*signals.video, *seen, options);
+  std::vector<SeenBurst> seen;
+  for (const Burst& burst : signals.bursts)
+    seen.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
+  return fit_video_clock(*signals.video, seen, options);
 }
 
 const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
@@ -180,6 +186,7 @@ class Labeller {
         kinds_of(signals_.rate, bursts, lifts_are_known() ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
                  options_.touches);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
+      if (kinds[i] != BurstKind::slip && !is_after_effect(bursts[i], signals_.rate, bursts)) tell_if_unlogged(bursts[i]);
       if (kinds[i] == BurstKind::press) {
         const FoundTime onset = press_onset(lit[i], options_.onset);
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
@@ -188,6 +195,22 @@ class Labeller {
         add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end));
       }
     }
+  }
+
+  /// A burst behind the log's end may be the slip of a lift that nobody logged.
+  void tell_if_unlogged(const Burst& burst) {
+    std::optional<CameraTime> logged_until;
+    for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
+      if (!clocks_.pieces[i]) return;
+      const CameraTime end =
+          after(clocks_.pieces[i]->relation.camera_from(signals_.robot[i].log.states.back().t), clocks_.pieces[i]->uncertainty());
+      logged_until = std::max(logged_until.value_or(end), end);
+    }
+    const CameraTime begin = signals_.rate.begin_of(burst.begin);
+    if (!logged_until || begin <= *logged_until) return;
+    flag(fmt::format(
+        "the robot log ends {:.2f} s ahead of the burst of events at {:.2f} s: whether the arm rose then is not known",
+        1e-3 * ms(between(*logged_until, begin)), 1e-3 * ms(between(signals_.rate.begin, begin))));
   }
 
   /// What began or ended in a gap is found at its rim: it may lie anywhere within.
@@ -236,12 +259,7 @@ class Labeller {
       if (piece) labels_.robot_clocks.push_back(*piece);
     }
     if (!signals_.video) return;
-    const std::optional<SeenMotion> seen = seen_motion(signals_, clocks_);
-    if (!seen) {
-      labels_.remarks.emplace_back("the film's clock is not related: nothing that both it and another source saw moves");
-      return;
-    }
-    VideoClockFit fit = fit_video_clock(*signals_.video, *seen, options_.video_clock);
+    VideoClockFit fit = fitted_video_clock(signals_, clocks_, options_.video_clock);
     if (!fit.clock) {
       labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
       return;

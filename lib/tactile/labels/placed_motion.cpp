@@ -69,7 +69,9 @@ std::optional<PlacedMotion> place_shear(const Milliseconds& ms, const CommandedM
   // Between the slack that there may be and none at all, if nothing else is known.
   const double longest_lag_s = time_of_travel(lift, most_slack_m);
   const double latest_s = 1e-3 * static_cast<double>(onset) + 0.001 - begin_s - lift.change_s[0];
-  PlacedMotion placed{.shift_s = latest_s - 0.5 * longest_lag_s, .sigma_s = longest_lag_s / std::sqrt(12.0), .likeness = 0};
+  PlacedMotion placed;
+  placed.shift_s = latest_s - 0.5 * longest_lag_s;
+  placed.sigma_s = longest_lag_s / std::sqrt(12.0);
   if (onset == from) return std::nullopt;  // it was under way before
 
   // Behind the first milliseconds, in which an edge moves by less than its own width, and well before the top, where the first
@@ -108,6 +110,10 @@ std::optional<PlacedMotion> place_shear(const Milliseconds& ms, const CommandedM
   const double window_s = 1e-3 * static_cast<double>(last - first + 1);
   const double led_s = 1e-3 * 0.5 * static_cast<double>(first + last + 1) - begin_s - lift.change_s[0] - best.at;
   const double model_s = std::max(least_model_s, gain_changes * led_s * led_s / window_s);
+  // Edges that have a width and tips that follow late put the start off by a way, which takes the longer the slower the arm.
+  constexpr double way_off_m = 40e-6;
+  const double onset_speed_m_s = std::abs(lift.told_m_s(1e-3 * static_cast<double>(onset) - begin_s - best.at));
+  placed.common_s = std::min(way_off_m / std::max(onset_speed_m_s, 1e-6), longest_lag_s);
   const double fit_s = std::hypot(std::sqrt(2.0 * dispersion / best.curvature), model_s, ringing_s);
   // Both together.
   const double w_fit = 1.0 / (fit_s * fit_s), w_slack = 1.0 / (placed.sigma_s * placed.sigma_s);

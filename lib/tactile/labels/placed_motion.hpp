@@ -23,6 +23,7 @@ Milliseconds milliseconds_of(const EventRate& rate, const QuietRate& quiet);
 struct PlacedMotion {
   double shift_s = 0;   ///< camera's seconds - robot's
   double sigma_s = 0;   ///< standard deviation
+  double common_s = 0;  ///< standard deviation of what every run of its kind is off by likewise
   double likeness = 0;  ///< share of what the rate does that the speed explains, 0 to 1
 };
 

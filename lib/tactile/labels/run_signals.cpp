@@ -93,14 +93,23 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   }
 }
 
-/// How far the camera's clock is ahead of the host's: of all pairs in run.json that of the packet that came fastest.
-std::optional<std::int64_t> camera_ahead_of_host(const RunInfo& run) {
+/// When the camera's data came to the host, as run.json has it.
+std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
   const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
-  std::optional<std::int64_t> ahead;
-  if (!pairs.is_array()) return ahead;
+  std::vector<CameraArrival> arrivals;
+  if (!pairs.is_array()) return arrivals;
   for (const nlohmann::json& pair : pairs) {
     if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
-    const std::int64_t us = saturating_subtract(pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>());
+    arrivals.push_back({camera_time(pair[0].get<std::int64_t>()), HostTime{microseconds{pair[1].get<std::int64_t>()}}});
+  }
+  return arrivals;
+}
+
+/// How far the camera's clock is ahead of the host's: of all arrivals that of the packet that came fastest.
+std::optional<std::int64_t> camera_ahead_of_host(const std::vector<CameraArrival>& arrivals) {
+  std::optional<std::int64_t> ahead;
+  for (const CameraArrival& arrival : arrivals) {
+    const std::int64_t us = saturating_subtract(us_of(arrival.camera), us_of(arrival.host));
     ahead = std::max(ahead.value_or(us), us);
   }
   return ahead;
@@ -121,8 +130,8 @@ std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const RobotL
 /// Data come late by some ms, in bursts more, and clocks drift: the content decides within this.
 constexpr microseconds host_times_within = 100ms;
 
-std::optional<CoarseOffset> coarse_offset(const RunInfo& run, const RobotLog& log) {
-  const auto camera = camera_ahead_of_host(run), host = host_ahead_of_robot(run, log);
+std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const RobotLog& log) {
+  const auto camera = camera_ahead_of_host(signals.host_from_camera), host = host_ahead_of_robot(signals.info, log);
   if (!camera || !host) return std::nullopt;
   return CoarseOffset{.offset_us = saturating_add(*camera, *host), .within = host_times_within};
 }
@@ -141,7 +150,7 @@ void read_robot(RunSignals& signals) {
           s_behind((longest->last_before - log.states.front().t).count()), s_behind(us_of(longest->last_before))));
     }
     std::vector<MotionPhase> phases = motion_phases(log);
-    signals.coarse_offsets.push_back(coarse_offset(signals.info, log));
+    signals.coarse_offsets.push_back(coarse_offset(signals, log));
     signals.robot.push_back({std::move(log), std::move(phases)});
   }
   if (signals.robot.empty()) signals.problems.emplace_back("the robot log has no row");
@@ -165,6 +174,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
     if (!signals.info.complete) signals.problems.emplace_back("run.json says that the recording was not completed");
     for (std::string& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
   }
+  signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals);
   if (std::filesystem::exists(run.video())) {
     try {

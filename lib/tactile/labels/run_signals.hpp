@@ -47,6 +47,7 @@ struct RunSignals {
   bool has_robot = false;        ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
+  std::vector<CameraArrival> host_from_camera;              ///< of run.json: when the camera's data came to the host
   std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none
   std::optional<MotionEnergy> video;
   std::vector<std::string> problems;  ///< of the files, in words: what a person should look at

@@ -24,9 +24,10 @@ struct RobotClocks {
   std::vector<std::string> doubts;                 ///< in words: why one could not be
 };
 
-/// Relates the robot's clocks of runs that share them (or of one run): one line is laid through the anchors of all of them, and
-/// each run gets it with its own first stamp as reference. A controller that started anew within a run counts from elsewhere in
-/// each piece, so that such a run's pieces are fitted by themselves.
+/// Relates the robot's clocks of runs that share them (or of one run). Each piece is fitted by its own anchors first; then one
+/// line is laid through the anchors of all runs that agree with each other, and each of them gets it with its own first stamp as
+/// reference. A controller that was started anew between two runs leaves groups that do not agree; within a run, pieces that are
+/// fitted by themselves.
 /// @return of each run, in order
 std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs, const RobotClocksOptions& options = {});
 
