@@ -413,6 +413,18 @@ TEST(RobotLog, DropsWhatUrRtdeWritesTwiceOrMixes) {
       << "of an arm at rest nothing tells it from a true row, nor does it matter";
 }
 
+TEST(RobotLog, KeepsRowsWhoseSpeedHardlyChanges) {
+  // At a steady speed that was worked out, neighbours differ by rounding, or not at all.
+  std::string text = header(",") + "\n";
+  for (int i = 0; i < 12; ++i) {
+    text += "1." + std::to_string(100 + i);
+    for (int k = 0; k < 6; ++k) text += k == 2 ? "," + std::to_string(0.3 + 5e-5 * i) : ",0";
+    for (int k = 0; k < 6; ++k) text += k == 2 ? (i % 3 == 0 ? ",0.05" : ",0.05000000000000001") : ",0";
+    text += "\n";
+  }
+  EXPECT_EQ(read(text).states.size(), 12U);
+}
+
 /// A lift whose rows hold the wanted vectors alone.
 std::string log_of(const std::vector<std::string>& vectors, int period_ms,
                    const std::function<double(const std::string&, int, double)>& value) {

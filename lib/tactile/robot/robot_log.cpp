@@ -25,6 +25,7 @@ constexpr std::string_view host_time_name = "host_time_us";
 constexpr microseconds longest_step = 100ms;             // single packages are lost now and then
 constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host over a lost connection: a reboot takes far longer
 constexpr microseconds longest_leap = 60s;               // no recorder of a run pauses for so long
+constexpr double least_change = 5e-4;                    // [m/s] from row to row: of less it does not matter whose it is
 constexpr double moving = 0.005;                         // [m/s] or [rad/s]: rows of an arm at rest may well be the same
 constexpr double fastest_cb_rate_hz = 250.0;             // CB controllers send 125 rows a second, e-Series ones up to 500
 
@@ -244,9 +245,10 @@ void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
     if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_step) continue;
     const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
                             distance(before.tcp_pose, after.tcp_pose) > moving * seconds_between(before, after);
-    // A speed that does not change may be written in the same digits twice.
     const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
-                             distance(before.tcp_speed, after.tcp_speed) > moving;
+                             distance(before.tcp_speed, first.tcp_speed) > least_change &&
+                             distance(second.tcp_speed, after.tcp_speed) > least_change &&
+                             std::max(distance(before.tcp_speed, {}), distance(after.tcp_speed, {})) > moving;
     if (!pose_twice && !speed_twice) continue;
     const auto off = [&](const RobotState& row) {  // a pose tells more, since it changes all the time
       return pose_twice ? pose_off_curve(before, row, after, has_speeds && has_poses) : speed_off_line(before, row, after);

@@ -90,7 +90,7 @@ std::uint64_t lost_packages(const RobotLog& log);
 /// - A row with the time of the row before repeats it, and is dropped: a recorder that samples on its own clock writes some
 ///   packages twice.
 /// - Such a recorder also mixes packages: a row's time is new and its motion still the old one's, or the other way round. Then a
-///   motion stands in two rows, while before and after it changes and the arm moves or speeds up (5 mm/s, or by as much). Of the
+///   pose or speed stands in two rows, while before and after it changes (a speed by 0.5 mm/s) and the arm moves (5 mm/s). Of the
 ///   two the row that fits their neighbours worse is dropped. What is mixed without a repetition is not seen; it is one period
 ///   off.
 /// - An empty line in a log with `host_time_us` is a lost connection, in any other it means nothing.
