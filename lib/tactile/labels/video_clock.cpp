@@ -318,9 +318,18 @@ double size_of(const MotionStep& step, double noise) {
   return step.energy * 1e-6 * static_cast<double>((step.end - step.begin).count()) / noise;
 }
 
+/// The median over a stretch.
+double usual_of(const MotionEnergy& energy, const Stretch& stretch, double MotionStep::*value) {
+  std::vector<double> values;
+  for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(energy.steps[i].*value);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
   constexpr double enter = 10.0, leave = 2.5;
-  constexpr std::size_t merge = 2;  // steps
+  constexpr microseconds merge = 80ms;
   std::vector<Stretch> stretches;
   const std::vector<MotionStep>& steps = energy.steps;
   for (std::size_t i = 0; i < steps.size();) {
@@ -333,11 +342,18 @@ std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
     for (; i < steps.size() && size_of(steps[i], energy.noise) >= leave; ++i)
       if (!steps[i].doubtful) largest = std::max(largest, size_of(steps[i], energy.noise));
     if (largest < enter) continue;
-    if (!stretches.empty() && begin - stretches.back().last <= merge + 1) {
+    if (!stretches.empty() && steps[begin].begin - steps[stretches.back().last].end <= merge) {
       stretches.back().last = i - 1;
     } else {
       stretches.push_back({begin, i - 1});
     }
+  }
+  // Coders go on mending what has moved: such steps at the ends are no motion.
+  constexpr double least = 0.03;
+  for (Stretch& stretch : stretches) {
+    const double limit = least * usual_of(energy, stretch, &MotionStep::energy);
+    while (steps[stretch.first].energy < limit) ++stretch.first;
+    while (steps[stretch.last].energy < limit) --stretch.last;
   }
   return stretches;
 }
@@ -355,15 +371,6 @@ struct Edge {
   double length = 0;        ///< of the outermost step that moves
   double unseen = 0;        ///< share of the usual speed at which too little changes in a step to be seen
 };
-
-/// The median over a stretch.
-double usual_of(const MotionEnergy& energy, const Stretch& stretch, double MotionStep::*value) {
-  std::vector<double> values;
-  for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(energy.steps[i].*value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The share of its usual speed at which too little changes in a step to be seen.
 double unseen_share(const MotionEnergy& energy, const Stretch& stretch) {

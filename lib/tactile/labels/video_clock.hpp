@@ -79,7 +79,8 @@ struct VideoMotion {
 };
 
 /// All of them, by time: from a step of ten standard deviations of the film's noise out to where less than two and a half are
-/// left, over up to two steps that show nothing.
+/// left, over up to 80 ms that show nothing; without
+/// the steps at its ends that have less than 3 % of its usual energy.
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock);
 
 /// The start (or end) of motion in the film nearest to `t`, if the intervals of both come within `apart` of each other; no cut

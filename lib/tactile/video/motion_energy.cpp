@@ -600,11 +600,20 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   while (level + 1 < threshold_count && threshold_at(level) < wanted) ++level;
   energy.threshold = threshold_at(level);
 
-  std::vector<double> changes;
+  std::vector<double> changes, key_changes;
   for (const FilmFrame& frame : frames) {
-    if (frame.compared) changes.push_back(frame.difference.above[level]);
+    if (frame.compared) (frame.key ? key_changes : changes).push_back(frame.difference.above[level]);
   }
+  if (changes.empty()) changes.swap(key_changes);
   const QuietSteps quiet = quiet_steps(changes);
+  // What a key frame changes by itself is taken off with its tail: it is no noise of the other steps.
+  constexpr std::size_t enough = 3;
+  constexpr double tail = 4;
+  double key_floor = quiet.median;
+  if (key_changes.size() >= enough) {
+    const QuietSteps of_key = quiet_steps(key_changes);
+    key_floor = std::max(key_floor, of_key.median + tail * of_key.deviation);
+  }
   constexpr double least_pixels = 5;  // so few moving ones cannot be told from noise
   energy.noise = std::max(quiet.deviation, least_pixels * energy.threshold / region_pixels);
 
@@ -617,7 +626,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   std::vector<double> lengths;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const FilmFrame& frame = frames[i];
-    change += std::max(0.0, frame.difference.above[level] - quiet.median);
+    change += std::max(0.0, frame.difference.above[level] - (frame.key ? key_floor : quiet.median));
     strongest = std::max(strongest, strongest_of(frame.difference, level));
     joined = joined && frame.compared;
     doubtful = doubtful || frame.difference.brightness;
