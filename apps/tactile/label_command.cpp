@@ -147,7 +147,10 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   Pictures pictures;
   if (!arguments.no_pictures) {
-    options.has_companions = [](const RunFolder& run) { return fs::exists(picture_file_of(run)); };
+    // A picture that is older than the labels shows what they were before somebody edited them.
+    options.has_companions = [](const RunFolder& run) {
+      return fs::exists(picture_file_of(run)) && fs::last_write_time(picture_file_of(run)) >= fs::last_write_time(run.labels());
+    };
     options.make_companions = [&](const RunSignals& signals, const Labels& labels) { pictures.draw(signals, labels); };
   }
   Outcome outcome;
@@ -166,8 +169,8 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!outcome.kept.empty())
     spdlog::info("{} unchanged since labelled; --force labels again, and forgets what a person did to labels",
                  so_many(outcome.kept.size()));
-  spdlog::info("{} labelled, {} of all {} flagged", so_many(labelled),
-               std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged), outcome.labelled.size());
+  spdlog::info("{} labelled; {} flagged", so_many(labelled),
+               so_many(static_cast<std::size_t>(std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged))));
   return outcome;
 }
 

@@ -233,7 +233,9 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
     if (const std::size_t presses = presses_of(labelled.labels); presses > 1)
       text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
     for (const LabelFlag& flag : labelled.labels.flags) {
-      text += wrapped(fmt::format("{}: {}{}", labelled.run.name(), flag.reason, flag.confirmed ? " (confirmed by a person)" : ""),
+      text += wrapped(fmt::format("{}{}: {}{}", labelled.run.name(),
+                                  flag.interval_index ? " " + labelled.labels.intervals.at(*flag.interval_index).id : "",
+                                  flag.reason, flag.confirmed ? " (confirmed by a person)" : ""),
                       2) +
               "\n";
     }

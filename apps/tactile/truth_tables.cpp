@@ -295,9 +295,9 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
           "\n";
   if (silent.empty())
     text +=
-        wrapped(fmt::format("Nothing unflagged is missed, spurious or off by more than {} ms.", far_off.count() / 1000)) + "\n";
+        wrapped(fmt::format("No unflagged onset is missed, spurious or off by more than {} ms.", far_off.count() / 1000)) + "\n";
   else
-    text += wrapped(fmt::format("Not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) + "\n";
+    text += wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) + "\n";
   for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
   tables.text = std::move(text);
   return tables;

@@ -154,8 +154,8 @@ class GroupLabeller {
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
         if (!options_.force && fs::exists(signals.run.labels()))
           labels = keep_human_edits(std::move(labels), read_labels(signals.run.labels()));
-        if (options_.make_companions) options_.make_companions(signals, labels);
         write_labels(signals.run.labels(), labels);
+        if (options_.make_companions) options_.make_companions(signals, labels);
         result.labels = std::move(labels);
       } catch (const std::exception& e) {
         result.error = e.what();
@@ -175,7 +175,7 @@ class GroupLabeller {
       result.labels = std::move(labels);
       result.unchanged = true;
     } catch (const std::exception& e) {
-      result.error = std::string(e.what()) + "; --force replaces them";
+      result.error = std::string(e.what()) + "; mend it, or replace it with --force";
     }
   }
 

@@ -17,9 +17,10 @@ struct LabelRunsOptions {
   bool force = false;    ///< label again what has not changed, and forget what a person did
   unsigned threads = 0;  ///< 0: as many as the machine has cores
 
-  /// Whether all that is made beside `labels.json` is there; a run that lacks some of it is labelled again. Empty: nothing is.
+  /// Whether all that is made beside `labels.json` is there and not older; a run that lacks some is labelled again. Empty:
+  /// nothing is.
   std::function<bool(const RunFolder&)> has_companions = {};
-  /// Told of each run that was labelled, before its `labels.json` is written; from several threads at once. What it throws
+  /// Told of each run that was labelled, once its `labels.json` is written; from several threads at once. What it throws
   /// becomes the run's error.
   std::function<void(const RunSignals&, const Labels&)> make_companions = {};
 };

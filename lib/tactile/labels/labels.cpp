@@ -80,9 +80,18 @@ std::vector<FittedClock> clocks_in(const json& clocks, const char* key, const st
   return pieces;
 }
 
+/// Press or slip: nobody labels anything else.
+Touch touch_in(const json& object, const std::string& where) {
+  const auto name = member<std::string>(object, "class", where);
+  for (const Touch touch : {Touch::press, Touch::slip}) {
+    if (name == name_of(touch)) return touch;
+  }
+  throw Error(where + ": class '" + name + "' is none of labels; expected press or slip");
+}
+
 LabelledInterval interval_in(const json& object, const std::string& where) {
   LabelledInterval interval{.id = object.contains("id") ? member<std::string>(object, "id", where) : std::string(),
-                            .touch = touch_named(member<std::string>(object, "class", where)),
+                            .touch = touch_in(object, where),
                             .start = uncertain_time_in(object, "start", where),
                             .end = uncertain_time_in(object, "end", where),
                             .source = member<std::string>(object, "source", where),
@@ -119,9 +128,8 @@ microseconds FittedClock::uncertainty() const {
 }
 
 const FittedClock* Labels::robot_clock_of(RobotTime first_stamp) const {
-  const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(), [&](const FittedClock& clock) {
-    return clock.relation.reference_us == us_of(first_stamp);
-  });
+  const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(),
+                                  [&](const FittedClock& clock) { return clock.relation.reference_us == us_of(first_stamp); });
   return found == robot_clocks.end() ? nullptr : &*found;
 }
 
@@ -173,8 +181,7 @@ Labels read_labels(const std::filesystem::path& file) {
     if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
     if (object.contains("rejected")) {
       for (const json& rejected : list_in(object, "rejected", where)) {
-        labels.rejected.push_back({touch_named(member<std::string>(rejected, "class", where)),
-                                   camera_time(member<std::int64_t>(rejected, "start_us", where)),
+        labels.rejected.push_back({touch_in(rejected, where), camera_time(member<std::int64_t>(rejected, "start_us", where)),
                                    camera_time(member<std::int64_t>(rejected, "end_us", where))});
       }
     }

@@ -184,7 +184,9 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
       if (const std::size_t lost = signals.video->rows_without_frame; lost > 0)
         signals.problems.push_back(fmt::format("the film lacks {} of the {} frames of video.csv", lost, times.size()));
     } catch (const Error& e) {
-      signals.problems.push_back(fmt::format("the film cannot be used: {}", e.what()));
+      std::string why = e.what();
+      if (const std::string folder = run.folder.string() + "/"; why.starts_with(folder)) why.erase(0, folder.size());
+      signals.problems.push_back("the film cannot be used: " + why);
     }
   } else {
     signals.remarks.emplace_back("no film: nothing but events and robot log tells of press and slip");
