@@ -29,7 +29,7 @@ struct VideoClockOptions {
   microseconds search{5'000'000};                     ///< round that, else everywhere where the two overlap
   double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed where they match best
   double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best place
-  double most_disagreement_us = 60'000;               ///< refused if starts and stops of motions place the film further apart
+  double most_disagreement_us = 60'000;               ///< refused if start and stop of a motion place the film further apart
 };
 
 /// The video's clock, or why it could not be found.
@@ -44,8 +44,9 @@ struct VideoClockFit {
 /// Relates a film's clock to the camera's by what moves in both.
 ///
 /// 1. The likeness of the film's energy and the speed it should have seen, at every offset: their correlation over the steps from
-///    frame to frame, each step with the mean of the speed over its length. First in steps of half a frame (longer films: of up
-///    to a 4096th of the film), then around the best of them to a millisecond and by a parabola.
+///    frame to frame, each step with the mean of the speed over its length, less where much of either lies beyond the other's
+///    end. First in steps of half a frame (longer films: of up to a 4096th of the film), then around the best of them to a
+///    millisecond and by a parabola.
 /// 2. Around each start and stop of the motion, a x speed + c is fitted to the energies, and moved in time until it leaves least.
 ///    A film that sees slow motion less than in proportion sees starts late and stops early by the same time, so that their mean
 ///    is right. What they differ by tells how far the model can be trusted: half of it, and a 32nd of a frame with twice the
@@ -79,8 +80,9 @@ struct VideoMotion {
 };
 
 /// All of them, by time: from a step of ten standard deviations of the film's noise out to where less than two and a half are
-/// left, over up to 80 ms that show nothing; without
-/// the steps at its ends that have less than 3 % of its usual energy.
+/// left, over up to 80 ms that show nothing, and without the steps at either end that have less than 3 % of its usual energy. A
+/// start is that of an even rise to the usual speed, the one that fits best; its interval holds what fits nearly as well, and the
+/// time in which the motion is too slow to be seen. Ends likewise.
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock);
 
 /// The start (or end) of motion in the film nearest to `t`, if the intervals of both come within `apart` of each other; no cut

@@ -250,7 +250,7 @@ class Smoother {
     // 1 4 6 4 1 both ways; the edge goes on as it is.
     constexpr int reach = 2;
     const auto sides = static_cast<std::size_t>(width);
-    column_.resize(sides + 2 * reach);
+    column_.resize(sides + std::size_t{2} * reach);
     const auto row_at = [&](int y) {
       return grey_.data() + static_cast<std::size_t>(std::clamp(y, 0, height - 1)) * static_cast<std::size_t>(stride);
     };
@@ -306,7 +306,7 @@ Brightness fit_brightness(const Picture& before, const Picture& now, std::vector
                           std::vector<float>& residuals) {
   constexpr int rounds = 3;
   constexpr double pixels_wanted = 1200;
-  const int grid = std::max(1, static_cast<int>(std::sqrt(double(now.width) * now.height / pixels_wanted)));
+  const int grid = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(now.width) * now.height / pixels_wanted)));
   constexpr float outlier = 3 * 1.4826F, least_outlier = 128;
   constexpr double changed_by = 0.01;
   pairs.clear();

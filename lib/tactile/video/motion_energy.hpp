@@ -65,8 +65,9 @@ struct MotionEnergy {
 ///               times, shifted. Empty: the container's own times, the first decoded frame being at 0
 /// @return       no steps if fewer than two frames can be decoded
 /// @throws Error if the file holds no video, its frames are larger than 8192 x 4320 px, there are more than a million of them,
-/// they lie more than an hour apart, or the region is outside the picture Source: frame differencing; times as FFmpeg's demuxers
-/// give them.
+///               they lie more than an hour apart, or the region is outside the picture
+///
+/// Source: frame differencing; times as FFmpeg's demuxers give them.
 MotionEnergy motion_energy(const std::filesystem::path& film, std::span<const VideoTime> times = {},
                            const MotionEnergyOptions& options = {});
 
