@@ -88,18 +88,11 @@ std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotCl
   return command;
 }
 
-/// The arm's speeds that the film must have seen, in camera time.
-std::optional<SeenMotion> seen_motion(const RunSignals& signals, const RobotClocks& clocks) {
+/// What the film must have seen of the arm: by the first piece of the log whose clock is known.
+std::optional<SeenMotion> arm_in_film(const RunSignals& signals, const RobotClocks& clocks) {
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
-    const auto motion = arm_motion(signals.robot[i].log);
-    if (!motion || !clocks.pieces[i]) continue;
-    const FittedClock& clock = *clocks.pieces[i];
-    SeenMotion seen{.begin = clock.relation.camera_from(motion->begin),
-                    .step = motion->step,
-                    .speed = {},
-                    .sigma_us = static_cast<double>(clock.uncertainty().count()) / 1.96};
-    for (const auto& v : motion->velocity) seen.speed.push_back(std::hypot(v[0], v[1], v[2]));
-    return seen;
+    const std::optional<ArmMotion> motion = arm_motion(signals.robot[i].log);
+    if (motion && clocks.pieces[i]) return seen_motion(*motion, *clocks.pieces[i]);
   }
   return std::nullopt;
 }
@@ -109,7 +102,10 @@ VideoClockFit fitted_video_clock(const RunSignals& signals, const RobotClocks& c
   // Without its end a film may show one motion where another is looked for.
   if (10 * signals.video->rows_without_frame > signals.video->frames)
     return {.clock = {}, .refused = "the film lacks frames", .likeness = 0, .ambiguity = 0, .anchors = {}};
-  if (const std::optional<SeenMotion> seen = seen_motion(signals, clocks)) return fit_video_clock(*signals.video, *seen, options);
+  const bool moves =
+      std::any_of(signals.robot.begin(), signals.robot.end(), [](const RobotPiece& piece) { return !piece.phases.empty(); });
+  const std::optional<SeenMotion> seen_arm = arm_in_film(signals, clocks);
+  if (moves && seen_arm) return fit_video_clock(*signals.video, *seen_arm, options);
   std::vector<SeenBurst> seen;
   for (const Burst& burst : signals.bursts)
     seen.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
