@@ -40,11 +40,8 @@ struct Rise {
 
 Rise best_rise(Counts counts, double base) {
   const auto n = static_cast<double>(counts.size());
-  double events = 0, moment = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    events += counts[i];
-    moment += counts[i] * (static_cast<double>(i) + 0.5);
-  }
+  double events = 0;
+  for (const std::uint32_t count : counts) events += count;
   const double x_sum = 0.5 * n * n;
   const auto fit = [&](bool with_b, bool with_c) {
     // Start from what a flat or an even rise would need.
