@@ -15,6 +15,7 @@ namespace tactile {
 namespace {
 
 constexpr microseconds start_and_stop = 500ms;  // recorders of one run may begin and end so far apart
+constexpr microseconds well_placed = 30ms;      // a lift whose clock is known so well parts and joins bursts
 constexpr microseconds frame_of_film = 50ms;    // a film's motion may show a frame ahead of it
 
 double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
@@ -51,7 +52,7 @@ ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
 /// spring back just before, leave no quiet between the two.
 std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
                              const std::vector<ArmMove>& lifts, const ActivityOptions& options) {
-  constexpr microseconds well_before = 60ms, well_placed = 30ms;
+  constexpr microseconds well_before = 60ms;
   for (const ArmMove& lift : lifts) {
     if (lift.uncertainty > well_placed) continue;
     const CameraTime part_at = before(lift.start, lift.uncertainty);
@@ -69,6 +70,25 @@ std::vector<Burst> parted_at(const EventRate& rate, const QuietRate& quiet, std:
     rest.events = events_above(rate, quiet, rest.begin, rest.end);
     parts.push_back(rest);
     bursts.insert(bursts.erase(parted), parts.begin(), parts.end());
+  }
+  return bursts;
+}
+
+/// Bursts that begin within a lift made one: an object may stick for longer than what parts two bursts.
+std::vector<Burst> joined_in(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
+                             const std::vector<ArmMove>& lifts) {
+  for (const ArmMove& lift : lifts) {
+    if (lift.uncertainty > well_placed) continue;
+    const auto is_within = [&](const Burst& burst) {
+      const CameraTime begin = rate.begin_of(burst.begin);
+      return begin >= before(lift.start, lift.uncertainty) && begin < lift.end;
+    };
+    const auto first = std::find_if(bursts.begin(), bursts.end(), is_within);
+    if (first == bursts.end()) continue;
+    const auto behind = std::find_if_not(first, bursts.end(), is_within);
+    first->end = std::prev(behind)->end;
+    first->events = events_above(rate, quiet, first->begin, first->end);
+    bursts.erase(std::next(first), behind);
   }
   return bursts;
 }
@@ -173,8 +193,9 @@ class Labeller {
 
   void find_intervals() {
     RecordingReader recording(signals_.run.events());
-    const std::vector<Burst> bursts =
-        parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts, options_.signals.activity);
+    const std::vector<Burst> bursts = joined_in(
+        signals_.rate, signals_.quiet,
+        parted_at(signals_.rate, signals_.quiet, signals_.bursts, moves_.lifts, options_.signals.activity), moves_.lifts);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
