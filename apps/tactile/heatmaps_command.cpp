@@ -1,13 +1,11 @@
 #include <fmt/core.h>
 
-#include <fstream>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "heatmap_pictures.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -27,35 +25,6 @@ struct HeatmapsArguments {
   std::string pictures;
 };
 
-/// Whole or not at all, but not synced one by one: thousands of pictures that are easily made again.
-void write_picture(const fs::path& file, const cv::Mat& picture) {
-  const fs::path part = file.parent_path() / ("." + file.filename().string() + ".part");
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
-  std::error_code failed;
-  fs::create_directories(file.parent_path(), failed);
-  std::ofstream out(part, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (out) fs::rename(part, file, failed);
-  if (!out || failed) throw Error(file.string() + ": cannot be written; expected a writable place with room");
-}
-
-/// One PNG a sample, its pixels the heatmap's own: DIR/th_040/<object>/<run>/<t_us>-<class>.png.
-std::uint64_t write_pictures(const Dataset& dataset, const StoredHeatmaps& stored, const fs::path& folder,
-                             const ProgressCallback& progress) {
-  const std::span<const Sample> samples = dataset.samples();
-  for (std::uint32_t i = 0; i < samples.size(); ++i) {
-    std::vector<std::uint8_t> heatmap = dataset.read_heatmaps(stored.name, std::span(&i, 1));
-    const DatasetRun& run = dataset.runs()[samples[i].run_index];
-    const std::string name = fmt::format("{}-{}.png", us_of(samples[i].t), name_of(samples[i].touch));
-    write_picture(folder / stored.name / run.object / run.run / name,
-                  cv::Mat(stored.height, stored.width, CV_8UC1, heatmap.data()));
-    tell(progress, i + 1, samples.size(), "pictures of " + stored.name);
-  }
-  return samples.size();
-}
-
 void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& common) {
   const fs::path file = fs::is_regular_file(args.data) ? fs::path(args.data) : fs::path(args.data) / "dataset.h5";
   if (!fs::exists(file)) {
@@ -65,6 +34,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   std::vector<HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {
     histories.push_back(heatmap_options(history_ms, args.rendering));
+    if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, stored_name(histories.back()));
   }
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
@@ -96,7 +66,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
       if (!stored)
         throw Error(fmt::format("{}: history {} is gone again; expected nobody to replace the dataset meanwhile", file.string(),
                                 stored_name(options)));
-      pictures += write_pictures(dataset, *stored, args.pictures, progress_line(common));
+      pictures += write_heatmap_pictures(dataset, *stored, args.pictures, common.threads, progress_line(common));
     }
     result["pictures"] = pictures;
     text += fmt::format("{} pictures in {}\n", pictures, args.pictures);
