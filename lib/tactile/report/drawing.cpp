@@ -75,9 +75,9 @@ cv::Scalar light_touch_colour(Touch touch) {
 int text_width(const std::string& text, double size) { return ascii_width(as_ascii(text), size); }
 
 int draw_text(cv::Mat& picture, const std::string& text, cv::Point left_and_base, double size, int width,
-              const cv::Scalar& colour) {
+              const cv::Scalar& colour, int weight) {
   const std::string shown = fitted(text, size, width);
-  cv::putText(picture, shown, left_and_base, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
+  cv::putText(picture, shown, left_and_base, cv::FONT_HERSHEY_SIMPLEX, size, colour, weight, cv::LINE_AA);
   return ascii_width(shown, size);
 }
 

@@ -21,10 +21,11 @@ int text_width(const std::string& text, double size);
 
 /// Writes a line, from its left end on the base line. One that is wider than `width` is shortened in its middle, so nothing is
 /// clipped; characters other than ASCII, which the font lacks, are shown as '?'.
-/// @param size  1 gives capitals of 21 px
-/// @return      how wide it became [px]
+/// @param size    1 gives capitals of 21 px
+/// @param weight  of the strokes [px]
+/// @return        how wide it became [px]
 int draw_text(cv::Mat& picture, const std::string& text, cv::Point left_and_base, double size, int width,
-              const cv::Scalar& colour);
+              const cv::Scalar& colour, int weight = 1);
 
 /// How values become colours: in proportion, or by their square root, so that single events are seen beside many.
 enum class ColourScale : std::uint8_t { linear, root };

@@ -86,12 +86,12 @@ cv::Mat EventFilm::picture_of(const Moment& moment) const {
     cv::rectangle(picture, box, touch_colour(touch), cv::FILLED);
     const std::string name(name_of(*touch));
     draw_text(picture, name, {box.x + (box.width - text_width(name, label_size)) / 2, base - 1}, label_size, box.width,
-              touch == Touch::none ? ink : paper);
+              touch == Touch::none ? ink : paper, 2);
     x = box.br().x + 16;
     const auto current = std::find_if(options_.intervals.begin(), options_.intervals.end(),
                                       [&](const TouchInterval& interval) { return interval.contains(moment.t); });
     if (current != options_.intervals.end())
-      draw_text(picture, fmt::format("{:.1f} ms from its onset", ms_between(current->start, moment.t)), {x, base - 2},
+      draw_text(picture, fmt::format("{:.1f} ms after its onset", ms_between(current->start, moment.t)), {x, base - 2},
                 caption_size, 210, ink);
   }
   const std::string events =

@@ -12,7 +12,7 @@
 namespace tactile {
 namespace {
 
-constexpr int left = 58, right = 16, label_row = 24, axis_row = 24;
+constexpr int left = 58, right = 16, label_row = 24, axis_row = 32;
 constexpr double tick_size = 0.42, label_size = 0.5;
 const cv::Scalar curve_line{70, 70, 70}, curve_area{160, 160, 160}, grid{225, 225, 225};
 
@@ -25,6 +25,12 @@ double round_step(double least) {
     if (step * decade >= least) return step * decade;
   }
   return 10 * decade;
+}
+
+/// Under the axis, pointing at it: what is named above the curve stays free.
+void draw_triangle(cv::Mat& picture, cv::Point tip, int half, const cv::Scalar& colour) {
+  const std::vector<cv::Point> corners{{tip.x, tip.y + 1}, {tip.x - half, tip.y + 2 * half}, {tip.x + half, tip.y + 2 * half}};
+  cv::fillConvexPoly(picture, corners, colour, cv::LINE_AA);
 }
 
 }  // namespace
@@ -110,7 +116,7 @@ void RateStrip::draw_time_axis(cv::Mat& picture) const {
     const int width = text_width(text, tick_size);
     if (x - width / 2 < place_.x || x + width / 2 > place_.br().x) continue;
     cv::line(picture, {x, plot.br().y}, {x, plot.br().y + 4}, ink);
-    draw_text(picture, text, {x - width / 2, plot.br().y + 18}, tick_size, width, faint_ink);
+    draw_text(picture, text, {x - width / 2, plot.br().y + 25}, tick_size, width, faint_ink);
   }
 }
 
@@ -121,18 +127,13 @@ void RateStrip::draw_cursor(cv::Mat& picture, CameraTime t, microseconds history
     cv::Mat window = picture(cv::Rect(from, plot.y, x - from, plot.height));
     cv::Mat(window * 0.8).copyTo(window);
   }
-  cv::line(picture, {x, plot.y - 5}, {x, plot.br().y}, cv::Scalar(0, 0, 0), 2);
-  const std::vector<cv::Point> triangle{{x - 5, plot.y - 12}, {x + 5, plot.y - 12}, {x, plot.y - 4}};
-  cv::fillConvexPoly(picture, triangle, cv::Scalar(0, 0, 0), cv::LINE_AA);
+  cv::line(picture, {x, plot.y}, {x, plot.br().y}, cv::Scalar(0, 0, 0), 2);
+  draw_triangle(picture, {x, plot.br().y}, 6, cv::Scalar(0, 0, 0));
 }
 
 void RateStrip::draw_marks(cv::Mat& picture, std::span<const CameraTime> times) const {
   const cv::Rect plot = area();
-  for (const CameraTime t : times) {
-    const int x = column_of(t);
-    const std::vector<cv::Point> triangle{{x - 4, plot.br().y + 7}, {x + 4, plot.br().y + 7}, {x, plot.br().y + 1}};
-    cv::fillConvexPoly(picture, triangle, ink, cv::LINE_AA);
-  }
+  for (const CameraTime t : times) draw_triangle(picture, {column_of(t), plot.br().y}, 4, ink);
 }
 
 }  // namespace tactile

@@ -14,7 +14,7 @@ namespace tactile {
 /// what falls into a column of pixels stands for it.
 class RateStrip {
  public:
-  static constexpr int height = 150;  ///< [px]
+  static constexpr int height = 160;  ///< [px]
 
   /// @param begin, end  what is shown, begin < end
   /// @param zero        from where times are told
