@@ -115,8 +115,9 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
   SheetOptions layout{.header = {}, .columns = columns, .brightness = meter.result(), .banner = {}};
   layout.header.push_back(fmt::format("{}: the last {:g} ms before each moment", recording.title(),
                                       static_cast<double>(request.options.history.count()) / 1000));
-  layout.header.push_back(fmt::format("{}: {} events in {:.1f} ms; heatmaps {}x{}, denoise {}, resize {}", recording.camera(),
-                                      recording.events(), recording.ms_from_first(recording.last()), size.width, size.height,
+  layout.header.push_back(fmt::format("{}: {} events in {:.1f} ms", recording.camera(), recording.events(),
+                                      recording.ms_from_first(recording.last())));
+  layout.header.push_back(fmt::format("heatmaps {}x{}, denoise {}, resize {}", size.width, size.height,
                                       settings.at("denoise").get<std::string>(), settings.at("resize").get<std::string>()));
   std::string times_line = shows_onsets ? "times from the first event, and from the onset" : "times from the first event";
   if (shows_onsets && recording.intervals().size() > groups.size())
@@ -136,9 +137,10 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
                  {"settings", settings},
                  {"brightest", {{"events_per_pixel", layout.brightness.counts}, {"heatmap", layout.brightness.heatmap}}},
                  {"tiles", tiles}});
-  print_result(common, result,
-               fmt::format("{}: {} moments of {}{}\n", request.out.string(), tiles.size(), recording.name(),
-                           shows_onsets ? fmt::format(" around {} onset{}", groups.size(), groups.size() == 1 ? "" : "s") : ""));
+  print_result(
+      common, result,
+      fmt::format("{}: {} moment{} of {}{}\n", request.out.string(), tiles.size(), tiles.size() == 1 ? "" : "s", recording.name(),
+                  shows_onsets ? fmt::format(" around {} onset{}", groups.size(), groups.size() == 1 ? "" : "s") : ""));
 }
 
 }  // namespace tactile
