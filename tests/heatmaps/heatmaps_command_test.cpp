@@ -131,7 +131,9 @@ TEST_F(HeatmapsCommand, ListsItsPicturesAndReplacesNoOtherFiles) {
                         std::string(name_of(sample.touch)));
     EXPECT_TRUE(fs::exists(pictures / file)) << file;
     const bool same_run = before.starts_with(run.object + "/" + run.run);
-    if (same_run && us_of(sample.t) > 0) EXPECT_LT(before, file) << "names sort by time";
+    if (same_run && us_of(sample.t) > 0) {
+      EXPECT_LT(before, file) << "names sort by time";
+    }
     before = file;
   }
   EXPECT_FALSE(std::getline(list, line));

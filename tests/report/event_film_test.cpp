@@ -75,7 +75,9 @@ TEST(EventFilm, FramesBothPicturesInTheColourOfTheLabel) {
     // Two frames of 512 x 384 px inside, 6 px wide.
     EXPECT_GT(pixels_of(picture, touch_colour(touch)), 2 * 6 * 2 * (512 + 384)) << ms;
     for (const Touch other : all_touches) {
-      if (other != touch) EXPECT_LT(pixels_of(picture, touch_colour(other)), 4'000) << ms;
+      if (other != touch) {
+        EXPECT_LT(pixels_of(picture, touch_colour(other)), 4'000) << ms;
+      }
     }
   }
 }

@@ -35,10 +35,10 @@ struct SheetBanner {
 };
 
 struct SheetOptions {
-  std::vector<std::string> header;  ///< lines at the top; the first is the title
-  int columns = 6;                  ///< >= 1
-  Brightness brightness{};          ///< shown in the brightest colour, as is what lies above: counts >= 1, heatmap 1 to 255
-  SheetBanner banner{};             ///< may be empty
+  std::vector<std::string> header = {};  ///< lines at the top; the first is the title
+  int columns = 6;                       ///< >= 1
+  Brightness brightness{};               ///< shown in the brightest colour, as is what lies above: counts >= 1, heatmap 1 to 255
+  SheetBanner banner{};                  ///< may be empty
 };
 
 /// The tile of a moment, its pictures no larger than they are shown, so that many of them are little memory.
