@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "tactile/core/parallel.hpp"

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 

@@ -4,6 +4,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"

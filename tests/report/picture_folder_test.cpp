@@ -5,6 +5,8 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"

@@ -4,6 +4,8 @@
 
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
 
 #include "tactile/report/drawing.hpp"
 

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <tuple>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <tuple>
 #include <utility>
 
 #include "tactile/report/drawing.hpp"

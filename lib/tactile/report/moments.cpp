@@ -1,8 +1,11 @@
 #include "tactile/report/moments.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "tactile/core/error.hpp"

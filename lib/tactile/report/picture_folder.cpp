@@ -5,6 +5,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <string>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
