@@ -24,8 +24,15 @@ ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string&
   description.manifest_hash = "abc";
   description.trained_at = trained_at;
   description.settings.training.seed = seed;
-  write_bundle(bundle, description, LeNet({32, 24}, seed).weights(),
-               {{{1, 0.5, 0.9, 321.5, 1.0}, {2, 0.4, 0.95, 123.5, 1.0}}, 6, 2.0});
+  TrainingSummary summary;
+  for (const double images_per_s : {321.5, 123.5}) {
+    EpochResult epoch;
+    epoch.epoch = static_cast<unsigned>(summary.history.size() + 1);
+    epoch.images_per_s = images_per_s;
+    summary.history.push_back(epoch);
+  }
+  summary.best_epoch = 2;
+  write_bundle(bundle, description, {LeNet({32, 24}, seed).weights(), {}}, summary);
   return bundle;
 }
 
