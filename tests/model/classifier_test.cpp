@@ -25,12 +25,7 @@ ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string&
   description.trained_at = trained_at;
   description.settings.training.seed = seed;
   TrainingSummary summary;
-  for (const double images_per_s : {321.5, 123.5}) {
-    EpochResult epoch;
-    epoch.epoch = static_cast<unsigned>(summary.history.size() + 1);
-    epoch.images_per_s = images_per_s;
-    summary.history.push_back(epoch);
-  }
+  summary.history = {{1, 0.5, 0.9, {}, {}, 0.001, 2.5, 321.5, 1.0}, {2, 0.4, 0.95, 0.75, 0.5, 0.001, 2.5, 123.5, 1.0}};
   summary.best_epoch = 2;
   write_bundle(bundle, description, {LeNet({32, 24}, seed).weights(), {}}, summary);
   return bundle;
@@ -130,7 +125,14 @@ TEST(ModelBundle, KeepsTheHistory) {
   const test::TemporaryFolder folder;
   const ModelBundle bundle = small_bundle(folder);
   EXPECT_EQ(read_text(bundle.history()),
-            "epoch,loss,accuracy,images_per_s,seconds\n1,0.5,0.9,321.5,1.000\n2,0.4,0.95,123.5,1.000\n");
+            "epoch,loss,accuracy,validation_loss,validation_accuracy,learning_rate,gradient_norm,images_per_s,seconds\n"
+            "1,0.5,0.9,,,0.001,2.5,321.5,1.000\n2,0.4,0.95,0.75,0.5,0.001,2.5,123.5,1.000\n");
+  const auto history = read_history(bundle.history());
+  ASSERT_EQ(history.size(), 2U);
+  EXPECT_EQ(history[0].validation_loss, std::nullopt);
+  EXPECT_EQ(history[1].validation_loss, 0.75);
+  EXPECT_EQ(history[1].validation_accuracy, 0.5);
+  EXPECT_EQ(history[1].gradient_norm, 2.5);
   EXPECT_EQ(images_per_s(bundle), 123.5);
 }
 

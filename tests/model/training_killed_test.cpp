@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* arguments =
-    "train --json --threads 1 --epochs 6 --batch 24 --validation 0.2 --augment flip,shift --schedule cosine --save-every 0 ";
+    "train --json --epochs 6 --batch 24 --validation 0.2 --augment flip,shift --schedule cosine --save-every 0 ";
 
 /// What a bundle holds but for times, a line each.
 std::string contents_of(const fs::path& folder) {
@@ -48,7 +48,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
   test::make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
   const auto begun = std::chrono::steady_clock::now();
-  const auto whole = test::run_tactile(arguments + std::string("--name whole"), folder.path());
+  const auto whole = test::run_tactile(arguments + std::string("--threads 1 --name whole"), folder.path());
   const auto lasted = std::chrono::steady_clock::now() - begun;
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
   EXPECT_FALSE(fs::exists(folder / "models/whole.training"));
@@ -60,7 +60,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
   int kills = 0, amid_an_epoch = 0, amid_writing = 0;
   while ((kills < 10 || amid_an_epoch == 0 || amid_writing == 0) && !fs::exists(folder / "models/mine")) {
     {
-      const test::RunningCommand training(arguments + std::string("--name mine --resume"), folder.path());
+      const test::RunningCommand training(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
       std::this_thread::sleep_for(share(random) * lasted);
     }
     if (fs::exists(folder / "models/mine")) {
@@ -76,7 +76,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
       amid_an_epoch += state.at("done") > 0 ? 1 : 0;
     }
   }
-  const auto last = test::run_tactile(arguments + std::string("--name mine --resume"), folder.path());
+  const auto last = test::run_tactile(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_EQ(contents_of(folder / "models/mine"), contents_of(folder / "models/whole"));
   EXPECT_FALSE(fs::exists(kept));
@@ -88,14 +88,14 @@ TEST(TrainCommand, BrokenOffTrainingWantsResumeOrForce) {
   write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
   const fs::path kept = folder / "models/mine.training";
   {
-    const test::RunningCommand training(arguments + std::string("--name mine"), folder.path());
+    const test::RunningCommand training(arguments + std::string("--threads 1 --name mine"), folder.path());
     while (!CheckpointFolder::holds_state(kept)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  const auto refused = test::run_tactile(arguments + std::string("--name mine"), folder.path());
+  const auto refused = test::run_tactile(arguments + std::string("--threads 1 --name mine"), folder.path());
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
   EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
-  const auto other = test::run_tactile(arguments + std::string("--name mine --resume --seed 2"), folder.path());
+  const auto other = test::run_tactile(arguments + std::string("--threads 1 --name mine --resume --seed 2"), folder.path());
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.err.find("other settings"), std::string::npos) << other.err;
   EXPECT_TRUE(CheckpointFolder::holds_state(kept));

@@ -104,7 +104,7 @@ class Training {
 
   void run_epoch() {
     const auto order = shuffled(samples(), task_.options.seed, state_.epoch);
-    while (state_.done < order.size()) {
+    for (const unsigned epoch = state_.epoch; state_.epoch == epoch; report()) {
       const auto begun = Clock::now();
       const std::size_t count = std::min<std::size_t>(task_.options.batch, order.size() - state_.done);
       learn(std::span(order).subspan(state_.done, count));
@@ -112,7 +112,6 @@ class Training {
       state_.epoch_seconds += seconds;
       state_.seconds += seconds;
       if (state_.done == order.size()) end_epoch();
-      report();
     }
   }
 
