@@ -12,6 +12,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/verify_dataset.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile {
@@ -326,16 +327,16 @@ TEST_F(WriteDataset, IsRefusedWhenItWasTamperedWithOrCut) {
 TEST_F(WriteDataset, IsVerifiedAgainstItsRuns) {
   test::make_three_runs(data());
   write_dataset(data(), file(), {.sampling = {.window = 300ms, .seed = 5}});
-  EXPECT_EQ(verify_dataset(data(), file()), std::vector<std::string>{});
+  EXPECT_EQ(verify_dataset(data(), file()).differences, std::vector<std::string>{});
 
   test::make_run(data(), {.object = "box", .seed = 9});
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "box/01: is among the runs but not in the dataset"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "box/01: is among the runs but not in the dataset"));
   fs::remove_all(data() / "box");
 
   test::LabelledRun moved{.run = "01", .seed = 1};
   moved.intervals[0].start = camera_time(204'000);
   write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
-  const auto differences = verify_dataset(data(), file());
+  const auto differences = verify_dataset(data(), file()).differences;
   EXPECT_TRUE(mentions(differences, "fan/01: labels.json has changed"));
   EXPECT_TRUE(mentions(differences, "fan/01: its intervals are not those of its labels"));
   EXPECT_TRUE(mentions(differences, "fan/01: sample 0 is none at"));
@@ -346,7 +347,7 @@ TEST_F(WriteDataset, IsVerifiedToHoldNoRecordingTwice) {
   test::make_three_runs(data());
   fs::copy(data() / "fan/01", data() / "fan/03", fs::copy_options::recursive);
   write_dataset(data(), file());
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "fan/03: holds the same recording as fan/01"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "fan/03: holds the same recording as fan/01"));
 }
 
 TEST_F(WriteDataset, FindsARunThatHasChanged) {
