@@ -156,6 +156,7 @@ class KilledDataset : public testing::Test {
 
 TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledBeforeAnyCallThatTouchesIt) {
   const std::vector<std::string> command{"heatmaps", "--th", "4,6", "--threads", "1"};
+  fs::create_directories(folder / "whole");
   fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
   ASSERT_EQ(run_tactile("heatmaps --th 4,6", folder / "whole").exit_code, 0);
   const Contents whole = contents_of(folder / "whole/data/dataset.h5");
@@ -184,6 +185,7 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledAtTwentyRandomMoments) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random random(seed);
   const std::string histories = "2,4,6,8,10,12,14,16,18,20,22,24,26,28,30,32,34,36,38,40,42,44,46,48,50";
+  fs::create_directories(folder / "whole");
   fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run_tactile("heatmaps --th " + histories, folder / "whole").exit_code, 0);
@@ -210,6 +212,7 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledAtTwentyRandomMoments) {
 
 TEST_F(KilledDataset, IsTheOldOneOrTheNewOneAfterWindowsWasKilledBeforeAnyCallThatTouchesIt) {
   const Contents old = contents_of(file());
+  fs::create_directories(folder / "whole");
   fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
   ASSERT_EQ(run_tactile("windows --seed 2", folder / "whole").exit_code, 0);
   const Contents replaced = contents_of(folder / "whole/data/dataset.h5");
@@ -238,6 +241,7 @@ TEST_F(KilledDataset, IsTheOldOneOrTheNewOneAfterWindowsWasKilledBeforeAnyCallTh
 
 TEST_F(KilledDataset, IsWholeOrNotThereAfterWindowsWasKilledMakingIt) {
   const Contents whole = [&] {
+    fs::create_directories(folder / "whole");
     fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
     remove_dataset(folder / "whole/data");
     EXPECT_EQ(run_tactile("windows", folder / "whole").exit_code, 0);
