@@ -26,10 +26,12 @@ struct HeatmapsArguments {
 };
 
 void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& common) {
-  const fs::path file = fs::is_regular_file(args.data) ? fs::path(args.data) : fs::path(args.data) / "dataset.h5";
+  const fs::path given = args.data;
+  const bool is_file = fs::is_regular_file(given) || (!fs::exists(given) && given.extension() == ".h5");
+  const fs::path file = is_file ? given : given / "dataset.h5";
   if (!fs::exists(file)) {
     throw Error(fmt::format("{}: no such dataset; expected one, run 'tactile windows{}' first", file.string(),
-                            args.data == "data" ? "" : " " + args.data));
+                            args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + args.data));
   }
   std::vector<HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {
