@@ -77,9 +77,9 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_EQ(evaluation.trivial.at("random").press.all.misses, 0U);
   EXPECT_GT(evaluation.trivial.at("random").false_alarms.total.alarms, 100U);
   // Labels are the truth here; gross slip begins 20 ms later.
-  ASSERT_TRUE(evaluation.true_slip && evaluation.gross_slip);
-  EXPECT_EQ(evaluation.true_slip->all.mean_ms.value, evaluation.network.slip.all.mean_ms.value);
-  EXPECT_DOUBLE_EQ(evaluation.gross_slip->all.mean_ms.value, evaluation.network.slip.all.mean_ms.value - 20);
+  ASSERT_TRUE(evaluation.truth);
+  EXPECT_EQ(evaluation.truth->slip.all.mean_ms.value, evaluation.network.slip.all.mean_ms.value);
+  EXPECT_DOUBLE_EQ(evaluation.truth->gross_slip.all.mean_ms.value, evaluation.network.slip.all.mean_ms.value - 20);
   // 581 ticks of which 100 lie in each interval and 50 in the guard after each, in each of three runs.
   EXPECT_EQ(evaluation.network.false_alarms.total.none_time, 3 * 281 * 2ms);
   EXPECT_EQ(evaluation.network.false_alarms.total.after_intervals_time, 3 * 100 * 2ms);
