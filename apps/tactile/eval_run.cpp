@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <vector>
@@ -95,8 +96,11 @@ PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& 
   picture.has_truth = prediction.truth.has_truth;
   picture.truth = prediction.truth.true_ones;
   picture.unlabelled = prediction.truth.unlabelled;
-  picture.remarks.push_back(fmt::format("History t_h {} ms, a tick every {} ms; verdicts confirmed in {} ticks.", history_ms,
-                                        static_cast<double>(classifier.rendering().tick.count()) / 1000, text_of(confirmation)));
+  std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms,
+                                     static_cast<double>(classifier.rendering().tick.count()) / 1000);
+  if (confirmation.of > 1)
+    settings += fmt::format("; said in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
+  picture.remarks.push_back(settings + ".");
   if (picture.has_labels) {
     const FalseAlarms& alarms = prediction.false_alarms;
     picture.remarks.push_back(fmt::format(

@@ -89,21 +89,26 @@ std::string guards_text(const Evaluation& evaluation) {
   return text_table({"none kept from intervals by", "accuracy [%]", "95 %", "difference", "95 %"}, rows) + "\n";
 }
 
-std::string over_time_text(const OverTime& over_time, const std::string& title) {
+std::string over_time_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
-  const auto row = [&](const std::string& name, const ShareOverTime& share) {
-    rows.push_back({name, percent(share.first), bounds(share.first, 100), percent(share.later), bounds(share.later, 100),
-                    percent(share.last), bounds(share.last, 100), percent(share.last_minus_first),
-                    bounds(share.last_minus_first, 100)});
+  const OverTime* truth = evaluation.truth ? &evaluation.truth->over_time : nullptr;
+  const auto row = [&](const std::string& name, const Figure& by_labels, const Figure* by_truth) {
+    rows.push_back({name, percent(by_labels), bounds(by_labels, 100), by_truth != nullptr ? percent(*by_truth) : "",
+                    by_truth != nullptr ? bounds(*by_truth, 100) : ""});
   };
-  row("press", over_time.press.all);
-  row("slip", over_time.slip.all);
-  row("both", over_time.both.all);
-  const auto ms = [](microseconds us) { return us.count() / 1000; };
-  return text_table({title, fmt::format("first {} ms", ms(over_time.options.first)), "95 %", "later", "95 %",
-                     fmt::format("last {} ms", ms(over_time.options.last)), "95 %", "last - first", "95 %"},
-                    rows) +
-         "\n";
+  const auto add = [&](const std::string& name, const ShareOverTime& labels, const ShareOverTime* by_truth) {
+    const auto ms = [](microseconds us) { return us.count() / 1000; };
+    const OverTimeOptions& options = evaluation.over_time.options;
+    row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
+    row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
+    row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
+    row(fmt::format("{}, last - first", name), labels.last_minus_first, by_truth ? &by_truth->last_minus_first : nullptr);
+  };
+  add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
+  add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);
+  std::vector<std::string> header{"every tick of intervals said right [%]", "by labels", "95 %"};
+  if (truth) header.insert(header.end(), {"by the truth", "95 %"});
+  return text_table(header, rows) + "\n";
 }
 
 std::string operating_text(const Evaluation& evaluation) {
@@ -117,10 +122,9 @@ std::string operating_text(const Evaluation& evaluation) {
                     number(point.slip.mean_ms), told(point.slip), number(point.false_alarms.per_min),
                     bounds(point.false_alarms.per_min, 1)});
   }
-  return text_table({"said where as likely as", "press [ms]", "miss + early", "slip [ms]", "miss + early", "false alarms per min",
-                     "95 %"},
-                    rows) +
-         "\n";
+  return text_table(
+      {"said where as likely as", "press [ms]", "miss + early", "slip [ms]", "miss + early", "false alarms per min", "95 %"},
+      rows);
 }
 
 constexpr const char* delay_legend =
@@ -193,9 +197,7 @@ std::string text_of(const Evaluation& evaluation) {
   std::string title = title_of(evaluation);
   if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
   return title + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
-         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation.over_time, "ticks said right [%]") +
-         (evaluation.truth ? over_time_text(evaluation.truth->over_time, "the same, by the truth") : "") +
-         operating_text(evaluation);
+         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation);
 }
 
 std::string text_of(const UnseenComparison& comparison, bool simulated) {

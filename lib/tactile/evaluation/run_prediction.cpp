@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <fstream>
 #include <iterator>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -36,18 +38,25 @@ RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, co
 void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,
                       const std::map<CameraTime, Touch>& samples) {
   const std::vector<TouchInterval> labels = prediction.truth.all_labelled();
-  std::string text = "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n";
+  WholeFile whole(file);
+  std::ofstream out(whole.path(), std::ios::binary);
+  out << "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n";
+  std::string line;
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const CameraTime t = prediction.full.ticks.at(static_cast<std::int64_t>(k));
     const Probabilities& p = prediction.full.probabilities[k];
     const auto sample = samples.find(t);
+    line.clear();
     // 9 digits name a float32.
-    fmt::format_to(std::back_inserter(text), "{},{:.9g},{:.9g},{:.9g},{},{},{},{},{}\n", us_of(t), p[0], p[1], p[2],
+    fmt::format_to(std::back_inserter(line), "{},{:.9g},{:.9g},{:.9g},{},{},{},{},{}\n", us_of(t), p[0], p[1], p[2],
                    name_of(prediction.verdicts[k]), labels.empty() ? "" : name_of(touch_at(t, labels)),
                    prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
                    sample == samples.end() ? "" : name_of(sample->second));
+    out << line;
   }
-  write_whole(file, text);
+  out.close();
+  if (!out) throw Error(file.string() + ": cannot be written; expected a disk with room");
+  whole.commit();
 }
 
 }  // namespace tactile

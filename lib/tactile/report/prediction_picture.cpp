@@ -95,14 +95,19 @@ class PredictionScript {
         static_cast<double>(x) / picture_width, screen_y(y), style, ink);
   }
 
-  /// Over the first panel, each at its onset, in two rows by turns so that near ones do not meet.
+  /// Over the first panel, each at its onset; one that begins where the words before it still go on stands in a second row.
   void name_intervals() {
-    for (std::size_t i = 0; i < picture_.labels.size(); ++i) {
-      const auto& [interval, words] = picture_.labels[i];
-      const std::string name(name_of(interval.touch));
-      add("set label {} at screen {:.6f}, screen {:.6f} left textcolor rgb '{}'",
-          plot_text(words.empty() ? name : name + ": " + words), screen_x(shown(interval.start)),
-          screen_y(top - 10 - (i % 2 == 0 ? 0 : 17)), colours_of(interval.touch).strong);
+    constexpr double character = 8.5, row = 17;  // [px]
+    double free_from = 0;
+    bool raised = false;
+    for (const auto& [interval, words] : picture_.labels) {
+      std::string name(name_of(interval.touch));
+      if (!words.empty()) name += ": " + words;
+      const double x = screen_x(shown(interval.start)) * picture_width;
+      raised = x < free_from && !raised;
+      free_from = x + character * static_cast<double>(characters_in(name));
+      add("set label {} at screen {:.6f}, screen {:.6f} left textcolor rgb '{}'", plot_text(name), x / picture_width,
+          1 - (top - 10 - (raised ? row : 0)) / plot_.height_px, colours_of(interval.touch).strong);
     }
   }
 
