@@ -116,7 +116,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", recording.file().string(), stream.id));
   const SensorSize sensor = *stream.size;
   const HeatmapOptions options = heatmap_options(args.history_ms, args.rendering);
-  HeatmapRenderer renderer(sensor, options);
+  const SensorSize size = HeatmapRenderer(sensor, options).size();
 
   std::optional<CameraTime> first, last;
   std::uint64_t events = 0;
@@ -151,23 +151,23 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     sheet.push_back({.title = group.title, .tiles = {}});
     for (const CameraTime t : group.ticks) {
       stop_if_interrupted();
-      SlidingCounts counts(sensor, options.history);
+      HeatmapRenderer renderer(sensor, options);
       for_events_between(recording, stream.id, before(t, options.history), t,
-                         [&](std::span<const Event> part) { counts.add(part); });
-      counts.move_to(t);
+                         [&](std::span<const Event> part) { renderer.add(part); });
+      renderer.move_to(t);
       cv::Mat heatmap(renderer.size().height, renderer.size().width, CV_8UC1);
-      renderer.render(counts, std::span(heatmap.data, heatmap.total()));
+      renderer.render(std::span(heatmap.data, heatmap.total()));
       const std::optional<Touch> touch = label_at(labels, t);
       SheetTile tile{.heatmap = heatmap,
                      .caption = fmt::format("{:.1f} ms", ms_between(*first, t)),
-                     .second_caption = fmt::format("{} events", counts.events()),
+                     .second_caption = fmt::format("{} events", renderer.events()),
                      .touch = touch};
       if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", ms_between(*group.onset, t));
       if (touch) tile.second_caption = fmt::format("{}, {}", name_of(*touch), tile.second_caption);
       sheet.back().tiles.push_back(std::move(tile));
       tiles.push_back({{"t_us", us_of(t)},
                        {"since_first_event_ms", ms_between(*first, t)},
-                       {"events", counts.events()},
+                       {"events", renderer.events()},
                        {"label", touch ? nlohmann::json(name_of(*touch)) : nlohmann::json(nullptr)}});
     }
   }
@@ -176,8 +176,8 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   const int brightest = bright_value(sheet);
   SheetOptions layout{.header = {}, .columns = columns, .brightest = brightest};
   layout.header.push_back(fmt::format("{}{}: heatmaps of t_h {} ms, {}x{}, denoise {}, resize {}", name,
-                                      simulated ? " (simulated)" : "", args.history_ms, renderer.size().width,
-                                      renderer.size().height, args.rendering.denoise, args.rendering.resize));
+                                      simulated ? " (simulated)" : "", args.history_ms, size.width,
+                                      size.height, args.rendering.denoise, args.rendering.resize));
   layout.header.push_back(fmt::format("{}, {}x{} px: {} events in {:.1f} ms", stream.source.empty() ? "events" : stream.source,
                                       sensor.width, sensor.height, events, ms_between(*first, *last)));
   layout.header.push_back(fmt::format("colours from 0 to {} of 255, brighter ones alike; times from the first event{}", brightest,
@@ -191,7 +191,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
                 {"file", recording.file().string()},
                 {"simulated", simulated},
                 {"sensor", {{"width", sensor.width}, {"height", sensor.height}}},
-                {"heatmap", {{"width", renderer.size().width}, {"height", renderer.size().height}}},
+                {"heatmap", {{"width", size.width}, {"height", size.height}}},
                 {"settings", options},
                 {"brightest", brightest},
                 {"tiles", tiles}},
