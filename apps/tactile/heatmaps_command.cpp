@@ -9,7 +9,6 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "text_table.hpp"
 
@@ -42,21 +41,17 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   std::vector<std::vector<std::string>> rows;
   {
     const Dataset dataset(file);
-    for (const HeatmapOptions& options : histories)
-      check_renders(dataset, options);  // all are refused before the first is rendered
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
-    for (const HeatmapOptions& options : histories) {
-      const StoredHistory history = store_heatmaps(dataset, options, common.threads, progress_line(common));
-      const StoredHeatmaps& stored = history.heatmaps;
+    for (const auto& [stored, kept] : store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
       result["histories"].push_back({{"name", stored.name},
-                                     {"outcome", history.kept ? "unchanged" : "written"},
+                                     {"outcome", kept ? "unchanged" : "written"},
                                      {"settings", stored.settings},
                                      {"width", stored.width},
                                      {"height", stored.height}});
-      rows.push_back({stored.name, fmt::format("{} ms", static_cast<double>(options.history.count()) / 1000),
+      rows.push_back({stored.name, fmt::format("{} ms", stored.settings["history_us"].get<double>() / 1000),
                       fmt::format("{}x{}", stored.width, stored.height), std::to_string(dataset.samples().size()),
-                      history.kept ? "unchanged" : "written"});
+                      kept ? "unchanged" : "written"});
     }
   }
   std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);

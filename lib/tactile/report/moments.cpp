@@ -22,7 +22,7 @@ std::span<std::uint8_t> pixels_of(cv::Mat& picture) { return {picture.data, pict
 class MomentRenderer {
  public:
   MomentRenderer(SensorSize sensor, const HeatmapOptions& options, MomentDetail detail)
-      : sensor_(sensor), counts_(sensor, options.history), renderer_(sensor, options) {
+      : sensor_(sensor), renderer_(sensor, options) {
     moment_.counts.create(sensor.height, sensor.width, CV_16UC1);
     moment_.heatmap.create(renderer_.size().height, renderer_.size().width, CV_8UC1);
     if (detail == MomentDetail::heatmap) return;
@@ -34,25 +34,30 @@ class MomentRenderer {
     moment_.denoised.create(sensor.height, sensor.width, CV_8UC1);
   }
 
-  void add(std::span<const Event> events) { counts_.add(events); }
+  void add(std::span<const Event> events) {
+    renderer_.add(events);
+    if (denoising_) denoising_->add(events);
+  }
 
   const Moment& at(CameraTime t) {
-    counts_.move_to(t);
-    renderer_.render(counts_, pixels_of(moment_.heatmap));
-    if (denoising_) denoising_->render(counts_, pixels_of(moment_.denoised));
+    renderer_.move_to(t);
+    renderer_.render(pixels_of(moment_.heatmap));
+    if (denoising_) {
+      denoising_->move_to(t);
+      denoising_->render(pixels_of(moment_.denoised));
+    }
     moment_.t = t;
-    moment_.events = counts_.events();
+    moment_.events = renderer_.events();
     for (int y = 0; y < sensor_.height; ++y) {
       auto* const row = moment_.counts.ptr<std::uint16_t>(y);
       for (int x = 0; x < sensor_.width; ++x)
-        row[x] = static_cast<std::uint16_t>(std::min<std::uint32_t>(counts_.at(x, y), 65535));
+        row[x] = static_cast<std::uint16_t>(std::min<std::uint32_t>(renderer_.counts().at(x, y), 65535));
     }
     return moment_;
   }
 
  private:
   SensorSize sensor_;
-  SlidingCounts counts_;
   HeatmapRenderer renderer_;
   std::optional<HeatmapRenderer> denoising_;
   Moment moment_;
