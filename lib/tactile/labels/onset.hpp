@@ -21,7 +21,7 @@ struct OnsetOptions {
   microseconds rise{150'000};           ///< how fast a slip's tips get is seen within so much time
   microseconds first_drag{25'000};      ///< and how fast the first drag is within so much time
   microseconds latency{400};            ///< a marker may have moved so long before its first event, at least
-  microseconds longest_blind{15'000};   ///< and at most
+  microseconds longest_blind{40'000};   ///< and at most
   double too_wide_ms = 20.0;            ///< doubtful if the interval is wider than this
 };
 
