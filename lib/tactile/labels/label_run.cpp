@@ -156,10 +156,8 @@ class Labeller {
   Labels labels() {
     for (const std::string& problem : signals_.problems) flag(problem);
     labels_.remarks = signals_.remarks;
-    // What one anchor leaves open is no matter where another has settled it.
-    const bool all_related =
-        std::all_of(clocks_.pieces.begin(), clocks_.pieces.end(), [](const auto& piece) { return piece.has_value(); });
-    for (const std::string& doubt : clocks_.doubts) all_related ? labels_.remarks.push_back(doubt) : flag(doubt);
+    // What one anchor leaves open is no matter where another has settled it, or where there is nothing to place.
+    for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
     if (!signals_.has_robot) {
       flag("no robot log: press and slip are told apart by their order alone");
     } else if (!lifts_are_known() && !moves_.rises) {
@@ -187,6 +185,15 @@ class Labeller {
  private:
   void flag(std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
     labels_.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
+  }
+
+  /// A piece of the log in which something happens has no clock.
+  bool a_clock_is_refused() const {
+    for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
+      const RobotPiece& piece = signals_.robot[i];
+      if (!clocks_.pieces[i] && !(piece.phases.empty() && piece.log.output_changes.empty())) return true;
+    }
+    return false;
   }
 
   /// What the arm's motions were taken from.
