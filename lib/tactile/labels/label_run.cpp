@@ -454,6 +454,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
             {"first_drag_us", options.onset.first_drag.count()},
             {"latency_us", options.onset.latency.count()},
             {"longest_blind_us", options.onset.longest_blind.count()},
+            {"blind_anew_us", options.onset.blind_anew.count()},
             {"too_wide_ms", options.onset.too_wide_ms}}},
           {"end",
            {{"still_share", options.end.still_share},

@@ -206,6 +206,9 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
       lit_count += 1;
     }
     found.quiet_per_bin = quiet_bins > 0 ? quiet_events / quiet_bins : 0.0;
+    const std::size_t still_from = i > 0 ? std::min(bursts[i - 1].end, bursts[i].begin) : 0;
+    const double pixels = std::max(1.0, lit_count * options.cell_px * options.cell_px);
+    found.set_anew = 1.0 - std::exp(-found.quiet_per_bin * static_cast<double>(bursts[i].begin - still_from) / pixels);
     found.lit_share = lit_count / static_cast<double>(cells.count());
     found.undoes = -correlation_of(brighter[i], so_far);
     for (std::size_t cell = 0; cell < cells.count(); ++cell) so_far[cell] += brighter[i][cell];

@@ -30,7 +30,10 @@ struct LitRate {
   double dispersion = 1;        ///< of that, variance per mean, >= 1
   std::size_t burst_begin = 0;  ///< in bins of `rate`
   std::size_t burst_end = 0;
-  double lit_share = 0;          ///< of the image
+  double lit_share = 0;  ///< of the image
+  /// Share of the lit pixels that noise has set anew since the burst before, or the recording's begin, 0 to 1: they need a whole
+  /// threshold of change until they fire, the others less.
+  double set_anew = 0;
   std::vector<LitPlace> places;  ///< those that stand out by themselves, `most_places` at most; may be none
   /// How far the burst undoes what all bursts before it did, -1 to 1: the correlation of the brightening of pixels. A release
   /// gives back what its press took, so that it is near 1; the first burst has 0.

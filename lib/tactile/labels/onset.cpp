@@ -130,9 +130,9 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
 
 /// A pixel that has to undo its last change is blind for a while: for as long as the first ones take, once they fire, from one
 /// event to the next. By so much a marker may have moved ahead of its first events.
-microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std::size_t onset, const OnsetOptions& options) {
+microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std::size_t onset, microseconds longest) {
   constexpr double enough = 3.0;  // not one pixel alone, which might be noise
-  const auto most = static_cast<std::size_t>(options.longest_blind / bin);
+  const auto most = static_cast<std::size_t>(longest / bin);
   // So many events follow one of their pixel's noise by chance.
   const auto sum = [onset](Counts of) {
     return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(onset), 0.0);
@@ -151,7 +151,9 @@ microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std
 /// @param counts, repeats  of the place that it begins at
 FoundTime found(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, const OnsetOptions& options) {
   const EventRate& rate = lit.rate;
-  const microseconds blind = std::max(options.latency, blind_ahead_of(rate.bin, counts, repeats, scan.best, options));
+  const auto more = static_cast<double>((options.blind_anew - options.longest_blind).count());
+  const microseconds longest = options.longest_blind + microseconds{std::llround(lit.set_anew * more)};
+  const microseconds blind = std::max(options.latency, blind_ahead_of(rate.bin, counts, repeats, scan.best, longest));
   FoundTime result{.time = {.at = before(rate.begin_of(scan.best), rate.bin / 2),
                             .low = before(rate.begin_of(scan.low), rate.bin + blind),
                             .high = after(rate.begin_of(scan.high), rate.bin / 2)},
