@@ -135,12 +135,12 @@ microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std
   const auto most = static_cast<std::size_t>(longest / bin);
   // So many events follow one of their pixel's noise by chance.
   const auto sum = [onset](Counts of) {
-    return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(onset), 0.0);
+    return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(std::min(onset, of.size())), 0.0);
   };
   const double by_chance = sum(repeats) / std::max(1.0, sum(counts));
   double so_far = 0, expected = 0;
   std::size_t i = onset;
-  for (; i < counts.size() && i < onset + most && so_far < expected + enough + 2.0 * std::sqrt(expected); ++i) {
+  for (; i < repeats.size() && i < onset + most && so_far < expected + enough + 2.0 * std::sqrt(expected); ++i) {
     so_far += repeats[i];
     expected += by_chance * counts[i];
   }
