@@ -226,16 +226,16 @@ std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].errors.n() == 0) continue;
-    std::vector<std::string> cells = groups[i].errors.cells(i == 0 ? "symmetric anchor" : "others", true);
+    std::vector<std::string> cells = groups[i].errors.cells(i == 0 ? "symmetric" : "others", true);
     cells.push_back(std::to_string(groups[i].within));
     rows.push_back(std::move(cells));
   }
   if (rows.empty()) return {};
   return "\n" +
-         text_table({"robot clock's offset [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "in 10 ms"},
-                    rows) +
+         text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
          wrapped(
-             "Symmetric: an inertial sensor, sync taps or the arm's ring-down, which lie alike on either side of their moment. "
+             "Symmetric anchors: an inertial sensor, sync taps or the arm's ring-down, which lie alike on either side of their "
+             "moment. "
              "Others follow from when something was touched or dragged, and say a wider interval.") +
          "\n";
 }
