@@ -14,7 +14,10 @@ namespace tactile {
 using WholeWeights = std::array<std::int32_t, CellCounts<std::uint8_t>::many + 1>;
 
 /// @param share  of the largest weight, in [0, 1]
-constexpr std::int32_t whole_weight(double share) { return static_cast<std::int32_t>(share * (1 << 20) + 0.5); }
+constexpr std::int32_t whole_weight(double share) {
+  constexpr double half = 0.5;
+  return static_cast<std::int32_t>(share * (1 << 20) + half);
+}
 
 /// Added before a byte's value is cut off. What lies less than the error above below a half counts as a half.
 constexpr double byte_half = 0.5 + 2.5e-4;
