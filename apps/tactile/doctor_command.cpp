@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core/version.hpp>
+#include <optional>
 #include <set>
 #include <thread>
 

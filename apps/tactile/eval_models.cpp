@@ -83,7 +83,7 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
   const auto rate = other ? images_per_s(*other) : std::nullopt;
   spdlog::info("{} is missing: it is trained first, as by '{}': {}", bundle.folder.string(), command,
                training_estimate(dataset, settings, rate, common.threads));
-  train_model(dataset, settings, bundle, common.threads, progress_line(common));
+  train_model(dataset, settings, bundle, {.threads = common.threads, .resume = true}, progress_line(common));
   return bundle;
 }
 

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,26 +31,63 @@ struct TrainArguments {
   std::string split = "single-run", train_run = "01";
   std::vector<std::string> held_out = default_held_out();
   TrainingOptions training;
-  std::string models = "models", name;
-  bool force = false;
+  std::string optimizer = "adam", schedule = "constant", activation = "relu", pool = "max", class_weights = "none";
+  std::vector<std::string> augment{"none"};
+  std::optional<double> validation_share;
+  std::string models = "models", name, from;
+  bool force = false, resume = false;
+  double save_every_s = 30;
 };
+
+constexpr double usual_validation_share = 0.2;  // of the training samples, where an early stop wants some to judge by
 
 ModelSettings settings_of(const TrainArguments& args) {
   ModelSettings settings;
   settings.rendering = heatmap_options(args.history_ms, args.rendering);
   settings.split = {.kind = split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
+  settings.network = {activation_named(args.activation), pooling_named(args.pool)};
   settings.training = args.training;
+  settings.training.optimizer = optimizer_named(args.optimizer);
+  settings.training.schedule = schedule_named(args.schedule);
+  settings.training.augmentation = augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
+  settings.training.class_weights = class_weights_named(args.class_weights);
+  settings.training.validation_share =
+      args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
+  check(settings.training);
   return settings;
+}
+
+/// The bundle that --from names: a folder, or a name below --models.
+ModelBundle model_to_go_on_from(const TrainArguments& args) {
+  const fs::path given(args.from);
+  if (fs::is_directory(given)) return {given.filename().empty() ? given.parent_path() : given};
+  return {fs::path(args.models) / given};
 }
 
 std::string text_of(const ModelBundle& bundle, const ModelDescription& model, const std::string& outcome,
                     const TrainingSummary& summary) {
+  const bool judged = summary.validation_samples > 0;
   std::vector<std::vector<std::string>> rows;
   for (const EpochResult& epoch : summary.history) {
-    rows.push_back({std::to_string(epoch.epoch), fmt::format("{:.4f}", epoch.loss), fmt::format("{:.2f}", 100 * epoch.accuracy),
-                    fmt::format("{:.0f}", epoch.images_per_s), fmt::format("{:.1f}", epoch.seconds)});
+    std::vector<std::string> row{std::to_string(epoch.epoch), fmt::format("{:.4f}", epoch.loss),
+                                 fmt::format("{:.2f}", 100 * epoch.accuracy)};
+    if (judged) {
+      row.push_back(fmt::format("{:.4f}", epoch.validation_loss.value_or(NAN)));
+      row.push_back(fmt::format("{:.2f}", 100 * epoch.validation_accuracy.value_or(NAN)));
+    }
+    row.push_back(fmt::format("{:.0f}", epoch.images_per_s));
+    row.push_back(fmt::format("{:.1f}", epoch.seconds));
+    rows.push_back(row);
   }
-  std::string text = rows.empty() ? "" : text_table({"epoch", "loss", "accuracy [%]", "images/s", "seconds"}, rows) + "\n";
+  std::vector<std::string> titles{"epoch", "loss", "accuracy [%]"};
+  if (judged) titles.insert(titles.end(), {"validation loss", "accuracy [%]"});
+  titles.insert(titles.end(), {"images/s", "seconds"});
+  std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
+  if (summary.stopped_early) {
+    text += wrapped(fmt::format("Stopped behind epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
+                                summary.history.back().epoch, summary.best_epoch)) +
+            "\n\n";
+  }
   text += wrapped(fmt::format("{}: {}, learned from {} samples of {} {} runs; {} runs are left to test it on, by 'tactile eval'",
                               bundle.folder.string(), outcome, model.samples, model.train_runs.size(),
                               model.simulated ? "simulated" : "real", model.test_runs.size())) +
@@ -57,14 +97,6 @@ std::string text_of(const ModelBundle& bundle, const ModelDescription& model, co
 
 nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model, const std::string& outcome, bool dataset_made,
                        const TrainingSummary& summary) {
-  nlohmann::json history = nlohmann::json::array();
-  for (const EpochResult& epoch : summary.history) {
-    history.push_back({{"epoch", epoch.epoch},
-                       {"loss", epoch.loss},
-                       {"accuracy", epoch.accuracy},
-                       {"images_per_s", epoch.images_per_s},
-                       {"seconds", epoch.seconds}});
-  }
   return {{"model", bundle.folder.string()},
           {"name", bundle.name()},
           {"outcome", outcome},
@@ -77,15 +109,34 @@ nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model,
           {"settings", model.settings},
           {"threads", model.threads},
           {"weights_sha256", model.weights_sha256},
+          {"epoch", model.epoch},
+          {"best_epoch", model.best_epoch},
+          {"validation_samples", summary.validation_samples},
+          {"stopped_early", summary.stopped_early},
           {"seconds", summary.seconds},
-          {"history", history}};
+          {"history", summary.history}};
+}
+
+/// Whether a training that was broken off is to be gone on with. @throws Error  if it is there and nobody said what to do
+bool goes_on(const TrainArguments& args, const ModelBundle& bundle) {
+  const fs::path folder = CheckpointFolder::beside(bundle.folder);
+  if (!CheckpointFolder::holds_state(folder)) {
+    if (args.resume) spdlog::info("{}: nothing was broken off; the training begins", bundle.folder.string());
+    return false;
+  }
+  if (args.resume) return true;
+  if (args.force) return false;
+  throw Error(fmt::format("{}: a training that was broken off; expected --resume to go on with it, or --force to begin anew",
+                          folder.string()));
 }
 
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  const ModelSettings settings = settings_of(args);
+  ModelSettings settings = settings_of(args);
   const bool dataset_made = make_missing_dataset(args.data, common);
   const Dataset dataset(dataset_file(args.data));
+  const ModelBundle from = model_to_go_on_from(args);
+  if (!args.from.empty()) settings.from = starting_point(from, dataset, settings);
   const ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? default_name(settings) : args.name)};
   const BundleState state = state_of(bundle, dataset, settings);
   if (state == BundleState::unchanged && !args.force) {
@@ -99,10 +150,26 @@ void train(const TrainArguments& args, const CommonArguments& common) {
         bundle.folder.string()));
   }
   check_renders(dataset, settings.rendering);
-  spdlog::info("training {}: {}", bundle.name(), training_estimate(dataset, settings, {}, common.threads));
-  const TrainingSummary summary = train_model(dataset, settings, bundle, common.threads, progress_line(common));
+  const bool resumes = goes_on(args, bundle);
+  spdlog::info("{} {}: {}", resumes ? "going on with" : "training", bundle.name(),
+               training_estimate(dataset, settings, {}, common.threads));
+  TrainingSummary summary;
+  try {
+    summary = train_model(dataset, settings, bundle,
+                          {.threads = common.threads,
+                           .resume = resumes,
+                           .save_every = std::chrono::duration<double>(args.save_every_s),
+                           .from = from.folder},
+                          progress_line(common));
+  } catch (const Interrupted&) {
+    if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))
+      spdlog::warn("{}: broken off; the same command with --resume goes on where it was", bundle.folder.string());
+    throw;
+  }
   const std::string outcome = state == BundleState::missing ? "trained" : "replaced";
   const ModelDescription model = read_description(bundle);
+  if (resumes && model.threads != common.threads)
+    spdlog::info("gone on with {} threads, as it began: others move the last bits", model.threads);
   print_result(common, json_of(bundle, model, outcome, dataset_made, summary), text_of(bundle, model, outcome, summary));
 }
 
@@ -136,13 +203,51 @@ void add_train_command(CLI::App& app) {
       ->check(in_range(1U, 100'000U))
       ->capture_default_str();
   command->add_option("--batch", args->training.batch, "Samples to a step")->check(in_range(1U, 65'536U))->capture_default_str();
-  command->add_option("--lr", args->training.learning_rate, "Learning rate of Adam")
-      ->check(in_range(1e-12, 10.0))
+  command->add_option("--lr", args->training.learning_rate, "Learning rate")->check(in_range(1e-12, 10.0))->capture_default_str();
+  command
+      ->add_option("--schedule", args->schedule,
+                   "Of the learning rate: constant; cosine, down to 0; step, to a tenth and a hundredth")
+      ->check(one_of({"constant", "cosine", "step"}))
       ->capture_default_str();
+  command
+      ->add_option("--optimizer", args->optimizer, "What moves the weights: adam; adamw, with weight decay; sgd, with momentum")
+      ->check(one_of({"adam", "adamw", "sgd"}))
+      ->capture_default_str();
+  command->add_option("--activation", args->activation, "What follows each layer")
+      ->check(one_of({"relu", "tanh", "sigmoid"}))
+      ->capture_default_str();
+  command->add_option("--pool", args->pool, "How 2 x 2 values become one")
+      ->check(one_of({"max", "average"}))
+      ->capture_default_str();
+  command->add_option("--augment", args->augment, "What is done at random to each heatmap: flip, shift, a list with commas; none")
+      ->delimiter(',')
+      ->check(one_of({"none", "flip", "shift"}))
+      ->capture_default_str();
+  command
+      ->add_option("--class-weights", args->class_weights,
+                   "How much a sample counts: none, all alike; balanced, each class alike; or a number each: 1,2,1")
+      ->capture_default_str();
+  command
+      ->add_option("--validation", args->validation_share,
+                   "Share of the training samples kept to judge by, the last of each class in time")
+      ->check(in_range(0.0, 0.5))
+      ->default_str("0, or 0.2 with --early-stop");
+  command
+      ->add_option("--early-stop", args->training.early_stop,
+                   "Epochs without a smaller validation loss that end the training; the best weights are used. 0: never")
+      ->check(in_range(0U, 100'000U))
+      ->capture_default_str();
+  command->add_option("--from", args->from, "Model whose weights to go on from, a folder or a name below --models")
+      ->type_name("MODEL");
   add_rendering_options(*command, args->rendering);
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
       ->check(CLI::Validator(check_bundle_name, ""));
+  command->add_flag("--resume", args->resume,
+                    "Go on with a training that was broken off, to the same weights as if it had not been");
+  command->add_option("--save-every", args->save_every_s, "Between two states kept to go on from, beside one each epoch [s]")
+      ->check(in_range(0.0, 1e6))
+      ->capture_default_str();
   command->add_flag("--force", args->force, "Train again and replace what is there");
 }
 

@@ -26,7 +26,7 @@ struct Trained {
     write_dataset(folder / "data", file, {}, 2);
     ModelSettings settings;
     settings.training.epochs = epochs;
-    train_model(Dataset(file), settings, bundle, 1);
+    train_model(Dataset(file), settings, bundle, {.threads = 1});
   }
 };
 

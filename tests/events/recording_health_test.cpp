@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "events/made_recording.hpp"
 #include "support/temporary_folder.hpp"

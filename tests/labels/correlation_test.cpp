@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tactile/core/random.hpp"
 
 namespace tactile {

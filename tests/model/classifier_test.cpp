@@ -24,8 +24,10 @@ ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string&
   description.manifest_hash = "abc";
   description.trained_at = trained_at;
   description.settings.training.seed = seed;
-  write_bundle(bundle, description, LeNet({32, 24}, seed).weights(),
-               {{{1, 0.5, 0.9, 321.5, 1.0}, {2, 0.4, 0.95, 123.5, 1.0}}, 6, 2.0});
+  TrainingSummary summary;
+  summary.history = {{1, 0.5, 0.9, {}, {}, 0.001, 2.5, 321.5, 1.0}, {2, 0.4, 0.95, 0.75, 0.5, 0.001, 2.5, 123.5, 1.0}};
+  summary.best_epoch = 2;
+  write_bundle(bundle, description, {LeNet({32, 24}, seed).weights(), {}}, summary);
   return bundle;
 }
 
@@ -123,7 +125,14 @@ TEST(ModelBundle, KeepsTheHistory) {
   const test::TemporaryFolder folder;
   const ModelBundle bundle = small_bundle(folder);
   EXPECT_EQ(read_text(bundle.history()),
-            "epoch,loss,accuracy,images_per_s,seconds\n1,0.5,0.9,321.5,1.000\n2,0.4,0.95,123.5,1.000\n");
+            "epoch,loss,accuracy,validation_loss,validation_accuracy,learning_rate,gradient_norm,images_per_s,seconds\n"
+            "1,0.5,0.9,,,0.001,2.5,321.5,1.000\n2,0.4,0.95,0.75,0.5,0.001,2.5,123.5,1.000\n");
+  const auto history = read_history(bundle.history());
+  ASSERT_EQ(history.size(), 2U);
+  EXPECT_EQ(history[0].validation_loss, std::nullopt);
+  EXPECT_EQ(history[1].validation_loss, 0.75);
+  EXPECT_EQ(history[1].validation_accuracy, 0.5);
+  EXPECT_EQ(history[1].gradient_norm, 2.5);
   EXPECT_EQ(images_per_s(bundle), 123.5);
 }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "model/small_data.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -102,16 +104,80 @@ TEST(TrainModel, IsTheSameFromStoredHeatmapsAndFromRenderedOnes) {
   ModelSettings settings;
   settings.training.epochs = 1;
   const ModelBundle rendered{folder / "rendered"}, stored{folder / "stored"};
-  train_model(Dataset(folder / "data/dataset.h5"), settings, rendered, 1);
+  train_model(Dataset(folder / "data/dataset.h5"), settings, rendered, {.threads = 1});
   store_heatmaps(Dataset(folder / "data/dataset.h5"), settings.rendering, 1);
   const Dataset dataset(folder / "data/dataset.h5");
   ASSERT_TRUE(dataset.find_heatmaps("th_040").has_value());
-  train_model(dataset, settings, stored, 1);
+  train_model(dataset, settings, stored, {.threads = 1});
   EXPECT_EQ(read_description(stored).weights_sha256, read_description(rendered).weights_sha256);
   EXPECT_EQ(state_of(stored, dataset, settings), BundleState::unchanged);
   settings.training.batch = 8;
   EXPECT_EQ(state_of(stored, dataset, settings), BundleState::changed);
   EXPECT_EQ(state_of({folder / "missing"}, dataset, settings), BundleState::missing);
+}
+
+TEST(TrainCommand, GoesOnFromAnotherModelsWeights) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto first = trained("--name first", folder.path());
+  const auto second = trained("--name second --from first --lr 1e-12", folder.path());
+  EXPECT_EQ(second.at("settings").at("training").at("from"),
+            nlohmann::json({{"name", "first"}, {"weights_sha256", first.at("weights_sha256")}}));
+  const auto weights_of = [&](const char* name) {
+    const ModelBundle bundle{folder / "models" / name};
+    return read_bundle_weights(bundle, read_description(bundle));
+  };
+  const Weights a = weights_of("first"), b = weights_of("second");
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < a[i].values.size(); ++k) ASSERT_NEAR(a[i].values[k], b[i].values[k], 1e-6);
+  }
+
+  for (const char* other : {"--th 20", "--denoise none", "--pool average", "--activation tanh"}) {
+    const auto refused = run_tactile(std::string("train --epochs 1 --name third --from models/first ") + other, folder.path());
+    EXPECT_EQ(refused.exit_code, 1) << other;
+    EXPECT_NE(refused.err.find("models/first"), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "models/third"));
+  }
+  EXPECT_EQ(run_tactile("train --from nobody", folder.path()).exit_code, 1);
+}
+
+TEST(TrainCommand, TakesEveryOptionAndItsModelAnswersByThem) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const std::string options =
+      "--optimizer sgd --lr 0.05 --schedule step --activation tanh --pool average --augment flip --class-weights 1,2,1 "
+      "--validation 0.25 --early-stop 5 --name all";
+  const auto json = trained(options, folder.path());
+  EXPECT_GT(json.at("validation_samples"), 0);
+  EXPECT_TRUE(json.at("history").at(0).at("validation_loss").is_number());
+  const ModelBundle bundle{folder / "models/all"};
+  const ModelDescription model = read_description(bundle);
+  EXPECT_EQ(model.settings.network, (LeNetOptions{Activation::tanh, Pooling::average}));
+  EXPECT_EQ(model.settings.training.class_weights.given, (std::array{1.0, 2.0, 1.0}));
+  EXPECT_EQ(trained(options, folder.path()).at("outcome"), "unchanged");
+
+  // What the bundle says of its network is heeded where it is used.
+  const Dataset dataset(folder / "data/dataset.h5");
+  const std::vector<std::uint32_t> samples{0, 1, 2, 3};
+  const auto heatmaps = sample_heatmaps(dataset, model.settings.rendering, samples, 1);
+  const LeNet network(model.input, read_bundle_weights(bundle, model), model.settings.network);
+  EXPECT_EQ(Classifier(bundle.folder, 1).classify(heatmaps), network.logits(heatmaps, 1));
+  EXPECT_NE(Classifier(bundle.folder, 1).classify(heatmaps), LeNet(model.input, network.weights()).logits(heatmaps, 1));
+  const auto metadata = read_metadata(bundle.weights());
+  EXPECT_EQ(nlohmann::json::parse(metadata.at("classes")), nlohmann::json::parse(R"(["none", "press", "slip"])"));
+  EXPECT_EQ(nlohmann::json::parse(metadata.at("rendering")), nlohmann::json(model.settings.rendering));
+}
+
+TEST(TrainCommand, MistakenOptionsAreToldInWords) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan"}, 2);
+  for (const auto& [arguments, word] :
+       {std::pair("--class-weights 1,2", "class weights"), std::pair("--validation 0 --early-stop 2", "early stop"),
+        std::pair("--augment none,flip", "none")}) {
+    const auto refused = run_tactile(std::string("train ") + arguments, folder.path());
+    EXPECT_EQ(refused.exit_code, 1) << arguments;
+    EXPECT_NE(refused.err.find(word), std::string::npos) << refused.err;
+  }
 }
 
 TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
@@ -122,10 +188,10 @@ TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
   ModelSettings settings;
   settings.training.epochs = 1;
   const ModelBundle bundle{folder / "mine"};
-  train_model(dataset, settings, bundle, 1);
+  train_model(dataset, settings, bundle, {.threads = 1});
   const std::string description = read_text(bundle.description());
   settings.training.learning_rate = 1e30;
-  EXPECT_THROW(train_model(dataset, settings, bundle, 1), Error);
+  EXPECT_THROW(train_model(dataset, settings, bundle, {.threads = 1}), Error);
   EXPECT_EQ(read_text(bundle.description()), description);
   EXPECT_NO_THROW(Classifier(bundle.folder, 1));
 }

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
+
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/run_folder.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <asio.hpp>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>

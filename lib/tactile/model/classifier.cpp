@@ -21,8 +21,9 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads) {
   const ModelBundle files{bundle.filename().empty() ? bundle.parent_path() : bundle};
   const ModelDescription description = read_description(files);
   if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
-  state_ = std::make_unique<State>(State{files, read_json(files.description()), description,
-                                         LeNet(description.input, read_bundle_weights(files, description)), threads});
+  state_ = std::make_unique<State>(
+      State{files, read_json(files.description()), description,
+            LeNet(description.input, read_bundle_weights(files, description), description.settings.network), threads});
 }
 
 Classifier::~Classifier() = default;

@@ -5,6 +5,9 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <type_traits>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -16,19 +19,32 @@ namespace {
 constexpr std::size_t chunk = 32;
 
 struct Network : torch::nn::Module {
-  explicit Network(const LeNetLayers& layers)
-      : conv1(register_module("conv1", torch::nn::Conv2d(torch::nn::Conv2dOptions(1, 6, 5)))),
+  Network(const LeNetLayers& layers, const LeNetOptions& chosen)
+      : options(chosen),
+        conv1(register_module("conv1", torch::nn::Conv2d(torch::nn::Conv2dOptions(1, 6, 5)))),
         conv2(register_module("conv2", torch::nn::Conv2d(torch::nn::Conv2dOptions(6, 16, 5)))),
         fc1(register_module("fc1", torch::nn::Linear(static_cast<std::int64_t>(layers.flat), 120))),
         fc2(register_module("fc2", torch::nn::Linear(120, 84))),
         fc3(register_module("fc3", torch::nn::Linear(84, static_cast<std::int64_t>(touch_count)))) {}
 
-  torch::Tensor forward(torch::Tensor x) {
-    x = torch::max_pool2d(torch::relu(conv1->forward(x)), 2);
-    x = torch::max_pool2d(torch::relu(conv2->forward(x)), 2);
-    x = torch::relu(fc1->forward(x.flatten(1)));
-    return fc3->forward(torch::relu(fc2->forward(x)));
+  torch::Tensor activated(const torch::Tensor& x) const {
+    return options.activation == Activation::relu   ? torch::relu(x)
+           : options.activation == Activation::tanh ? torch::tanh(x)
+                                                    : torch::sigmoid(x);
   }
+
+  torch::Tensor pooled(const torch::Tensor& x) const {
+    return options.pooling == Pooling::max ? torch::max_pool2d(x, 2) : torch::avg_pool2d(x, 2);
+  }
+
+  torch::Tensor forward(torch::Tensor x) {
+    x = pooled(activated(conv1->forward(x)));
+    x = pooled(activated(conv2->forward(x)));
+    x = activated(fc1->forward(x.flatten(1)));
+    return fc3->forward(activated(fc2->forward(x)));
+  }
+
+  LeNetOptions options;
 
   torch::nn::Conv2d conv1, conv2;
   torch::nn::Linear fc1, fc2, fc3;
@@ -66,6 +82,61 @@ std::size_t count_of(std::span<const std::uint8_t> heatmaps, SensorSize size) {
               std::to_string(size.width) + " x " + std::to_string(size.height) + " cells");
 }
 
+std::vector<float> values_of(const torch::Tensor& tensor) {
+  const torch::Tensor values = tensor.detach().contiguous();
+  const float* first = values.data_ptr<float>();
+  return {first, first + values.numel()};
+}
+
+void copy_into(torch::Tensor& tensor, const std::vector<float>& values) {
+  std::copy(values.begin(), values.end(), tensor.data_ptr<float>());
+}
+
+void check_shapes(const Weights& weights, const std::vector<ParameterShape>& shapes, const std::string& what) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (weights.size() != shapes.size() || weights[i].shape != shapes[i] || weights[i].values.size() != shapes[i].count())
+      throw Error(what + "; expected " + shapes[i].name + " " + nlohmann::json(shapes[i].sizes).dump());
+  }
+}
+
+/// The moments an optimizer keeps, by the names that its papers and libtorch give them.
+std::vector<std::string> moment_names(OptimizerKind optimizer) {
+  if (optimizer == OptimizerKind::sgd) return {"momentum_buffer"};
+  return {"exp_avg", "exp_avg_sq"};
+}
+
+ParameterShape moment_shape(const std::string& moment, const ParameterShape& parameter) {
+  return {"optimizer." + moment + "." + parameter.name, parameter.sizes};
+}
+
+std::unique_ptr<torch::optim::Optimizer> make_optimizer(OptimizerKind kind, const std::vector<torch::Tensor>& parameters) {
+  constexpr double set_with_each_step = 1e-3;
+  if (kind == OptimizerKind::adamw)
+    return std::make_unique<torch::optim::AdamW>(parameters, torch::optim::AdamWOptions(set_with_each_step).weight_decay(0.01));
+  if (kind == OptimizerKind::sgd)
+    return std::make_unique<torch::optim::SGD>(parameters, torch::optim::SGDOptions(set_with_each_step).momentum(0.9));
+  return std::make_unique<torch::optim::Adam>(parameters, torch::optim::AdamOptions(set_with_each_step));
+}
+
+/// Under what an optimizer keeps its state of a parameter: its address, as a text in libtorch before 2.0.
+template <class StateMap>
+typename StateMap::key_type key_of(const torch::Tensor& parameter) {
+  using Key = typename StateMap::key_type;
+  if constexpr (std::is_same_v<Key, std::string>) {
+    std::ostringstream address;
+    address << parameter.unsafeGetTensorImpl();
+    return address.str();
+  } else {
+    return static_cast<Key>(parameter.unsafeGetTensorImpl());
+  }
+}
+
+/// A parameter's moments, in the order of `moment_names`.
+template <class AdamState>
+std::vector<torch::Tensor> adam_moments(const AdamState& state) {
+  return {state.exp_avg(), state.exp_avg_sq()};
+}
+
 Logits logits_at(const float* row) {
   Logits logits;
   std::copy_n(row, touch_count, logits.begin());
@@ -79,23 +150,18 @@ struct LeNet::State {
   std::shared_ptr<Network> network;
 };
 
-LeNet::LeNet(SensorSize input, std::uint64_t seed) : state_(std::make_unique<State>()) {
+LeNet::LeNet(SensorSize input, std::uint64_t seed, const LeNetOptions& options) : state_(std::make_unique<State>()) {
   state_->layers = lenet_layers(input);
   torch::manual_seed(seed);
-  state_->network = std::make_shared<Network>(state_->layers);
+  state_->network = std::make_shared<Network>(state_->layers, options);
 }
 
-LeNet::LeNet(SensorSize input, const Weights& weights) : LeNet(input, 0) {
+LeNet::LeNet(SensorSize input, const Weights& weights, const LeNetOptions& options) : LeNet(input, 0, options) {
   const torch::NoGradGuard no_gradients;
   const auto shapes = state_->layers.parameters();
+  check_shapes(weights, shapes, "weights: not of this network");
   auto parameters = state_->network->named_parameters();
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (weights.size() != shapes.size() || weights[i].shape != shapes[i] || weights[i].values.size() != shapes[i].count()) {
-      throw Error("weights: not of this network; expected " + shapes[i].name + " " + nlohmann::json(shapes[i].sizes).dump());
-    }
-    torch::Tensor& parameter = parameters[shapes[i].name];
-    std::copy(weights[i].values.begin(), weights[i].values.end(), parameter.data_ptr<float>());
-  }
+  for (const Parameter& weight : weights) copy_into(parameters[weight.shape.name], weight.values);
 }
 
 LeNet::~LeNet() = default;
@@ -107,11 +173,7 @@ const LeNetLayers& LeNet::layers() const { return state_->layers; }
 Weights LeNet::weights() const {
   Weights weights;
   const auto parameters = state_->network->named_parameters();
-  for (const ParameterShape& shape : state_->layers.parameters()) {
-    const torch::Tensor values = parameters[shape.name].detach().contiguous();
-    const float* first = values.data_ptr<float>();
-    weights.push_back({shape, {first, first + values.numel()}});
-  }
+  for (const ParameterShape& shape : state_->layers.parameters()) weights.push_back({shape, values_of(parameters[shape.name])});
   return weights;
 }
 
@@ -129,23 +191,79 @@ std::vector<Logits> LeNet::logits(std::span<const std::uint8_t> heatmaps, unsign
   return logits;
 }
 
+std::vector<ParameterShape> moment_shapes(OptimizerKind optimizer, const std::vector<ParameterShape>& parameters) {
+  std::vector<ParameterShape> shapes;
+  for (const std::string& moment : moment_names(optimizer)) {
+    for (const ParameterShape& parameter : parameters) shapes.push_back(moment_shape(moment, parameter));
+  }
+  return shapes;
+}
+
 struct LeNetTrainer::State {
-  State(LeNet& trained, double learning_rate, unsigned thread_count)
+  State(LeNet& trained, OptimizerKind optimizer_kind, const std::array<double, touch_count>& class_weights, unsigned thread_count)
       : network(trained),
-        adam(trained.state_->network->parameters(), torch::optim::AdamOptions(learning_rate)),
-        threads(thread_count) {}
+        kind(optimizer_kind),
+        optimizer(make_optimizer(optimizer_kind, trained.state_->network->parameters())),
+        weights(class_weights),
+        threads(thread_count) {
+    torch::Tensor tensor = torch::empty({static_cast<std::int64_t>(touch_count)});
+    std::transform(weights.begin(), weights.end(), tensor.data_ptr<float>(), [](double w) { return static_cast<float>(w); });
+    const bool all_alike = std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 1.0; });
+    if (!all_alike) loss_options.weight(tensor);
+  }
+
+  /// @return whether the slope is finite and no accident
+  bool measure_gradient(BatchResult& result) const {
+    double squares = 0;
+    for (const torch::Tensor& parameter : network.state_->network->parameters()) {
+      const auto norm = parameter.grad().norm().item<double>();
+      squares += norm * norm;
+    }
+    result.gradient_norm = std::sqrt(squares);
+    return std::isfinite(result.loss) && result.gradient_norm <= largest_gradient_norm;
+  }
+
+  std::vector<torch::Tensor> moments_of(const torch::Tensor& parameter) const {
+    const auto& states = optimizer->state();
+    const auto found = states.find(key_of<std::decay_t<decltype(states)>>(parameter));
+    if (found == states.end()) return {};
+    if (kind == OptimizerKind::adam) return adam_moments(static_cast<const torch::optim::AdamParamState&>(*found->second));
+    if (kind == OptimizerKind::adamw) return adam_moments(static_cast<const torch::optim::AdamWParamState&>(*found->second));
+    return {static_cast<const torch::optim::SGDParamState&>(*found->second).momentum_buffer()};
+  }
+
+  void set_moments(const torch::Tensor& parameter, const std::vector<torch::Tensor>& moments) {
+    auto& states = optimizer->state();
+    auto& place = states[key_of<std::decay_t<decltype(states)>>(parameter)];
+    const auto as_adam = [&](auto state) {
+      state->step(step);
+      state->exp_avg(moments[0]);
+      state->exp_avg_sq(moments[1]);
+      place = std::move(state);
+    };
+    if (kind == OptimizerKind::adam) return as_adam(std::make_unique<torch::optim::AdamParamState>());
+    if (kind == OptimizerKind::adamw) return as_adam(std::make_unique<torch::optim::AdamWParamState>());
+    auto state = std::make_unique<torch::optim::SGDParamState>();
+    state->momentum_buffer(moments[0]);
+    place = std::move(state);
+  }
 
   LeNet& network;
-  torch::optim::Adam adam;
+  OptimizerKind kind;
+  std::unique_ptr<torch::optim::Optimizer> optimizer;
+  std::array<double, touch_count> weights;
+  torch::nn::functional::CrossEntropyFuncOptions loss_options;
+  std::int64_t step = 0;
   unsigned threads;
 };
 
-LeNetTrainer::LeNetTrainer(LeNet& network, double learning_rate, unsigned threads)
-    : state_(std::make_unique<State>(network, learning_rate, threads)) {}
+LeNetTrainer::LeNetTrainer(LeNet& network, OptimizerKind optimizer, const std::array<double, touch_count>& class_weights,
+                           unsigned threads)
+    : state_(std::make_unique<State>(network, optimizer, class_weights, threads)) {}
 
 LeNetTrainer::~LeNetTrainer() = default;
 
-BatchResult LeNetTrainer::learn(std::span<const std::uint8_t> heatmaps, std::span<const Touch> truth) {
+BatchResult LeNetTrainer::learn(std::span<const std::uint8_t> heatmaps, std::span<const Touch> truth, double learning_rate) {
   LeNet::State& network = *state_->network.state_;
   const std::size_t count = count_of(heatmaps, network.layers.input);
   if (count == 0 || count != truth.size()) {
@@ -156,16 +274,48 @@ BatchResult LeNetTrainer::learn(std::span<const std::uint8_t> heatmaps, std::spa
   const torch::Tensor targets = torch::empty({static_cast<std::int64_t>(count)}, torch::kInt64);
   std::transform(truth.begin(), truth.end(), targets.data_ptr<std::int64_t>(),
                  [](Touch touch) { return static_cast<std::int64_t>(touch); });
-  state_->adam.zero_grad();
+  state_->optimizer->zero_grad();
   const torch::Tensor logits = network.network->forward(input_of(heatmaps, network.layers.input)).contiguous();
-  torch::Tensor loss = torch::nn::functional::cross_entropy(logits, targets);
+  torch::Tensor loss = torch::nn::functional::cross_entropy(logits, targets, state_->loss_options);
   loss.backward();
-  state_->adam.step();
-  BatchResult result{loss.item<double>(), 0};
+  BatchResult result{.loss = loss.item<double>()};
   for (std::size_t i = 0; i < count; ++i) {
     result.correct += verdict_of(logits_at(logits.data_ptr<float>() + i * touch_count)) == truth[i] ? 1 : 0;
+    result.weight += state_->weights[static_cast<std::size_t>(truth[i])];
   }
+  result.moved = state_->measure_gradient(result);
+  if (!result.moved) return result;
+  for (auto& group : state_->optimizer->param_groups()) group.options().set_lr(learning_rate);
+  state_->optimizer->step();
+  ++state_->step;
   return result;
+}
+
+OptimizerState LeNetTrainer::state() const {
+  OptimizerState state{state_->step, {}};
+  const auto parameters = state_->network.state_->network->named_parameters();
+  const auto names = moment_names(state_->kind);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (const ParameterShape& shape : state_->network.layers().parameters())
+      state.moments.push_back({moment_shape(names[i], shape), values_of(state_->moments_of(parameters[shape.name]).at(i))});
+  }
+  return state;
+}
+
+void LeNetTrainer::restore(const OptimizerState& state) {
+  const auto shapes = state_->network.layers().parameters();
+  check_shapes(state.moments, moment_shapes(state_->kind, shapes), "optimizer's state: not of this network and optimizer");
+  state_->step = state.step;
+  const auto parameters = state_->network.state_->network->named_parameters();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const torch::Tensor& parameter = parameters[shapes[i].name];
+    std::vector<torch::Tensor> moments;
+    for (std::size_t moment = i; moment < state.moments.size(); moment += shapes.size()) {
+      moments.push_back(torch::empty_like(parameter, torch::TensorOptions().requires_grad(false)));
+      copy_into(moments.back(), state.moments[moment].values);
+    }
+    state_->set_moments(parameter, moments);
+  }
 }
 
 }  // namespace tactile

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tactile/events/event.hpp"
@@ -20,10 +21,32 @@ struct ParameterShape {
   friend bool operator==(const ParameterShape&, const ParameterShape&) = default;
 };
 
+/// What follows each layer but the last.
+enum class Activation : std::uint8_t { relu, tanh, sigmoid };
+/// How 2 x 2 values become one.
+enum class Pooling : std::uint8_t { max, average };
+
+/// What may be chosen of the network; the defaults are the paper's.
+struct LeNetOptions {
+  Activation activation = Activation::relu;
+  Pooling pooling = Pooling::max;
+
+  friend bool operator==(const LeNetOptions&, const LeNetOptions&) = default;
+};
+
+std::string_view name_of(Activation activation);                    ///< "relu", "tanh", "sigmoid"
+std::string_view name_of(Pooling pooling);                          ///< "max", "average"
+Activation activation_named(std::string_view name);                 ///< @throws Error
+Pooling pooling_named(std::string_view name);                       ///< @throws Error
+void to_json(nlohmann::json& json, const LeNetOptions& options);    ///< {"activation", "pool"}
+void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws Error
+
 /// LeNet-5 for heatmaps of one size:
 ///
 ///   conv 6@5x5 (stride 1, no padding), ReLU, max-pool 2 (floor), conv 16@5x5 likewise, ReLU, max-pool 2, flatten channel first,
 ///   fully connected 120, ReLU, 84, ReLU, then one logit for each touch
+///
+/// with another activation or pooling where LeNetOptions say so; the shapes stay.
 ///
 /// Source: LeCun et al., 1998, as Faris et al., arXiv:2403.10120, use it.
 struct LeNetLayers {
@@ -40,7 +63,7 @@ struct LeNetLayers {
 /// @throws Error  if the heatmap is too small for the layers (16 cells each way at the least) or larger than 4096 cells a side
 LeNetLayers lenet_layers(SensorSize input);
 
-/// The layers in words and numbers, for a bundle's model.json.
-void to_json(nlohmann::json& json, const LeNetLayers& layers);
+/// The layers in words and numbers, with the options, for a bundle's model.json.
+nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options);
 
 }  // namespace tactile

@@ -5,11 +5,9 @@
 #include <stdio.h>
 
 #include <algorithm>
-#include <sstream>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/numbers.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -18,21 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 nlohmann::json class_names() {
   nlohmann::json names = nlohmann::json::array();
   for (const Touch touch : all_touches) names.push_back(name_of(touch));
   return names;
-}
-
-std::string history_csv(const std::vector<EpochResult>& history) {
-  std::string text = "epoch,loss,accuracy,images_per_s,seconds\n";
-  for (const EpochResult& epoch : history) {
-    text += fmt::format("{},{:.9g},{:.9g},{:.1f},{:.3f}\n", epoch.epoch, epoch.loss, epoch.accuracy, epoch.images_per_s,
-                        epoch.seconds);
-  }
-  return text;
 }
 
 /// Puts a whole folder where another one lies, at once; the old one then lies where the new one did.
@@ -50,22 +39,24 @@ void exchange(const fs::path& folder, const fs::path& other) {
 }  // namespace
 
 void to_json(nlohmann::json& json, const ModelDescription& description) {
-  json = {{"format", format_version},
-          {"network", lenet_layers(description.input)},
-          {"classes", class_names()},
-          {"dataset",
-           {{"file", description.dataset},
-            {"manifest_hash", description.manifest_hash},
-            {"simulated", description.simulated},
-            {"manifest", description.manifest}}},
-          {"train_runs", description.train_runs},
-          {"test_runs", description.test_runs},
-          {"samples", description.samples},
-          {"threads", description.threads},
-          {"trained_at", description.trained_at},
-          {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
-          {"weights_sha256", description.weights_sha256}};
-  json.update(nlohmann::json(description.settings));
+  json = description.settings;
+  json["network"] = json_of(lenet_layers(description.input), description.settings.network);
+  json.update({{"format", format_version},
+               {"classes", class_names()},
+               {"dataset",
+                {{"file", description.dataset},
+                 {"manifest_hash", description.manifest_hash},
+                 {"simulated", description.simulated},
+                 {"manifest", description.manifest}}},
+               {"train_runs", description.train_runs},
+               {"test_runs", description.test_runs},
+               {"samples", description.samples},
+               {"threads", description.threads},
+               {"trained_at", description.trained_at},
+               {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
+               {"weights_sha256", description.weights_sha256},
+               {"epoch", description.epoch},
+               {"best_epoch", description.best_epoch}});
 }
 
 void from_json(const nlohmann::json& json, ModelDescription& description) {
@@ -93,23 +84,49 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.version = member<std::string>(software, "version", where);
   description.revision = member<std::string>(software, "revision", where);
   description.weights_sha256 = member<std::string>(json, "weights_sha256", where);
+  description.epoch = member<unsigned>(json, "epoch", where);
+  description.best_epoch = member<unsigned>(json, "best_epoch", where);
 }
 
-void write_bundle(const ModelBundle& bundle, ModelDescription description, const Weights& weights,
+void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
                   const TrainingSummary& summary) {
   WholeFile whole(bundle.folder);
   const ModelBundle written{whole.path()};
-  write_weights(written.weights(), weights);
+  const auto metadata = weights_metadata(description);
+  write_weights(written.weights(), weights.weights, metadata);
+  const bool uses_best = description.settings.training.early_stop > 0;
+  if (!weights.other.empty()) write_weights(uses_best ? written.last_weights() : written.best_weights(), weights.other, metadata);
+  const unsigned last_epoch = summary.history.empty() ? 0 : summary.history.back().epoch;
   description.weights_sha256 = sha256_of_file(written.weights());
+  description.best_epoch = summary.best_epoch;
+  description.epoch = uses_best ? summary.best_epoch : last_epoch;
   write_whole(written.history(), history_csv(summary.history));
   nlohmann::json json = description;
   const EpochResult last = summary.history.empty() ? EpochResult{} : summary.history.back();
-  json["result"] = {{"loss", last.loss}, {"accuracy", last.accuracy}, {"seconds", summary.seconds}};
+  json["result"] = {{"loss", last.loss},
+                    {"accuracy", last.accuracy},
+                    {"seconds", summary.seconds},
+                    {"validation_samples", summary.validation_samples},
+                    {"stopped_early", summary.stopped_early}};
   write_json(written.description(), json);
   if (!fs::exists(bundle.folder)) return whole.commit();
   sync_to_disk(written.folder);
   exchange(written.folder, bundle.folder);  // what lay there is removed with the temporary folder
   sync_to_disk(bundle.folder.has_parent_path() ? bundle.folder.parent_path() : ".");
+}
+
+std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
+  const nlohmann::json rendering = description.settings.rendering;
+  return {{"format", "pt"},  // how PyTorch orders a tensor's values
+          {"classes", class_names().dump()},
+          {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
+                                   {"type", "float32"},
+                                   {"scale", "heatmap / 255, in [0, 1]"}}
+                        .dump()},
+          {"network", json_of(lenet_layers(description.input), description.settings.network).dump()},
+          {"rendering", rendering.dump()},
+          {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
+          {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
 }
 
 ModelDescription read_description(const ModelBundle& bundle) {
@@ -136,15 +153,12 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
 }
 
 std::optional<double> images_per_s(const ModelBundle& bundle) {
-  if (!fs::is_regular_file(bundle.history())) return std::nullopt;
-  std::istringstream lines(read_text(bundle.history()));
-  std::string line, last;
-  while (std::getline(lines, line)) last = line;
-  std::istringstream cells(last);
-  for (int column = 0; column < 4; ++column) {
-    if (!std::getline(cells, line, ',')) return std::nullopt;
+  try {
+    const auto history = read_history(bundle.history());
+    return history.empty() ? std::nullopt : std::optional(history.back().images_per_s);
+  } catch (const Error&) {
+    return std::nullopt;
   }
-  return number_in(line);
 }
 
 std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::function<bool(const ModelDescription&)>& wanted) {

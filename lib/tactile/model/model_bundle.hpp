@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/model/model_settings.hpp"
+#include "tactile/model/training.hpp"
 #include "tactile/model/weights.hpp"
 
 namespace tactile {
@@ -28,6 +30,8 @@ struct ModelDescription {
   std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
   std::string version, revision;  ///< of the software
   std::string weights_sha256;
+  unsigned epoch = 0;       ///< whose weights these are
+  unsigned best_epoch = 0;  ///< the one with the smallest loss, validation's where there is such a part
 };
 
 void to_json(nlohmann::json& json, const ModelDescription& description);
@@ -40,15 +44,26 @@ struct ModelBundle {
   std::string name() const { return folder.filename().string(); }
   std::filesystem::path description() const { return folder / "model.json"; }
   std::filesystem::path weights() const { return folder / "weights.safetensors"; }
+  std::filesystem::path best_weights() const { return folder / "best.safetensors"; }  ///< where another epoch's than the weights
+  std::filesystem::path last_weights() const { return folder / "last.safetensors"; }  ///< likewise
   std::filesystem::path history() const { return folder / "history.csv"; }
   std::filesystem::path evaluation() const { return folder / "eval.json"; }
   std::filesystem::path unseen_evaluation() const { return folder / "eval-unseen.json"; }
 };
 
+/// What a training gives to a bundle.
+struct TrainedWeights {
+  Weights weights;  ///< those to use
+  Weights other;    ///< the best epoch's where the last's are used, or the other way round; empty where they are the same
+};
+
 /// Writes a bundle, whole or not at all; one that is there under its name is replaced, with all that lies in it. Sets
-/// `weights_sha256`.
-void write_bundle(const ModelBundle& bundle, ModelDescription description, const Weights& weights,
+/// `weights_sha256`, `epoch` and `best_epoch`.
+void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
                   const TrainingSummary& summary);
+
+/// What a weights file says of itself wherever it goes: classes, input shape and scale, layers, rendering, software; JSON texts.
+std::map<std::string, std::string> weights_metadata(const ModelDescription& description);
 
 /// @throws Error  if there is no such bundle, or its model.json is not of this format
 ModelDescription read_description(const ModelBundle& bundle);

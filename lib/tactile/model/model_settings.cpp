@@ -16,13 +16,20 @@ void to_json(nlohmann::json& json, const ModelSettings& settings) {
     held_out.erase(std::unique(held_out.begin(), held_out.end()), held_out.end());
     split["held_out"] = held_out;
   }
-  json = {{"rendering", settings.rendering}, {"split", split}, {"training", settings.training}};
+  json = {{"rendering", settings.rendering}, {"split", split}, {"network", settings.network}, {"training", settings.training}};
+  json["training"]["from"] = nullptr;
+  if (settings.from)
+    json["training"]["from"] = {{"name", settings.from->name}, {"weights_sha256", settings.from->weights_sha256}};
 }
 
 void from_json(const nlohmann::json& json, ModelSettings& settings) {
   const std::string where = "model settings";
   settings.rendering = member<nlohmann::json>(json, "rendering", where).get<HeatmapOptions>();
-  settings.training = member<nlohmann::json>(json, "training", where).get<TrainingOptions>();
+  settings.network = member<nlohmann::json>(json, "network", where).get<LeNetOptions>();
+  const auto training = member<nlohmann::json>(json, "training", where);
+  settings.training = training.get<TrainingOptions>();
+  if (const auto from = member<nlohmann::json>(training, "from", where); !from.is_null())
+    settings.from = StartingPoint{member<std::string>(from, "name", where), member<std::string>(from, "weights_sha256", where)};
   const auto split = member<nlohmann::json>(json, "split", where);
   settings.split.kind = split_named(member<std::string>(split, "kind", where));
   settings.split.train_run = member<std::string>(split, "train_run", where);

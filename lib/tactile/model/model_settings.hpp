@@ -1,24 +1,34 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/training.hpp"
+#include "tactile/model/lenet_layers.hpp"
+#include "tactile/model/training_options.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile {
+
+/// The model whose weights a training goes on from.
+struct StartingPoint {
+  std::string name;
+  std::string weights_sha256;
+};
 
 /// All that decides, with the dataset, what a model becomes. The number of threads does not belong to it: it moves no more than
 /// the last bits.
 struct ModelSettings {
   HeatmapOptions rendering;
   SplitOptions split;
+  LeNetOptions network;
   TrainingOptions training;
+  std::optional<StartingPoint> from;
 };
 
-/// "rendering" as HeatmapOptions, "split" with "kind", "train_run" and, for unseen, "held_out" in alphabetical order, "training"
-/// as TrainingOptions.
+/// "rendering" as HeatmapOptions, "split" with "kind", "train_run" and, for unseen, "held_out" in alphabetical order, "network"
+/// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model.
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 

@@ -8,8 +8,10 @@
 #include <thread>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/validation_cut.hpp"
 
 namespace tactile {
 namespace {
@@ -28,6 +30,29 @@ std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::u
   std::vector<std::string> names;
   for (const std::uint32_t run : run_indexes) names.push_back(name_of(dataset.runs()[run]));
   return names;
+}
+
+/// Samples of the training runs, by their index in the dataset, and what they show.
+struct CutSamples {
+  std::vector<std::uint32_t> training, validation;
+  std::vector<Touch> training_truth, validation_truth;
+};
+
+CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, std::span<const std::uint32_t> train_runs) {
+  const std::vector<std::uint32_t> indexes = samples_of_runs(dataset, train_runs);
+  std::vector<Sample> samples;
+  for (const std::uint32_t index : indexes) samples.push_back(dataset.samples()[index]);
+  const ValidationCut cut = cut_in_time(samples, settings.training.validation_share, settings.rendering.history);
+  CutSamples result;
+  const auto take = [&](std::span<const std::uint32_t> places, std::vector<std::uint32_t>& into, std::vector<Touch>& truth) {
+    for (const std::uint32_t place : places) {
+      into.push_back(indexes[place]);
+      truth.push_back(samples[place].touch);
+    }
+  };
+  take(cut.training, result.training, result.training_truth);
+  take(cut.validation, result.validation, result.validation_truth);
+  return result;
 }
 
 }  // namespace
@@ -71,18 +96,63 @@ BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const Mo
   }
 }
 
-TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle, unsigned threads,
-                            const ProgressCallback& progress) {
+StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings) {
+  const ModelDescription model = read_description(from);
+  read_bundle_weights(from, model);
+  const std::string where = from.folder.string() + ": ";
+  if (model.settings.rendering != settings.rendering) {
+    throw Error(fmt::format("{}learned from heatmaps of {}; expected a model of these: {}", where,
+                            nlohmann::json(model.settings.rendering).dump(), nlohmann::json(settings.rendering).dump()));
+  }
+  if (model.settings.network != settings.network) {
+    throw Error(fmt::format("{}a network of {}; expected one of {}", where, nlohmann::json(model.settings.network).dump(),
+                            nlohmann::json(settings.network).dump()));
+  }
+  if (const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
+    throw Error(fmt::format("{}takes heatmaps of {} x {}; expected the {} x {} of {}", where, model.input.width,
+                            model.input.height, size.width, size.height, dataset.file().string()));
+  }
+  return {from.name(), model.weights_sha256};
+}
+
+TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+                            const TrainModelOptions& options, const ProgressCallback& progress) {
   check(settings.training);
-  if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
   const Split split = split_of(dataset, settings.split);
-  const std::vector<std::uint32_t> samples = samples_of_runs(dataset, split.train_runs);
-  std::vector<Touch> truth;
-  for (const std::uint32_t sample : samples) truth.push_back(dataset.samples()[sample].touch);
   const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor);
-  lenet_layers(size);  // too small a heatmap is told before any is rendered
-  const auto heatmaps = sample_heatmaps(dataset, settings.rendering, samples, threads, progress);
-  const TrainedNetwork trained = train_lenet(size, heatmaps, truth, settings.training, threads, progress);
+  const LeNetLayers layers = lenet_layers(size);  // too small a heatmap is told before any is rendered
+  const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
+  std::optional<Weights> from;
+  if (settings.from) {
+    const ModelBundle start{options.from};
+    from = read_bundle_weights(start, read_description(start));
+  }
+
+  CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
+  nlohmann::json task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}};
+  unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  std::optional<TrainingState> resumed;
+  if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {
+    threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // others would move the last bits
+    task["threads"] = threads;
+    resumed = kept.load(task, layers, settings.training.optimizer);
+  }
+  task["threads"] = threads;
+  if (!resumed) kept.clear();
+
+  const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
+  const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
+  const TrainingTask learning{.size = size,
+                              .training = {training, samples.training_truth},
+                              .validation = {validation, samples.validation_truth},
+                              .options = settings.training,
+                              .network = settings.network,
+                              .from = from ? &*from : nullptr,
+                              .threads = threads};
+  TrainedNetwork trained = train_lenet(learning, {.progress = progress,
+                                                  .save = [&](const TrainingState& state) { kept.save(task, state); },
+                                                  .save_every = options.save_every,
+                                                  .resumed = resumed ? &*resumed : nullptr});
 
   ModelDescription description;
   description.settings = settings;
@@ -93,12 +163,13 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   description.simulated = dataset.simulated();
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, split.test_runs);
-  description.samples = samples.size();
+  description.samples = samples.training.size();
   description.threads = threads;
   description.trained_at = now_utc();
   description.version = version();
   description.revision = revision();
-  write_bundle(bundle, description, trained.network.weights(), trained.summary);
+  write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary);
+  kept.remove();
   return trained.summary;
 }
 

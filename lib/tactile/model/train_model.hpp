@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "tactile/core/progress.hpp"
+#include "tactile/model/checkpoint.hpp"
 #include "tactile/model/model_bundle.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/split.hpp"
@@ -39,9 +41,21 @@ enum class BundleState : std::uint8_t {
 /// What lies under a bundle's name, against what `train_model` would put there.
 BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
 
-/// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole.
-/// @throws Error  as `split_of`, `sample_heatmaps` and `train_lenet`; nothing is overwritten then
+/// The model to go on from, for settings that are otherwise as given.
+/// @throws Error  if it is no whole bundle, or its rendering, its network or its heatmaps' size are others
+StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings);
+
+struct TrainModelOptions {
+  unsigned threads = 0;                          ///< 0: as many as the machine has cores, or as the state resumed was begun with
+  bool resume = false;                           ///< goes on from the state that a training of this name left, where it left one
+  std::chrono::duration<double> save_every{30};  ///< between two states that are kept, beside those at each epoch's end; >= 0
+  std::filesystem::path from{};                  ///< the bundle that `settings.from` names
+};
+
+/// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole. Until then what
+/// it has come to is kept in the bundle's CheckpointFolder, and stays there if it is ended.
+/// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; nothing is overwritten then
 TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
-                            unsigned threads = 0, const ProgressCallback& progress = {});
+                            const TrainModelOptions& options = {}, const ProgressCallback& progress = {});
 
 }  // namespace tactile

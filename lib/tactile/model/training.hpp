@@ -1,60 +1,89 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
 #include "tactile/model/lenet.hpp"
+#include "tactile/model/training_history.hpp"
+#include "tactile/model/training_options.hpp"
 
 namespace tactile {
 
-struct TrainingOptions {
-  std::uint64_t seed = 1;       ///< of the first weights and of the order of samples
-  unsigned epochs = 10;         ///< passes over all samples, > 0
-  unsigned batch = 32;          ///< samples to a step, > 0; the last of an epoch may be smaller
-  double learning_rate = 1e-3;  ///< Adam's, > 0
-
-  friend bool operator==(const TrainingOptions&, const TrainingOptions&) = default;
+/// Heatmaps and what each shows.
+struct LabelledHeatmaps {
+  std::span<const std::uint8_t> heatmaps;  ///< [truth.size(), height, width], one after the other
+  std::span<const Touch> truth;
 };
 
-void to_json(nlohmann::json& json, const TrainingOptions& options);
-void from_json(const nlohmann::json& json, TrainingOptions& options);  ///< @throws Error
+/// An epoch's weights that no other's beat.
+struct BestEpoch {
+  unsigned epoch = 0;
+  double loss = 0;  ///< validation's, or training's where nothing is kept to judge by
+  Weights weights;
+};
 
-/// @throws Error  if an option is out of its range
-void check(const TrainingOptions& options);
-
-/// One pass over the samples, as it went: each batch is judged by the weights that it was about to move.
-struct EpochResult {
-  unsigned epoch = 0;   ///< from 1
-  double loss = 0;      ///< mean cross-entropy over the samples
-  double accuracy = 0;  ///< share said right, in [0, 1]
-  double images_per_s = 0;
-  double seconds = 0;
+/// All that the rest of a training depends on, between two batches.
+struct TrainingState {
+  unsigned epoch = 1;           ///< that is under way; options.epochs + 1 at the end
+  std::uint64_t done = 0;       ///< samples of it
+  double loss = 0, weight = 0;  ///< sums over them
+  std::uint64_t correct = 0;
+  double gradient_norm = 0;
+  double epoch_seconds = 0;
+  std::vector<EpochResult> history;  ///< of the epochs before
+  double seconds = 0;                ///< all that was worked so far
+  Weights weights;
+  OptimizerState optimizer;
+  std::optional<BestEpoch> best;
 };
 
 struct TrainingSummary {
   std::vector<EpochResult> history;
-  std::size_t samples = 0;
+  std::size_t samples = 0, validation_samples = 0;
   double seconds = 0;
+  unsigned best_epoch = 0;  ///< the one with the smallest loss, validation's where there is such a part
+  bool stopped_early = false;
 };
 
 struct TrainedNetwork {
-  LeNet network;
+  LeNet network;  ///< the last epoch's, or the best's where an early stop was asked for
+  Weights other;  ///< of the other one of these two; empty where they are the same epoch's
   TrainingSummary summary;
 };
 
-/// Trains a network from its first weights. The same options and threads give the same weights to the last bit.
+/// What is to be learned, and how.
+struct TrainingTask {
+  SensorSize size;  ///< of a heatmap
+  LabelledHeatmaps training;
+  LabelledHeatmaps validation{};  ///< to judge by; may be empty without an early stop
+  TrainingOptions options{};
+  LeNetOptions network{};
+  const Weights* from = nullptr;  ///< first weights; drawn by the seed if null
+  unsigned threads = 0;           ///< 0: as many as the machine has cores
+};
+
+/// How a training is watched, kept and gone on with.
+struct TrainingControl {
+  ProgressCallback progress{};                       ///< after each batch: samples done of epochs * samples; may throw to end it
+  std::function<void(const TrainingState&)> save{};  ///< at each epoch's end, every `save_every`, and when `progress` throws
+  std::chrono::duration<double> save_every{30};      ///< >= 0
+  const TrainingState* resumed = nullptr;            ///< a state that `save` was given by the same task
+};
+
+/// Trains a network. The same task gives the same weights and history to the last bit, however often it was broken off and gone
+/// on with; times apart.
 ///
-/// @param heatmaps  [truth.size(), height, width], one after the other
-/// @param threads   0: as many as the machine has cores
-/// @param progress  told after each batch: samples done of epochs * samples
-/// @throws Error  if there is no sample or not one heatmap for each, a touch has no sample, an option is out of its range, or the
-/// loss or a
-///                weight is no longer finite
-TrainedNetwork train_lenet(SensorSize size, std::span<const std::uint8_t> heatmaps, std::span<const Touch> truth,
-                           const TrainingOptions& options, unsigned threads = 0, const ProgressCallback& progress = {});
+/// @throws Error  if there is no sample or not one heatmap for each, a touch has no sample, an option is out of its range, the
+///                state resumed is of another task, or the loss, the slope or a weight is no longer finite, or the slope's norm
+///                is above `largest_gradient_norm`
+TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& control = {});
+
+/// How much a sample of each class counts. @throws Error  if a class to be balanced has no sample
+std::array<double, touch_count> weights_of_classes(const ClassWeights& weights, std::span<const Touch> truth);
 
 }  // namespace tactile

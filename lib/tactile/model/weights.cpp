@@ -1,9 +1,12 @@
 #include "tactile/model/weights.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <string>
+#include <string_view>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -15,14 +18,34 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values and the header's length are written as they lie in memory");
 
 constexpr std::size_t length_bytes = 8;
-constexpr std::size_t longest_header = std::size_t{1} << 20;
+constexpr std::size_t longest_header = std::size_t{16} << 20;
 
 std::string sizes_in_words(const std::vector<std::int64_t>& sizes) { return nlohmann::json(sizes).dump(); }
 
+/// The header's length as the first bytes give it. @throws Error  if the file ends before the header does
+std::size_t header_length(const std::string& text, std::uint64_t bytes, const std::string& where) {
+  std::uint64_t length = 0;
+  if (text.size() < length_bytes) throw Error(where + ": cut off; expected a safetensors file");
+  std::memcpy(&length, text.data(), length_bytes);
+  if (length > longest_header || length > bytes - length_bytes)
+    throw Error(where + ": its header is " + std::to_string(length) + " bytes long; expected a safetensors file");
+  return static_cast<std::size_t>(length);
+}
+
+nlohmann::json parsed_header(std::string_view text, const std::string& where) {
+  try {
+    return nlohmann::json::parse(text.begin(), text.end());
+  } catch (const nlohmann::json::exception&) {
+    throw Error(where + ": its header is no JSON; expected a safetensors file");
+  }
+}
+
 }  // namespace
 
-void write_weights(const std::filesystem::path& file, const Weights& weights) {
+void write_weights(const std::filesystem::path& file, const Weights& weights,
+                   const std::map<std::string, std::string>& metadata) {
   nlohmann::json header = nlohmann::json::object();
+  if (!metadata.empty()) header["__metadata__"] = metadata;
   std::uint64_t offset = 0;
   for (const Parameter& parameter : weights) {
     const std::uint64_t end = offset + parameter.values.size() * sizeof(float);
@@ -46,24 +69,13 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
   for (const ParameterShape& shape : expected) value_bytes += shape.count() * sizeof(float);
   const std::string where = file.string();
   const std::string text = read_text(file, length_bytes + longest_header + value_bytes);
-  std::uint64_t length = 0;
-  if (text.size() < length_bytes) throw Error(where + ": cut off; expected a safetensors file");
-  std::memcpy(&length, text.data(), length_bytes);
-  if (length > longest_header || length > text.size() - length_bytes) {
-    throw Error(where + ": its header is " + std::to_string(length) + " bytes long; expected a safetensors file");
-  }
+  const std::size_t length = header_length(text, text.size(), where);
   const std::size_t values_at = length_bytes + length;
   if (text.size() - values_at != value_bytes) {
     throw Error(where + ": " + std::to_string(text.size() - values_at) + " bytes of values; expected " +
                 std::to_string(value_bytes));
   }
-  nlohmann::json header;
-  try {
-    header = nlohmann::json::parse(text.begin() + static_cast<std::ptrdiff_t>(length_bytes),
-                                   text.begin() + static_cast<std::ptrdiff_t>(values_at));
-  } catch (const nlohmann::json::exception&) {
-    throw Error(where + ": its header is no JSON; expected a safetensors file");
-  }
+  const nlohmann::json header = parsed_header(std::string_view(text).substr(length_bytes, length), where);
   if (!header.is_object() || header.size() - header.count("__metadata__") != expected.size()) {
     throw Error(where + ": its header does not list " + std::to_string(expected.size()) +
                 " parameters; expected those of the network");
@@ -88,6 +100,22 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
   }
   check_finite(weights, where);
   return weights;
+}
+
+std::map<std::string, std::string> read_metadata(const std::filesystem::path& file) {
+  const std::string where = file.string();
+  if (!std::filesystem::is_regular_file(file)) throw Error(where + ": is missing; expected a safetensors file");
+  std::ifstream in(file, std::ios::binary);
+  std::string text(length_bytes, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::size_t length = header_length(text, std::filesystem::file_size(file), where);
+  text.resize(length);
+  in.read(text.data(), static_cast<std::streamsize>(length));
+  if (!in) throw Error(where + ": reading it failed half-way; expected a readable file");
+  const nlohmann::json header = parsed_header(text, where);
+  if (!header.is_object() || !header.contains("__metadata__")) return {};
+  return member<std::map<std::string, std::string>>(header, "__metadata__", where);
 }
 
 void check_finite(const Weights& weights, const std::string& where) {
