@@ -47,8 +47,7 @@ PlotScript::PlotScript(std::string_view title, int width_px, int height_px) {
   add("set border 3 lc rgb '{}' lw 0.8", figure_colours::faint_ink);
   add("set tics nomirror scale 0.5 textcolor rgb '{}' font ',11'", figure_colours::ink);
   add("set errorbars small");
-  text(shortened(title, static_cast<std::size_t>(std::max(20.0, (width_px - 40) / title_character))), 20, 24,
-       "left font ',15'");
+  text(shortened(title, static_cast<std::size_t>(std::max(20.0, (width_px - 40) / title_character))), 20, 24, "left font ',15'");
 }
 
 void PlotScript::begin_panel(const PlotBox& box) {

@@ -58,8 +58,7 @@ class PlotScript {
   void begin_panel(const PlotBox& box);
 
   /// Words at a place in pixels, from the next panel on until the one behind it. `style` is gnuplot's: "center font ',12'".
-  void text(std::string_view words, double x, double y, std::string_view style,
-            std::string_view colour = figure_colours::ink);
+  void text(std::string_view words, double x, double y, std::string_view style, std::string_view colour = figure_colours::ink);
 
   /// Numbers as a table; its name, "$t0". Without values a row of gaps, since gnuplot takes no table without rows.
   std::string table(std::size_t columns, std::vector<double> values);

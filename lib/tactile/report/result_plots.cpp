@@ -19,8 +19,6 @@ using figure_colours::ink;
 constexpr int page_width = 1000;         // [px]
 constexpr std::size_t most_panels = 60;  // of small panels, and of rows
 
-constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
-
 double percent(double share) { return 100 * share; }
 
 /// The greatest whole ten below everything that is to be seen, and 90 at most: axes of accuracy end at 100.
@@ -62,8 +60,7 @@ std::string row_names(const std::vector<std::string>& names) {
 std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& curve) {
   auto best = curve.points.end();
   for (auto point = curve.points.begin(); point != curve.points.end(); ++point) {
-    if (std::isfinite(point->accuracy.value) &&
-        (best == curve.points.end() || point->accuracy.value > best->accuracy.value))
+    if (std::isfinite(point->accuracy.value) && (best == curve.points.end() || point->accuracy.value > best->accuracy.value))
       best = point;
   }
   return best;
@@ -88,7 +85,8 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
     for (const double history : histories) tics += fmt::format("{}{:g}", tics.empty() ? "" : ", ", history);
   }
 
-  script.text(left_out(curves.size(), shown) + "Blue: the panel's own, with its 95 % interval; grey: the others. Orange: its best history.",
+  script.text(left_out(curves.size(), shown) +
+                  "Blue: the panel's own, with its 95 % interval; grey: the others. Orange: its best history.",
               20, 52, "left font ',12'", faint_ink);
   script.text("accuracy [%]", 20, 76, "left font ',12'");
   script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 18, "center font ',12'");
@@ -111,7 +109,8 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
                       .bottom = top + row * row_height + panel_height};
     script.begin_panel(box);
     script.text(shortened(curves[i].name, 26), (box.left + box.right) / 2.0, box.top - 12, "center font ',12'");
-    script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", -0.03 * longest, 1.06 * longest, axis.begin(), axis.end());
+    script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", -0.03 * longest, 1.06 * longest, axis.begin(),
+               axis.end());
     if (!tics.empty()) script.add("set xtics ({})", tics);
     if (column > 0) script.add("set format y ''");
     std::string lines;
@@ -119,9 +118,10 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
       if (other != i)
         lines += fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1 notitle, ", tables[other], figure_colours::others);
     }
-    lines += fmt::format("{0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.4 pt 7 ps 0.7 notitle, "
-                         "{0} using 1:2 with lines lc rgb '{1}' lw 2.2 notitle",
-                         tables[i], figure_colours::network);
+    lines += fmt::format(
+        "{0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.4 pt 7 ps 0.7 notitle, "
+        "{0} using 1:2 with lines lc rgb '{1}' lw 2.2 notitle",
+        tables[i], figure_colours::network);
     if (const auto best = best_of(curves[i]); best != curves[i].points.end()) {
       lines += fmt::format(", {} using 1:2 with points lc rgb '{}' pt 13 ps 1.9 notitle",
                            script.table(2, {best->history_ms, percent(best->accuracy.value)}), figure_colours::best);
@@ -143,9 +143,12 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   const std::vector<std::string> names(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(shown));
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text(left_out(objects.size(), shown) +
-                  fmt::format("Bars: mean over detected intervals; whiskers: standard error; dashed: {:g} ms, which the paper stays below.", limit_ms),
-              20, 52, "left font ',12'", faint_ink);
+  script.text(
+      left_out(objects.size(), shown) +
+          fmt::format(
+              "Bars: mean over detected intervals; whiskers: standard error; dashed: {:g} ms, which the paper stays below.",
+              limit_ms),
+      20, 52, "left font ',12'", faint_ink);
   const int width = (page_width - left - right - gap) / 2;
   for (const Touch touch : {Touch::press, Touch::slip}) {
     const bool is_press = touch == Touch::press;
@@ -190,9 +193,10 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
     script.add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead dt 2 lc rgb '{1}' lw 1.2 front", limit_ms,
                ink);
     script.add("set xlabel 'detection delay [ms]' textcolor rgb '{}'", ink);
-    script.add("plot {} using 1:2:3:4:5:6 with boxxyerror fs solid 0.75 noborder lc rgb '{}' notitle, "
-               "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.6 pt 0 notitle",
-               script.table(6, std::move(boxes)), figure_colours::of(touch), script.table(4, std::move(whiskers)), ink);
+    script.add(
+        "plot {} using 1:2:3:4:5:6 with boxxyerror fs solid 0.75 noborder lc rgb '{}' notitle, "
+        "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.6 pt 0 notitle",
+        script.table(6, std::move(boxes)), figure_colours::of(touch), script.table(4, std::move(whiskers)), ink);
   }
   return std::move(script).plot();
 }
@@ -219,16 +223,18 @@ Plot unseen_plot(const std::string& title, const std::vector<SeenAndHeldOut>& ob
     add_interval(seen, object.seen);
     held_out.insert(held_out.end(), {percent(object.held_out.value), y - 0.14});
     add_interval(held_out, object.held_out);
-    joined.insert(joined.end(), {percent(object.seen.value), y + 0.14, percent(object.held_out.value - object.seen.value), -0.28});
+    joined.insert(joined.end(),
+                  {percent(object.seen.value), y + 0.14, percent(object.held_out.value - object.seen.value), -0.28});
   }
   script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [-0.6:{:.9g}]", axis.begin(), axis.end(), static_cast<double>(shown) - 0.4);
   script.add("set ytics ({}) scale 0", row_names(names));
   script.add("set xlabel 'accuracy [%]' textcolor rgb '{}'", ink);
-  script.add("plot {} using 1:2:3:4 with vectors nohead lc rgb '{}' lw 1.5 notitle, "
-             "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.8 pt 7 ps 1.3 notitle, "
-             "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.8 pt 5 ps 1.3 notitle",
-             script.table(4, std::move(joined)), figure_colours::others, script.table(4, std::move(seen)), figure_colours::press,
-             script.table(4, std::move(held_out)), figure_colours::slip);
+  script.add(
+      "plot {} using 1:2:3:4 with vectors nohead lc rgb '{}' lw 1.5 notitle, "
+      "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.8 pt 7 ps 1.3 notitle, "
+      "{} using 1:2:3:4 with xerrorbars lc rgb '{}' lw 1.8 pt 5 ps 1.3 notitle",
+      script.table(4, std::move(joined)), figure_colours::others, script.table(4, std::move(seen)), figure_colours::press,
+      script.table(4, std::move(held_out)), figure_colours::slip);
   return std::move(script).plot();
 }
 
@@ -250,9 +256,10 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
       const double share = row == 0 ? 0 : static_cast<double>(counts[i][k]) / static_cast<double>(row);
       // From white to a deep blue.
       const auto mixed = [share](int full) { return static_cast<int>(std::lround(245 + (full - 245) * share)); };
-      script.add("set object rectangle from {0}.015, {1}.02 to {0}.985, {1}.98 fillcolor rgb '#{2:02X}{3:02X}{4:02X}' "
-                 "fillstyle solid noborder",
-                 k, 2 - i, mixed(0), mixed(58), mixed(130));
+      script.add(
+          "set object rectangle from {0}.015, {1}.02 to {0}.985, {1}.98 fillcolor rgb '#{2:02X}{3:02X}{4:02X}' "
+          "fillstyle solid noborder",
+          k, 2 - i, mixed(0), mixed(58), mixed(130));
       const std::string_view colour = share > 0.5 ? "#FFFFFF" : ink;
       const double x = left + (static_cast<double>(k) + 0.5) * field_width, y = top + at * field_height;
       script.text(row == 0 ? "no sample" : fmt::format("{:.1f} %", 100 * share), x, y - 11, "center font ',16'", colour);
@@ -267,8 +274,8 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
   constexpr int left = 90, right = 40, top = 84, gap = 34, delay_height = 290, missed_height = 150, below = 62;
   const int delay_bottom = top + delay_height, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text("Blue circles: press; orange squares: slip. The numbers are the probability from which on press or slip is said.", 20,
-              52, "left font ',12'", faint_ink);
+  script.text("Blue circles: press; orange squares: slip. The numbers are the probability from which on press or slip is said.",
+              20, 52, "left font ',12'", faint_ink);
   double most_alarms = 0, longest = 0, most_missed = 0;
   std::vector<double> delays, missed;
   for (const OperatingPoint& point : points) {
@@ -307,9 +314,10 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
                    plot_text(fmt::format("{:.3g}", point.threshold)), point.false_alarms_per_min, upper, faint_ink);
       }
     }
-    script.add("plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 0.9 notitle, "
-               "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.9 notitle",
-               table, figure_colours::press, figure_colours::slip);
+    script.add(
+        "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 0.9 notitle, "
+        "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.9 notitle",
+        table, figure_colours::press, figure_colours::slip);
   };
   draw_panel(script.table(3, std::move(delays)), top, delay_bottom, longest, "mean delay [ms]", false);
   draw_panel(script.table(3, std::move(missed)), missed_top, bottom, std::max(5.0, most_missed), "missed [%]", true);
@@ -337,18 +345,20 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
   script.begin_panel({.left = left, .top = top, .right = width - right, .bottom = upper_bottom});
   script.add("set xrange [{0:.9g}:101]\nset yrange [0:102]\nset format x ''\nset ylabel 'said right [%]' textcolor rgb '{1}'",
              begin, ink);
-  script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin, faint_ink);
-  script.add("plot {0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.6 pt 7 ps 1.1 notitle, "
-             "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle",
-             script.table(4, std::move(accuracies)), figure_colours::network);
+  script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
+             faint_ink);
+  script.add(
+      "plot {0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.6 pt 7 ps 1.1 notitle, "
+      "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle",
+      script.table(4, std::move(accuracies)), figure_colours::network);
   script.begin_panel({.left = left, .top = lower_top, .right = width - right, .bottom = bottom});
   script.add("set xrange [{:.9g}:101]\nset logscale y\nset yrange [0.8:{:.9g}]\nset format y '%.0f'", begin,
              2.0 * static_cast<double>(most));
   std::string tics;
   for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1000 ? 100 : 10)
     tics += fmt::format("{}{:.0f}", tics.empty() ? "" : ", ", ten);
-  script.add("set ytics ({})\nset ylabel 'samples' textcolor rgb '{}'\nset xlabel 'largest probability [%]' textcolor rgb '{}'", tics,
-             ink, ink);
+  script.add("set ytics ({})\nset ylabel 'samples' textcolor rgb '{}'\nset xlabel 'largest probability [%]' textcolor rgb '{}'",
+             tics, ink, ink);
   script.add("plot {} using 1:2:3:4:5:6 with boxxyerror fs solid 0.6 noborder lc rgb '{}' notitle",
              script.table(6, std::move(boxes)), figure_colours::faint_ink);
   return std::move(script).plot();
@@ -359,7 +369,8 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
   constexpr std::size_t most_named = 8;
   const std::size_t named = std::min(curves.size(), most_named);
   const int bottom = top + panel_height, key_rows = static_cast<int>((named + 1) / 2);
-  PlotScript script(title, page_width, bottom + below + key_rows * key_row + 10);
+  const int height = bottom + below + key_rows * key_row + 10;
+  PlotScript script(title, page_width, height);
   bool has_later = false;
   double most_epochs = 1, greatest_loss = 0, least_loss = 1e9;
   AccuracyAxis axis;
@@ -380,7 +391,8 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
     tables.push_back(script.table(4, std::move(values)));
   }
   if (greatest_loss <= 0) greatest_loss = least_loss = 1;
-  script.text(std::string("One line for each training") + (curves.size() > named ? fmt::format("; grey: {} more", curves.size() - named) : "") +
+  script.text(std::string("One line for each training") +
+                  (curves.size() > named ? fmt::format("; grey: {} more", curves.size() - named) : "") +
                   (has_later ? "; hollow marks without a line: accuracy on the part kept for validation." : "."),
               20, 52, "left font ',12'", faint_ink);
   const int width = (page_width - left - right - gap) / 2;
@@ -406,22 +418,68 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
              least_loss / 1.3, greatest_loss * 1.3);
   script.add("set xlabel 'epoch' textcolor rgb '{0}'\nset ylabel 'loss' textcolor rgb '{0}'", ink);
   script.add("plot {}", lines_of(2, false));
+  script.begin_panel({.left = left + width + gap, .top = top, .right = page_width - right, .bottom = bottom});
+  script.add("set xrange [0.5:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", most_epochs + 0.5, axis.begin(), axis.end());
+  script.add("set xlabel 'epoch' textcolor rgb '{0}'\nset ylabel 'accuracy in training [%]' textcolor rgb '{0}'", ink);
   for (std::size_t i = 0; i < named; ++i) {
-    // The key, under the panels: two columns.
+    // The key, under the panels, in two columns.
     const LineStyle style = line_style(i);
-    const double x = i % 2 == 0 ? left : page_width / 2.0 + 20;
-    const double y = bottom + below + static_cast<double>(i / 2) * key_row + 6;
+    const double x = i % 2 == 0 ? left : page_width / 2.0 + 20, y = bottom + below + static_cast<double>(i / 2) * key_row + 6;
+    const double screen_y = 1 - y / height;
     script.text(shortened(curves[i].name, 50), x + 56, y, "left font ',12'");
-    const double height = bottom + below + key_rows * key_row + 10;
     script.add("set arrow from screen {:.6f}, screen {:.6f} to screen {:.6f}, screen {:.6f} nohead lc rgb '{}' dt {} lw 1.8",
-               x / page_width, 1 - y / height, (x + 44) / page_width, 1 - y / height, style.colour, style.dashes);
-    script.add("set label '' at screen {:.6f}, screen {:.6f} point pt {} ps 1 lc rgb '{}'", (x + 22) / page_width, 1 - y / height,
+               x / page_width, screen_y, (x + 44) / page_width, screen_y, style.colour, style.dashes);
+    script.add("set label '' at screen {:.6f}, screen {:.6f} point pt {} ps 1 lc rgb '{}'", (x + 22) / page_width, screen_y,
                style.mark, style.colour);
   }
-  // The key is drawn with the second panel, as words are.
-  const Plot first_half = std::move(script).plot();
-  (void)first_half;
-  return first_half;
+  script.add("plot {}", lines_of(3, has_later));
+  return std::move(script).plot();
+}
+
+Plot over_time_plot(const std::string& title, const OverTime& press, const OverTime& slip) {
+  constexpr int left = 80, right = 30, top = 106, gap = 40, panel_height = 320, below = 62;
+  const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
+  PlotScript script(title, page_width, bottom + below);
+  script.text("Blue circles: press; orange squares: slip. Share of ticks said right, with 95 % intervals.", 20, 52,
+              "left font ',12'", faint_ink);
+  AccuracyAxis axis;
+  for (const OverTime* touch : {&press, &slip}) {
+    for (const std::vector<OverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const OverTime::Bin& bin : *bins) axis.include(bin.accuracy);
+    }
+  }
+  const auto table_of = [&](const std::vector<OverTime::Bin>& bins) {
+    std::vector<double> values;
+    for (const OverTime::Bin& bin : bins) {
+      values.insert(values.end(), {(bin.from_ms + bin.to_ms) / 2, percent(bin.accuracy.value)});
+      add_interval(values, bin.accuracy);
+    }
+    return script.table(4, std::move(values));
+  };
+  for (const bool from_onset : {true, false}) {
+    const int begin = from_onset ? left : left + width + gap;
+    double longest = 100;
+    for (const OverTime* touch : {&press, &slip}) {
+      for (const OverTime::Bin& bin : from_onset ? touch->since_onset : touch->before_end) longest = std::max(longest, bin.to_ms);
+    }
+    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
+    script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");
+    script.add("set yrange [{:.9g}:{:.9g}]", axis.begin(), axis.end());
+    if (from_onset)
+      script.add("set xrange [0:{:.9g}]\nset ylabel 'said right [%]' textcolor rgb '{}'", longest, ink);
+    else
+      script.add("set xrange [{:.9g}:0]\nset format y ''", longest);
+    script.add("set xlabel '{}' textcolor rgb '{}'", from_onset ? "time since the onset [ms]" : "time before the end [ms]", ink);
+    const std::string of_press = table_of(from_onset ? press.since_onset : press.before_end);
+    const std::string of_slip = table_of(from_onset ? slip.since_onset : slip.before_end);
+    script.add(
+        "plot {0} using 1:2:3:4 with yerrorbars lc rgb '{2}' lw 1.2 pt 7 ps 0.7 notitle, "
+        "{0} using 1:2 with lines lc rgb '{2}' lw 1.6 notitle, "
+        "{1} using 1:2:3:4 with yerrorbars lc rgb '{3}' lw 1.2 pt 5 ps 0.7 notitle, "
+        "{1} using 1:2 with lines lc rgb '{3}' lw 1.6 dt 2 notitle",
+        of_press, of_slip, figure_colours::press, figure_colours::slip);
+  }
+  return std::move(script).plot();
 }
 
 }  // namespace tactile
