@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/touch.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/report/gnuplot.hpp"
 
