@@ -208,7 +208,7 @@ class Report {
            "Six moments around a press and a slip: event counts above, noise-reduced heatmaps below.",
            fmt::format("Raw and noise-reduced frames of {}: before the press, in it, before the slip, in it. Above, the events "
                        "of the last {:g} ms "
-                       "per pixel; below, the heatmap that the network is shown. Bright is much.",
+                       "per pixel; below, the heatmap that the network is shown. Bright is much, by its square root.",
                        run->name(), input_.history_ms));
   }
 
