@@ -32,12 +32,14 @@ cv::Mat raw_frame(const SlidingCounts& counts) {
   return frame;
 }
 
-/// What 995 of 1000 cells with events stay below in all frames, so that a few hot pixels do not darken the rest.
-double bright_value(const std::vector<TouchFrame>& frames) {
-  std::vector<float> values;
-  for (const TouchFrame& frame : frames)
-    std::copy_if(frame.raw.begin<float>(), frame.raw.end<float>(), std::back_inserter(values),
-                 [](float value) { return value > 0; });
+/// What 995 of 1000 cells with a value stay below in all frames, so that a few hot pixels do not darken the rest.
+template <class T>
+double bright_value(const std::vector<TouchFrame>& frames, cv::Mat TouchFrame::*picture) {
+  std::vector<T> values;
+  for (const TouchFrame& frame : frames) {
+    const cv::Mat& cells = frame.*picture;
+    std::copy_if(cells.begin<T>(), cells.end<T>(), std::back_inserter(values), [](T value) { return value > 0; });
+  }
   if (values.empty()) return 1;
   const auto place = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 995 / 1000);
   std::nth_element(values.begin(), place, values.end());
@@ -91,7 +93,7 @@ std::vector<TouchFrame> frames_of(const RunFolder& run, const HeatmapOptions& op
 }
 
 Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames) {
-  constexpr int width = 1120, left = 100, right = 20, top = 74, gap = 10, caption_height = 22, between_rows = 30, below = 20;
+  constexpr int width = 1160, left = 140, right = 20, top = 74, gap = 10, caption_height = 22, between_rows = 30, below = 20;
   constexpr std::size_t most = 6;
   if (frames.empty()) throw Error("frames: none to draw; expected one at least");
   for (const TouchFrame& frame : frames) {
@@ -104,7 +106,8 @@ Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames
   const int raw_height = height_of(frames[0].raw), heatmap_height = height_of(frames[0].heatmap);
   const int raw_top = top + caption_height, heatmap_top = raw_top + raw_height + between_rows;
   PlotScript script(title, width, heatmap_top + heatmap_height + below);
-  const double brightest = bright_value(frames);
+  const double brightest_raw = bright_value<float>(frames, &TouchFrame::raw);
+  const double brightest = bright_value<std::uint8_t>(frames, &TouchFrame::heatmap);
   script.text("raw", left - 12, raw_top + raw_height / 2.0 - 8, "right font ',12'");
   script.text("event counts", left - 12, raw_top + raw_height / 2.0 + 8, "right font ',10'", figure_colours::faint_ink);
   script.text("noise reduced", left - 12, heatmap_top + heatmap_height / 2.0 - 8, "right font ',11'");
@@ -129,11 +132,11 @@ Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames
                     "center font ',10'", figure_colours::faint_ink);
       }
       script.add("unset grid\nunset xtics\nunset ytics\nset border 15 lc rgb '{}' lw 0.8", figure_colours::faint_ink);
-      script.add("set xrange [-0.5:{}.5]\nset yrange [-0.5:{}.5]\nset cbrange [0:{:.9g}]", picture.cols - 1, picture.rows - 1,
-                 is_raw ? brightest : 255.0);
+      script.add("set xrange [-0.5:{}.5]\nset yrange [-0.5:{}.5]\nset cbrange [0:1]", picture.cols - 1, picture.rows - 1);
       const std::string table =
           script.table(static_cast<std::size_t>(picture.cols), is_raw ? matrix<float>(picture) : matrix<std::uint8_t>(picture));
-      script.add("plot {} matrix with image notitle", table);
+      // By the square root, or a slip's many events would leave a press dark.
+      script.add("plot {} matrix using 1:2:(sqrt($3 / {:.9g})) with image notitle", table, is_raw ? brightest_raw : brightest);
     }
   }
   return std::move(script).plot();

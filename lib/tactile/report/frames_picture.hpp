@@ -27,7 +27,8 @@ struct TouchFrame {
 /// @throws Error  if the recording or the labels cannot be read, or as `check(options)`
 std::vector<TouchFrame> frames_of(const RunFolder& run, const HeatmapOptions& options);
 
-/// Raw frames over noise-reduced ones, a moment a column; all raw ones in the same colours.
+/// Raw frames over noise-reduced ones, a moment a column; brighter by the square root of a cell's value, by the same scale in a
+/// row.
 /// @throws Error  if there is no frame, or one without pictures
 Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames);
 

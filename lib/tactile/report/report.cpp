@@ -311,14 +311,15 @@ class Report {
     if (objects.empty()) {
       missing_.push_back("Detection delays (the paper's figure 7) of " + evaluation.model + ".");
     } else {
-      figure("delays" + suffix,
-             delay_plot(titled("Detection delay, " + what), objects, evaluation.press.objects, evaluation.slip.objects),
-             fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.",
-                         evaluation.press.mean.value, evaluation.slip.mean.value),
-             fmt::format("Detection delay of press and slip with standard errors, as in the paper's figure 7. One tick, {:g} ms, "
-                         "is the best "
-                         "possible. Means leave out what was missed or said early, which is told beside the bars.",
-                         evaluation.tick_ms));
+      figure(
+          "delays" + suffix,
+          delay_plot(titled("Detection delay, " + evaluation.model), objects, evaluation.press.objects, evaluation.slip.objects),
+          fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.",
+                      evaluation.press.mean.value, evaluation.slip.mean.value),
+          fmt::format("Detection delay of press and slip with standard errors, as in the paper's figure 7. One tick, {:g} ms, "
+                      "is the best "
+                      "possible. Means leave out what was missed or said early, which is told beside the bars.",
+                      evaluation.tick_ms));
       delay_table("Detection delay against the labels", {{"press", &evaluation.press}, {"slip", &evaluation.slip}});
     }
     const auto pointer = [](const std::optional<ReportedDelays>& delays) { return delays ? &*delays : nullptr; };
@@ -341,7 +342,7 @@ class Report {
     }
     if (!evaluation.operating_curve.empty()) {
       figure("operating-curve" + suffix,
-             operating_curve_plot(titled("Delay against false alarms, " + what), evaluation.operating_curve),
+             operating_curve_plot(titled("Delay against false alarms, " + evaluation.model), evaluation.operating_curve),
              "Mean detection delay, and the share of missed intervals, against false alarms per minute.",
              "What waiting for more certainty costs: mean detection delay of press and slip, and the share of intervals missed, "
              "against false "
@@ -351,7 +352,7 @@ class Report {
     }
     if (evaluation.confusion) {
       page_.heading("Confusion");
-      figure("confusion" + suffix, confusion_plot(titled("Confusion, " + what), *evaluation.confusion),
+      figure("confusion" + suffix, confusion_plot(titled("Confusion, " + evaluation.model), *evaluation.confusion),
              "Table of three true classes by three said classes.",
              "What was said of balanced samples of each class: the share of the class, and samples.");
       HtmlTable table{.caption = "Samples by their true class (rows) and what was said of them",
@@ -376,7 +377,7 @@ class Report {
                                       [](const ReliabilityBin& bin) { return bin.samples > 0; });
     if (has_bins) {
       page_.heading("Calibration");
-      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + what), evaluation.reliability),
+      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.reliability),
              "Share said right against the largest probability, with the number of samples below.",
              fmt::format("Reliability: how often the network is right, by how sure it is. Expected calibration error: {:.2f} %.",
                          100 * evaluation.ece.value));
@@ -386,7 +387,7 @@ class Report {
     if (evaluation.press_over_time && evaluation.slip_over_time) {
       page_.heading("Within intervals");
       figure("over-time" + suffix,
-             over_time_plot(titled("Right verdicts within intervals, " + what), *evaluation.press_over_time,
+             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), *evaluation.press_over_time,
                             *evaluation.slip_over_time),
              "Share of ticks said right since the onset and before the end of presses and slips.",
              "Verdicts over the whole of each interval, however long: since its onset, and before its end, where the paper sees "

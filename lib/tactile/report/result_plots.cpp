@@ -67,7 +67,7 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 }
 
 Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
-  constexpr int columns = 4, left = 70, right = 20, top = 104, gap = 22, panel_height = 150, row_height = 192, below = 44;
+  constexpr int columns = 4, left = 70, right = 20, top = 104, gap = 22, panel_height = 150, row_height = 212, below = 30;
   const std::size_t shown = std::min(curves.size(), most_panels);
   const int rows = std::max(1, (static_cast<int>(shown) + columns - 1) / columns);
   PlotScript script(title, page_width, top + rows * row_height + below);
@@ -89,7 +89,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
                   "Blue: the panel's own, with its 95 % interval; grey: the others. Orange: its best history.",
               20, 52, "left font ',12'", faint_ink);
   script.text("accuracy [%]", 20, 76, "left font ',12'");
-  script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 18, "center font ',12'");
+  script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 8, "center font ',12'");
   std::vector<std::string> tables;
   for (const HistoryCurve& curve : curves) {
     std::vector<double> values;
@@ -138,7 +138,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
 Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
                 const std::vector<DelayBar>& slip, double limit_ms) {
   constexpr int left = 200, right = 24, top = 106, gap = 30, row_height = 30, below = 62;
-  constexpr double note_share = 0.42;  // of a panel's width, for what is told beside the longest bar
+  constexpr double note_share = 0.44;  // of a panel's width, for what is told beside the bars
   const std::size_t shown = std::min(objects.size(), most_panels);
   const std::vector<std::string> names(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(shown));
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
@@ -171,20 +171,18 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
       }
       longest = std::max(longest, bar.mean_ms + (std::isfinite(bar.sem_ms) ? bar.sem_ms : 0));
     }
-    const double end = longest / (1 - note_share);
+    const double bars_end = 1.04 * longest, end = bars_end / (1 - note_share);
     for (std::size_t i = 0; i < shown; ++i) {
       const auto found = bars.find(names[i]);
       std::string note = "no interval";
-      double x = 0;
       if (found != bars.end() && found->second->intervals > 0) {
         const DelayBar& bar = *found->second;
         note = std::isfinite(bar.mean_ms) ? fmt::format("{:.1f}", bar.mean_ms) : "none detected";
         if (bar.misses > 0) note += fmt::format(", {} missed", bar.misses);
         if (bar.early > 0) note += fmt::format(", {} early", bar.early);
-        if (std::isfinite(bar.mean_ms)) x = std::max(0.0, bar.mean_ms + (std::isfinite(bar.sem_ms) ? bar.sem_ms : 0));
       }
-      script.add("set label {} at first {:.9g}, first {} left offset 0.6,0 font ',11' textcolor rgb '{}' front", plot_text(note),
-                 x, shown - 1 - i, ink);
+      script.add("set label {} at graph {:.4f}, first {} left font ',11' textcolor rgb '{}' front", plot_text(note),
+                 1 - note_share + 0.03, shown - 1 - i, ink);
     }
     script.add("set xrange [0:{:.9g}]\nset yrange [-0.6:{:.9g}]", end, static_cast<double>(shown) - 0.4);
     script.add("set ytics ({}) scale 0", row_names(names));
@@ -192,6 +190,9 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
     script.add("unset grid\nset grid x lt 1 lc rgb '{}' lw 0.6", figure_colours::grid);
     script.add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead dt 2 lc rgb '{1}' lw 1.2 front", limit_ms,
                ink);
+    // Tics end where the words begin.
+    const double step = std::pow(10, std::floor(std::log10(bars_end / 2)));
+    script.add("set xtics 0, {:.9g}, {:.9g}", bars_end / step > 10 ? 5 * step : bars_end / step > 5 ? 2 * step : step, bars_end);
     script.add("set xlabel 'detection delay [ms]' textcolor rgb '{}'", ink);
     script.add(
         "plot {} using 1:2:3:4:5:6 with boxxyerror fs solid 0.75 noborder lc rgb '{}' notitle, "
@@ -276,51 +277,67 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
   PlotScript script(title, page_width, bottom + below);
   script.text("Blue circles: press; orange squares: slip. The numbers are the probability from which on press or slip is said.",
               20, 52, "left font ',12'", faint_ink);
-  double most_alarms = 0, longest = 0, most_missed = 0;
-  std::vector<double> delays, missed;
+  // False alarms span decades: their logarithm, with none at all at a place of its own on the left.
+  double most_alarms = 0, least_alarms = 1e9, longest = 0, most_missed = 0;
   for (const OperatingPoint& point : points) {
-    if (std::isfinite(point.false_alarms_per_min)) most_alarms = std::max(most_alarms, point.false_alarms_per_min);
-    delays.insert(delays.end(), {point.false_alarms_per_min, point.press.mean_ms, point.slip.mean_ms});
-    missed.insert(missed.end(), {point.false_alarms_per_min, percent(point.press.missed), percent(point.slip.missed)});
+    if (std::isfinite(point.false_alarms_per_min) && point.false_alarms_per_min > 0) {
+      most_alarms = std::max(most_alarms, point.false_alarms_per_min);
+      least_alarms = std::min(least_alarms, point.false_alarms_per_min);
+    }
     for (const OperatingPoint::OfTouch& touch : {point.press, point.slip}) {
       if (std::isfinite(touch.mean_ms)) longest = std::max(longest, touch.mean_ms);
       if (std::isfinite(touch.missed)) most_missed = std::max(most_missed, percent(touch.missed));
     }
   }
-  if (most_alarms <= 0) most_alarms = 1;
+  if (most_alarms <= 0) most_alarms = least_alarms = 1;
   if (longest <= 0) longest = 1;
-  const auto draw_panel = [&](const std::string& table, int panel_top, int panel_bottom, double most, std::string_view label,
-                              bool is_last) {
+  const int begin = static_cast<int>(std::floor(std::log10(least_alarms)));
+  const int end = std::max(begin + 1, static_cast<int>(std::ceil(std::log10(most_alarms))));
+  const double none_at = begin - 0.12 * (end - begin), span = end - none_at;
+  const auto place_of = [&](double alarms) { return alarms > 0 ? std::log10(alarms) : alarms == 0 ? none_at : alarms; };
+  std::string tics = fmt::format("'none' {:.9g}", none_at), bare_tics = fmt::format("'' {:.9g}", none_at);
+  for (int decade = begin; decade <= end; ++decade) {
+    tics += fmt::format(", '{:g}' {}", std::pow(10, decade), decade);
+    bare_tics += fmt::format(", '' {}", decade);
+  }
+  std::vector<double> delays, missed;
+  for (const OperatingPoint& point : points) {
+    const double x = place_of(point.false_alarms_per_min);
+    delays.insert(delays.end(), {x, point.press.mean_ms, point.slip.mean_ms});
+    missed.insert(missed.end(), {x, percent(point.press.missed), percent(point.slip.missed)});
+  }
+  const auto begin_panel = [&](int panel_top, int panel_bottom, double most, std::string_view label) {
     script.begin_panel({.left = left, .top = panel_top, .right = page_width - right, .bottom = panel_bottom});
-    script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", -0.02 * most_alarms, 1.06 * most_alarms, -0.03 * most,
+    script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", none_at - 0.03 * span, end + 0.03 * span, -0.03 * most,
                1.18 * most);
     script.add("set ylabel {} textcolor rgb '{}'", plot_text(label), ink);
-    if (is_last)
-      script.add("set xlabel 'false alarms per minute' textcolor rgb '{}'", ink);
-    else
-      script.add("set format x ''");
-    if (!is_last) {
-      // Words go only where those before left room.
-      std::vector<std::pair<double, double>> told;
-      for (const OperatingPoint& point : points) {
-        const double upper = std::fmax(point.press.mean_ms, point.slip.mean_ms);
-        if (!std::isfinite(point.false_alarms_per_min) || !std::isfinite(upper)) continue;
-        const double x = point.false_alarms_per_min / most_alarms, y = upper / most;
-        if (std::any_of(told.begin(), told.end(),
-                        [&](const auto& other) { return std::abs(other.first - x) < 0.06 && std::abs(other.second - y) < 0.09; }))
-          continue;
-        told.emplace_back(x, y);
-        script.add("set label {} at first {:.9g}, first {:.9g} center offset 0,1 font ',10' textcolor rgb '{}'",
-                   plot_text(fmt::format("{:.3g}", point.threshold)), point.false_alarms_per_min, upper, faint_ink);
-      }
-    }
+  };
+  const auto draw_lines = [&](std::vector<double> values) {
     script.add(
         "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 0.9 notitle, "
         "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.9 notitle",
-        table, figure_colours::press, figure_colours::slip);
+        script.table(3, std::move(values)), figure_colours::press, figure_colours::slip);
   };
-  draw_panel(script.table(3, std::move(delays)), top, delay_bottom, longest, "mean delay [ms]", false);
-  draw_panel(script.table(3, std::move(missed)), missed_top, bottom, std::max(5.0, most_missed), "missed [%]", true);
+  begin_panel(top, delay_bottom, longest, "mean delay [ms]");
+  script.add("set xtics ({})", bare_tics);
+  // Thresholds are told only where those before left room.
+  std::vector<std::pair<double, double>> told;
+  for (const OperatingPoint& point : points) {
+    const double upper = std::fmax(point.press.mean_ms, point.slip.mean_ms), x = place_of(point.false_alarms_per_min);
+    if (!std::isfinite(x) || !std::isfinite(upper)) continue;
+    const double across = x / span, up = upper / longest;
+    const auto is_near = [&](const auto& other) {
+      return std::abs(other.first - across) < 0.06 && std::abs(other.second - up) < 0.09;
+    };
+    if (std::any_of(told.begin(), told.end(), is_near)) continue;
+    told.emplace_back(across, up);
+    script.add("set label {} at first {:.9g}, first {:.9g} center offset 0,0.9 font ',10' textcolor rgb '{}'",
+               plot_text(fmt::format("{:.4g}", point.threshold)), x, upper, faint_ink);
+  }
+  draw_lines(std::move(delays));
+  begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed [%]");
+  script.add("set xtics ({})\nset xlabel 'false alarms per minute' textcolor rgb '{}'", tics, ink);
+  draw_lines(std::move(missed));
   return std::move(script).plot();
 }
 
@@ -355,7 +372,7 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
   script.add("set xrange [{:.9g}:101]\nset logscale y\nset yrange [0.8:{:.9g}]\nset format y '%.0f'", begin,
              2.0 * static_cast<double>(most));
   std::string tics;
-  for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1000 ? 100 : 10)
+  for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1'000'000 ? 100 : 10)
     tics += fmt::format("{}{:.0f}", tics.empty() ? "" : ", ", ten);
   script.add("set ytics ({})\nset ylabel 'samples' textcolor rgb '{}'\nset xlabel 'largest probability [%]' textcolor rgb '{}'",
              tics, ink, ink);
@@ -365,7 +382,7 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
 }
 
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
-  constexpr int left = 80, right = 20, top = 84, gap = 84, panel_height = 320, below = 62, key_row = 24;
+  constexpr int left = 80, right = 20, top = 84, gap = 84, panel_height = 320, below = 76, key_row = 24;
   constexpr std::size_t most_named = 8;
   const std::size_t named = std::min(curves.size(), most_named);
   const int bottom = top + panel_height, key_rows = static_cast<int>((named + 1) / 2);
@@ -437,7 +454,7 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
 }
 
 Plot over_time_plot(const std::string& title, const OverTime& press, const OverTime& slip) {
-  constexpr int left = 80, right = 30, top = 106, gap = 40, panel_height = 320, below = 62;
+  constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   PlotScript script(title, page_width, bottom + below);
   script.text("Blue circles: press; orange squares: slip. Share of ticks said right, with 95 % intervals.", 20, 52,
