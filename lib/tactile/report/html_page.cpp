@@ -32,7 +32,8 @@ th, td { text-align: left; vertical-align: top; padding: .35rem .7rem .35rem 0; 
 thead th { border-bottom: 2px solid var(--line); white-space: nowrap; }
 tbody th { font-weight: 600; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.claims th, .claims td { min-width: 9rem; }
+tbody th, td { min-width: 7.5rem; }
+td.number { min-width: 5rem; }
 small { display: block; color: var(--faint); font-weight: 400; }
 .good, .bad, .open { display: inline-block; padding: .05rem .5rem; border-radius: .6rem; white-space: nowrap; font-weight: 600; }
 .good { color: var(--good); background: var(--good-field); }

@@ -119,7 +119,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
         lines += fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1 notitle, ", tables[other], figure_colours::others);
     }
     lines += fmt::format(
-        "{0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.4 pt 7 ps 0.7 notitle, "
+        "{0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.4 dt 1 pt 7 ps 0.7 notitle, "
         "{0} using 1:2 with lines lc rgb '{1}' lw 2.2 notitle",
         tables[i], figure_colours::network);
     if (const auto best = best_of(curves[i]); best != curves[i].points.end()) {
