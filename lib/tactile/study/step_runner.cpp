@@ -21,7 +21,7 @@ struct StepRunner::Known {
   std::string key;
   bool done = false;
   bool made_outputs = false;  ///< this step, with whatever key, has come to an end before
-  nlohmann::json outputs;
+  nlohmann::json inputs, outputs;
   StepRecord record;
 };
 
@@ -48,6 +48,7 @@ StepRunner::Known StepRunner::read(const std::string& name) const {
     known.key = member<std::string>(json, "key", where);
     known.done = member<bool>(json, "done", where);
     known.made_outputs = member<bool>(json, "made_outputs", where);
+    known.inputs = member<nlohmann::json>(json, "inputs", where);
     known.outputs = member<nlohmann::json>(json, "outputs", where);
     known.record = {name, member<std::string>(json, "command", where), member<double>(json, "seconds", where),
                     member<std::string>(json, "finished_at", where)};
@@ -58,6 +59,8 @@ StepRunner::Known StepRunner::read(const std::string& name) const {
 }
 
 bool StepRunner::knows(const std::string& name) const { return fs::exists(file_of(name)); }
+
+nlohmann::json StepRunner::inputs_of(const std::string& name) const { return read(name).inputs; }
 
 bool StepRunner::find_done(const Step& step) {
   Known known = read(step.name);
@@ -105,11 +108,12 @@ void StepRunner::finish(const Step& step, double seconds) {
 void StepRunner::run(const Step& step) {
   if (step.arguments) return run_side_by_side({step});
   if (find_done(step)) return;
-  tell(options_.progress, 0, 0, step.name);
   begin(step);
+  const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
+  tell(progress, 0, 0, step.name);
   const auto begun = Clock::now();
   try {
-    step.work(options_.progress);
+    step.work(progress);
   } catch (const std::exception& e) {
     throw Error(fmt::format("'{}' failed: {}", step.command.empty() ? step.name : step.command, e.what()));
   }
@@ -136,7 +140,8 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
     begin(*step);
   }
   std::size_t ended = 0;
-  const auto tell_all = [&] { tell(options_.progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); };
+  const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
+  const auto tell_all = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); };
   run_processes(plans, {.program = options_.program,
                         .at_once = options_.threads,
                         .while_waiting = tell_all,

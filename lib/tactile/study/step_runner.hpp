@@ -26,7 +26,6 @@ struct Step {
   std::function<void(const ProgressCallback&)> work = {};  ///< done in this process; empty where `arguments` are given
   std::function<std::vector<std::string>(const StepPast&)> arguments = {};  ///< of a process that does it
 };
-};
 
 /// What is kept of a step that was done.
 struct StepRecord {
@@ -36,11 +35,14 @@ struct StepRecord {
   std::string finished_at;  ///< UTC
 };
 
+/// Gives what is told of one step's progress; may be empty.
+using NewProgress = std::function<ProgressCallback()>;
+
 struct StepRunnerOptions {
   std::filesystem::path folder;   ///< the study's
   std::filesystem::path program;  ///< that `arguments` are of
   unsigned threads = 1;           ///< how many processes run side by side, > 0
-  ProgressCallback progress = {};
+  NewProgress new_progress = {};
   std::function<void(const std::string& name, bool kept)> tell = {};  ///< told of each step as it begins, or is found done
 };
 
@@ -62,6 +64,9 @@ class StepRunner {
 
   /// Whether a step of this name was ever begun, with whatever inputs.
   bool knows(const std::string& name) const;
+
+  /// The inputs that it was begun with last; null where it never was.
+  nlohmann::json inputs_of(const std::string& name) const;
 
  private:
   struct Known;
