@@ -63,7 +63,7 @@ std::size_t programs_in(const fs::path& folder) {
 
 TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const test::TemporaryFolder folder;
-  const nlohmann::json first = run_study(folder.path(), small + std::string("--splits 1"));
+  const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first.at("steps_kept"), 0);
   const fs::path file = folder / "study/study.json";
@@ -104,7 +104,7 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const nlohmann::json evaluation = read_json(out / study.at("evaluations")[0].at("json").get<std::string>());
   EXPECT_EQ(evaluation.at("accuracy"), study.at("histories")[1].at("accuracy").at("reported"));
 
-  const nlohmann::json second = run_study(folder.path(), small + std::string("--splits 1"));
+  const nlohmann::json second = run_study(folder.path(), small + "--splits 1");
   EXPECT_EQ(second.at("steps_done"), 0);
   EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
   EXPECT_EQ(read_text(file), text);
@@ -135,12 +135,12 @@ TEST(ReproduceCommand, KilledAgainAndAgainComesToTheSameStudy) {
 TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   const test::TemporaryFolder folder;
   const nlohmann::json first = run_study(folder.path(), small);
-  const nlohmann::json more = run_study(folder.path(), small + std::string("--th 10,20,40"));
+  const nlohmann::json more = run_study(folder.path(), small + "--th 10,20,40");
   EXPECT_EQ(more.at("steps_done"), 3) << "heatmaps, a training and its samples";
   EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
   EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
 
-  const nlohmann::json longer = run_study(folder.path(), small + std::string("--epochs 2"));
+  const nlohmann::json longer = run_study(folder.path(), without_epochs + std::string("--epochs 2"));
   for (const char* kept : {"simulate", "label", "windows"})
     EXPECT_EQ(finished_at(longer, kept), finished_at(first, kept)) << kept;
   for (const char* redone : {"train-th040", "judge-th040", "evaluate-", "run-"})
@@ -161,7 +161,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
 
 TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
   const test::TemporaryFolder folder;
-  const std::string arguments = small + std::string("--epochs 1000");
+  const std::string arguments = without_epochs + std::string("--epochs 1000");
   test::RunningCommand study(arguments, folder.path());
   study.logged_behind("train-th040");
   while (programs_in(folder.path()) < 3) std::this_thread::sleep_for(std::chrono::milliseconds(10));
