@@ -37,12 +37,6 @@ nlohmann::json without_times(nlohmann::json study) {
   return study;
 }
 
-std::set<std::string> steps_of(const nlohmann::json& study) {
-  std::set<std::string> steps;
-  for (const auto& step : study.at("steps")) steps.insert(step.at("name").get<std::string>());
-  return steps;
-}
-
 std::string finished_at(const nlohmann::json& study, const std::string& begin) {
   for (const auto& step : study.at("steps")) {
     if (step.at("name").get<std::string>().starts_with(begin)) return step.at("finished_at").dump() + step.at("seconds").dump();
@@ -116,16 +110,21 @@ TEST(ReproduceCommand, KilledAgainAndAgainComesToTheSameStudy) {
   run_study(whole.path(), small);
   const auto lasted = std::chrono::steady_clock::now() - begun;
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> share(0.05, 0.6);
-  int kills = 0;
-  while (kills < 6 && !fs::exists(broken / "study/study.json")) {
+  std::uniform_real_distribution<double> share(0.05, 0.5);
+  for (int kills = 0; kills < 4;) {
     {
       const test::RunningCommand study(small, broken.path());
       std::this_thread::sleep_for(share(random) * lasted);
     }
-    ++kills;
+    if (!fs::exists(broken / "study/study.json")) {
+      ++kills;
+      continue;
+    }
+    // It came to its end first: begin anew, for the kills are what is tested.
+    ASSERT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
+    for (const char* made : {"data", "models", "study"}) fs::remove_all(broken / made);
+    kills = 0;
   }
-  EXPECT_GE(kills, 2);
   run_study(broken.path(), small);
   EXPECT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
   for (const char* table : {"accuracy.csv", "unseen.csv", "claims.csv"})
@@ -136,7 +135,8 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   const test::TemporaryFolder folder;
   const nlohmann::json first = run_study(folder.path(), small);
   const nlohmann::json more = run_study(folder.path(), small + "--th 10,20,40");
-  EXPECT_EQ(more.at("steps_done"), 3) << "heatmaps, a training and its samples";
+  EXPECT_GE(more.at("steps_done"), 3) << "heatmaps, a training and its samples";
+  EXPECT_LE(more.at("steps_done"), 4) << "and an evaluation, if it is the best";
   EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
   EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
 
@@ -154,7 +154,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   write_json(labels, edited);
   const nlohmann::json relabelled = run_study(folder.path(), small);
   EXPECT_NE(relabelled.at("dataset").at("manifest_hash"), first.at("dataset").at("manifest_hash"));
-  EXPECT_EQ(steps_of(relabelled), steps_of(first));
+  EXPECT_EQ(relabelled.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
   EXPECT_EQ(finished_at(relabelled, "simulate"), finished_at(first, "simulate"));
   EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
 }

@@ -213,8 +213,8 @@ class Study {
                   }};
     const json known = runner_.inputs_of("simulate");
     const bool is_ours = known.is_object() && known.value("data", "") == from_study(options_.data);
-    if (is_ours || runs_below(options_.data).empty()) runner_.run(step);
-    simulated_here_ = is_ours || runner_.knows("simulate");
+    simulated_here_ = is_ours || runs_below(options_.data).empty();
+    if (simulated_here_) runner_.run(step);
   }
 
   json simulated_files() const {
