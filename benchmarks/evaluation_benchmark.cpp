@@ -57,7 +57,7 @@ void measure(const std::filesystem::path& folder, const std::filesystem::path& r
   ModelDescription description;
   description.input = heatmap_size(sensor_of(recording), description.settings.rendering.factor);
   const ModelBundle bundle{folder / "model"};
-  write_bundle(bundle, description, LeNet(description.input, std::uint64_t{1}).weights(), {});
+  write_bundle(bundle, description, {LeNet(description.input, std::uint64_t{1}).weights(), {}}, {});
   const Classifier classifier(bundle.folder, 1);
 
   std::vector<std::uint8_t> heatmaps;

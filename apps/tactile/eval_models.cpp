@@ -33,6 +33,16 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   add("epochs", settings.training.epochs, defaults.training.epochs);
   add("batch", settings.training.batch, defaults.training.batch);
   add("lr", settings.training.learning_rate, defaults.training.learning_rate);
+  add("schedule", name_of(settings.training.schedule), name_of(defaults.training.schedule));
+  add("optimizer", name_of(settings.training.optimizer), name_of(defaults.training.optimizer));
+  add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
+  add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
+  add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
+  add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
+  // An early stop brings a validation part of its own, which the option makes another.
+  add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
+  add("early-stop", settings.training.early_stop, defaults.training.early_stop);
+  if (settings.from) command += " --from " + settings.from->name;
   const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
   add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
   add("resize", rendering.at("resize").get<std::string>(), usual.at("resize").get<std::string>());
@@ -74,6 +84,12 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
   if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
   const ModelBundle bundle{fs::path(args.models) / default_name(settings)};
   const std::string command = train_command(args, settings);
+  if (settings.from) {
+    throw Error(
+        fmt::format("{}: missing, and a model that goes on from another is not trained by itself; expected this model, run '{}' "
+                    "first",
+                    bundle.folder.string(), command));
+  }
   if (args.no_train)
     throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));
   if (fs::exists(bundle.folder)) {

@@ -25,13 +25,14 @@ PredictionPicture small_picture() {
   return picture;
 }
 
-constexpr int rows_top = 532;  // [px] of what was said, labelled and true
+// [px] of the rows of what was said, labelled and true, without the words beside them
+constexpr int rows_top = 532, rows_bottom = 590, axis_left = 112;
 
 /// Columns in which those rows hold this strong colour somewhere, first to last; {0, -1} without.
-std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour) {
+std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour, int bottom = rows_bottom) {
   std::pair<int, int> found{0, -1};
-  for (int x = 0; x < picture.cols; ++x) {
-    for (int y = rows_top; y < picture.rows; ++y) {
+  for (int x = axis_left; x < picture.cols; ++x) {
+    for (int y = rows_top; y < bottom; ++y) {
       if (picture.at<cv::Vec3b>(y, x) != colour) continue;
       if (found.second < 0) found.first = x;
       found.second = x;
@@ -64,8 +65,8 @@ TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   const test::TemporaryFolder folder;
   draw_prediction(with, folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
-  EXPECT_NEAR(columns_of(picture, orange).first, 110 + 1460 * 0.600 / 0.998, 3);
-  EXPECT_NEAR(columns_of(picture, grey).first, 110 + 1460 * 0.800 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 1460 * 0.600 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, grey, rows_bottom + 34).first, 110 + 1460 * 0.800 / 0.998, 3);
 }
 
 TEST(PredictionPicture, ASingleTickThatIsSaidIsSeen) {
