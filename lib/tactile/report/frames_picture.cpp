@@ -10,8 +10,8 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/heatmaps/sliding_counts.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/report/moments.hpp"
 #include "tactile/report/plot_script.hpp"
 #include "tactile/windows/sample.hpp"
 
@@ -21,13 +21,12 @@ namespace {
 constexpr int widest_raw = 320;  // [cells] of a raw frame, which is drawn half as wide
 
 /// Sums over blocks, so that a frame is not larger than it can be shown.
-cv::Mat raw_frame(const SlidingCounts& counts) {
-  const SensorSize size = counts.size();
-  const int step = (std::max(size.width, size.height) + widest_raw - 1) / widest_raw;
-  cv::Mat frame = cv::Mat::zeros((size.height + step - 1) / step, (size.width + step - 1) / step, CV_32F);
-  for (const std::uint32_t pixel : counts.active()) {
-    const auto place = static_cast<int>(pixel);
-    frame.at<float>(place / size.width / step, place % size.width / step) += static_cast<float>(counts.counts()[pixel]);
+cv::Mat raw_frame(const cv::Mat& counts) {
+  const int step = (std::max(counts.cols, counts.rows) + widest_raw - 1) / widest_raw;
+  cv::Mat frame = cv::Mat::zeros((counts.rows + step - 1) / step, (counts.cols + step - 1) / step, CV_32F);
+  for (int y = 0; y < counts.rows; ++y) {
+    for (int x = 0; x < counts.cols; ++x)
+      frame.at<float>(y / step, x / step) += static_cast<float>(counts.at<std::uint16_t>(y, x));
   }
   return frame;
 }
@@ -66,28 +65,21 @@ std::vector<TouchFrame> frames_of(const RunFolder& run, const HeatmapOptions& op
   const Labels labels = read_labels(run.labels());
   RecordingReader recording(run.events());
   const Stream& stream = event_stream(recording);
-  if (!stream.size)
-    throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", run.events().string(), stream.id));
-  HeatmapRenderer renderer(*stream.size, options);
   for (const Touch touch : {Touch::press, Touch::slip}) {
     const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
                                     [touch](const LabelledInterval& interval) { return interval.touch == touch; });
     if (found == labels.intervals.end()) continue;
-    for (const std::chrono::milliseconds offset : {-10ms, 30ms, 100ms}) {
-      const CameraTime t = first_tick_from(after(found->interval().start, offset), options.tick);
-      SlidingCounts counts(*stream.size, options.history);
-      for_events_between(recording, stream.id, before(t, options.history), t,
-                         [&](std::span<const Event> part) { counts.add(part); });
-      counts.move_to(t);
-      cv::Mat heatmap(renderer.size().height, renderer.size().width, CV_8UC1);
-      renderer.render(counts, std::span(heatmap.data, heatmap.total()));
-      const double ms = static_cast<double>(between(found->interval().start, t).count()) / 1000;
+    std::vector<CameraTime> times;
+    for (const std::chrono::milliseconds offset : {-10ms, 30ms, 100ms})
+      times.push_back(first_tick_from(after(found->interval().start, offset), options.tick));
+    for_moments(recording, stream.id, options, times, MomentDetail::heatmap, [&](const Moment& moment) {
+      const double ms = static_cast<double>(between(found->interval().start, moment.t).count()) / 1000;
       frames.push_back({.caption = fmt::format("{:.0f} ms {} {}", std::abs(ms), ms < 0 ? "before" : "into", name_of(touch)),
                         .touch = ms < 0 ? Touch::none : touch,
-                        .events = counts.events(),
-                        .raw = raw_frame(counts),
-                        .heatmap = heatmap});
-    }
+                        .events = moment.events,
+                        .raw = raw_frame(moment.counts),
+                        .heatmap = moment.heatmap.clone()});
+    });
   }
   return frames;
 }
