@@ -19,8 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Two objects of two simulated runs, two histories, an epoch: smaller than tiny.
-constexpr const char* small =
-    "reproduce --json --preset tiny --objects fan,usb-hub --th 20,40 --held-out fan --epochs 1 --threads 2 ";
+const std::string without_epochs =
+    "reproduce --json --preset tiny --objects fan,white-box --th 20,40 --held-out fan --threads 2 ";
+const std::string small = without_epochs + "--epochs 1 ";
 
 nlohmann::json run_study(const fs::path& folder, const std::string& arguments) {
   const auto result = test::run_tactile(arguments, folder);
@@ -68,8 +69,8 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(study.at("choice").at("th_ms"), 40);
   EXPECT_EQ(study.at("choice").at("chosen_on"), "default");
   EXPECT_TRUE(study.at("choice").at("best").at("choice").is_null());
-  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"fan/01", "usb-hub/01"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/02", "usb-hub/02"}));
+  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"fan/01", "white-box/01"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/02", "white-box/02"}));
   ASSERT_EQ(study.at("histories").size(), 2U);
   EXPECT_EQ(study.at("histories")[0].at("th_ms"), 20);
   EXPECT_EQ(study.at("claims").size(), 11U);
@@ -140,7 +141,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
   EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
 
-  const nlohmann::json longer = run_study(folder.path(), without_epochs + std::string("--epochs 2"));
+  const nlohmann::json longer = run_study(folder.path(), without_epochs + "--epochs 2");
   for (const char* kept : {"simulate", "label", "windows"})
     EXPECT_EQ(finished_at(longer, kept), finished_at(first, kept)) << kept;
   for (const char* redone : {"train-th040", "judge-th040", "evaluate-", "run-"})
@@ -161,7 +162,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
 
 TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
   const test::TemporaryFolder folder;
-  const std::string arguments = without_epochs + std::string("--epochs 1000");
+  const std::string arguments = without_epochs + "--epochs 1000";
   test::RunningCommand study(arguments, folder.path());
   study.logged_behind("train-th040");
   while (programs_in(folder.path()) < 3) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -184,12 +185,12 @@ TEST(ReproduceCommand, AFailingTrainingIsToldWithItsCommand) {
 TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
   const test::TemporaryFolder folder;
   const nlohmann::json study = run_study(folder.path(),
-                                         "reproduce --json --preset quick --objects fan,usb-hub,white-box --th 2,20 --held-out "
+                                         "reproduce --json --preset quick --objects fan,sprayer,white-box --th 2,20 --held-out "
                                          "fan --epochs 1 --seeds 2 --threads 2");
   ASSERT_TRUE(study.is_object());
   EXPECT_EQ(study.at("choice").at("chosen_on"), "choice");
-  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "usb-hub/02", "white-box/02"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "usb-hub/03", "white-box/03"}));
+  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
   EXPECT_EQ(study.at("runs").at("all_test").size(), 6U);
   EXPECT_EQ(study.at("choice").at("th_ms"), study.at("choice").at("best").at("choice").at("th_ms"));
   EXPECT_EQ(study.at("paper_way").at("th_ms"), study.at("choice").at("best").at("all_test").at("th_ms"));

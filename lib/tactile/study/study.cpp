@@ -564,7 +564,9 @@ class Study {
 
   /// A path as study.json has it: from the study's folder on.
   std::string from_study(const fs::path& path) const {
-    return fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(options_.out)).generic_string();
+    // Absolute first: what is not there yet would stay as it is, and be told otherwise once it is there.
+    const auto whole = [](const fs::path& any) { return fs::weakly_canonical(fs::absolute(any)); };
+    return whole(path).lexically_relative(whole(options_.out)).generic_string();
   }
 
   SeenAndHeldOut compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {

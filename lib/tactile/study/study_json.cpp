@@ -38,7 +38,8 @@ std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, 
                                               const std::string& where) {
   const auto table = member<nlohmann::json>(member<nlohmann::json>(evaluation, "delay_ms", where), touch, where);
   std::map<std::string, ObjectDelays> delays;
-  for (const auto& [object, delay] : member<nlohmann::json>(table, "objects", where).items()) {
+  const auto objects = member<nlohmann::json>(table, "objects", where);
+  for (const auto& [object, delay] : objects.items()) {
     delays[object] = {figure_in(member<nlohmann::json>(delay, "mean", where), where),
                       member<std::uint64_t>(delay, "intervals", where), member<std::uint64_t>(delay, "misses", where),
                       member<std::uint64_t>(delay, "early", where)};
