@@ -19,6 +19,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/model/library.hpp"
 #include "text_table.hpp"
@@ -61,14 +62,6 @@ Blas blas_in_use() {
   for (const std::string& file : loaded_libraries("libopenblas")) return {"OpenBLAS", file, false};
   for (const std::string& file : loaded_libraries("libmkl")) return {"MKL", file, false};
   return {"no BLAS that could be found", "", true};
-}
-
-std::string cpu_name() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  }
-  return "unknown";
 }
 
 std::vector<std::string> cpu_features() {

@@ -3,38 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <set>
+#include <map>
 
-#include "model/small_data.hpp"
-#include "support/run_command.hpp"
-#include "support/temporary_folder.hpp"
+#include "evaluation/trained_model.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
-#include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/full_run.hpp"
-#include "tactile/model/train_model.hpp"
-#include "tactile/windows/write_dataset.hpp"
+#include "tactile/evaluation/run_prediction.hpp"
 
 namespace tactile {
 namespace {
 
-using test::make_runs;
-using test::run_tactile;
-
-/// A data folder of small runs, its dataset, and a model of it.
-struct Trained {
-  test::TemporaryFolder folder;
-  std::filesystem::path file = folder / "data/dataset.h5";
-  ModelBundle bundle{folder / "models/small"};
-
-  explicit Trained(const std::vector<std::string>& objects = {"fan", "usb-hub"}, int runs = 2) {
-    make_runs(folder / "data", objects, runs);
-    write_dataset(folder / "data", file, {}, 2);
-    ModelSettings settings;
-    settings.training.epochs = 4;
-    train_model(Dataset(file), settings, bundle, 1);
-  }
-};
+using test::Trained;
 
 std::vector<std::uint32_t> test_runs(const Dataset& dataset) { return split_of(dataset, {}).test_runs; }
 
@@ -77,13 +56,112 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_EQ(evaluation.trivial.at("random").press.all.misses, 0U);
   EXPECT_GT(evaluation.trivial.at("random").false_alarms.total.alarms, 100U);
   // Labels are the truth here; gross slip begins 20 ms later.
-  ASSERT_TRUE(evaluation.true_slip && evaluation.gross_slip);
-  EXPECT_EQ(evaluation.true_slip->all.mean_ms.value, evaluation.network.slip.all.mean_ms.value);
-  EXPECT_DOUBLE_EQ(evaluation.gross_slip->all.mean_ms.value, evaluation.network.slip.all.mean_ms.value - 20);
+  ASSERT_TRUE(evaluation.truth);
+  EXPECT_EQ(evaluation.truth->slip.all.mean_ms.value, evaluation.network.slip.all.mean_ms.value);
+  EXPECT_DOUBLE_EQ(evaluation.truth->gross_slip.all.mean_ms.value, evaluation.network.slip.all.mean_ms.value - 20);
   // 581 ticks of which 100 lie in each interval and 50 in the guard after each, in each of three runs.
   EXPECT_EQ(evaluation.network.false_alarms.total.none_time, 3 * 281 * 2ms);
   EXPECT_EQ(evaluation.network.false_alarms.total.after_intervals_time, 3 * 100 * 2ms);
   EXPECT_NE(title_of(evaluation).find("simulated"), std::string::npos);
+}
+
+TEST(Evaluation, TakesABalancedSamplesVerdictAtItsTick) {
+  const Trained trained;
+  const Dataset dataset(trained.file);
+  const Classifier classifier(trained.bundle.folder, 1);
+  const auto runs = test_runs(dataset);
+  for (const Confirmation confirmation : {Confirmation{1, 1}, Confirmation{12, 20}}) {
+    const EvaluationOptions options{.confirmation = confirmation, .threads = 1};
+    Confusion by_hand;
+    for (const std::uint32_t run : runs) {
+      const FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+      const auto verdicts = confirmed(full.verdicts, confirmation);
+      for (const std::uint32_t i : samples_of_runs(dataset, {&run, 1})) {
+        const Sample& sample = dataset.samples()[i];
+        by_hand.add(sample.touch, verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);
+      }
+    }
+    const Evaluation evaluation = evaluate(dataset, classifier, runs, options);
+    EXPECT_EQ(evaluation.confusion, by_hand);
+    Confusion of_runs;
+    for (const RunConfusion& run : sample_confusions(dataset, classifier, runs, options)) of_runs += run.confusion;
+    EXPECT_EQ(of_runs, by_hand);
+    // So many ticks have to pass since the onset.
+    EXPECT_GE(evaluation.network.press.all.mean_ms.value, 2.0 * confirmation.needed);
+  }
+}
+
+TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {
+  const Trained trained;
+  const Dataset dataset(trained.file);
+  const Classifier classifier(trained.bundle.folder, 1);
+  const auto runs = test_runs(dataset);
+  const Evaluation evaluation = evaluate(dataset, classifier, runs, {.threads = 1});
+  ASSERT_EQ(evaluation.guards.size(), 2U);
+  EXPECT_EQ(evaluation.guards[0].guard, 100ms);
+  EXPECT_EQ(evaluation.guards[0].confusion, evaluation.confusion);
+  EXPECT_EQ(evaluation.guards[0].difference.mean.value, 0.0);
+  EXPECT_EQ(evaluation.guards[1].guard, 0ms);
+
+  const auto other_file = trained.folder / "data/guard0.h5";
+  write_dataset(trained.folder / "data", other_file, {.sampling = {.guard = 0us}}, 1);
+  const Dataset other(other_file);
+  Confusion by_hand;
+  for (const std::uint32_t run : runs) {
+    const FullRun full = classify_full_run(other.run_folder(run) / "events.aedat4", classifier, 1);
+    for (const std::uint32_t i : samples_of_runs(other, {&run, 1})) {
+      const Sample& sample = other.samples()[i];
+      by_hand.add(sample.touch, full.verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);
+    }
+  }
+  EXPECT_EQ(evaluation.guards[1].confusion, by_hand);
+}
+
+TEST(Evaluation, AgainstTheTruthCountsATickAsWhatItTrulyIs) {
+  // By its labels the usb-hub's test run begins its slip 100 ms before it does.
+  const Trained trained({"fan", "usb-hub"}, 2, 4, [](const std::filesystem::path& data) {
+    const auto file = data / "usb-hub/02/labels.json";
+    Labels labels = read_labels(file);
+    labels.intervals[1].start.at = labels.intervals[1].start.low = before(labels.intervals[1].start.at, 100ms);
+    write_labels(file, labels);
+  });
+  const Dataset dataset(trained.file);
+  const Evaluation evaluation = evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+  ASSERT_TRUE(evaluation.truth.has_value());
+  EXPECT_LT(evaluation.accuracy.objects.at("usb-hub").value, 0.95);
+  EXPECT_GT(evaluation.truth->accuracy.objects.at("usb-hub").value, evaluation.accuracy.objects.at("usb-hub").value + 0.05);
+  EXPECT_EQ(evaluation.truth->accuracy.objects.at("fan").value, evaluation.accuracy.objects.at("fan").value);
+  EXPECT_GE(evaluation.network.slip.objects.at("usb-hub").mean_ms.value, 100.0);
+  EXPECT_LT(evaluation.truth->slip.objects.at("usb-hub").mean_ms.value, 50.0);
+  EXPECT_LT(evaluation.over_time.slip.objects.at("usb-hub").first.value,
+            evaluation.truth->over_time.slip.objects.at("usb-hub").first.value);
+}
+
+TEST(RunPrediction, IsWrittenAsOneRowATick) {
+  const Trained trained;
+  const Classifier classifier(trained.bundle.folder, 1);
+  test::make_run(trained.folder / "elsewhere/new/07", 5, false, false);
+  const RunFolder unlabelled = run_folder_at(trained.folder / "elsewhere/new/07");
+  const RunPrediction prediction = predict_run(unlabelled, classifier, {.confirmation = {2, 3}});
+  EXPECT_EQ(prediction.run, "new/07");
+  EXPECT_FALSE(prediction.simulated);
+  EXPECT_TRUE(prediction.detections.empty());
+  EXPECT_EQ(prediction.verdicts, confirmed(prediction.full.verdicts, {2, 3}));
+  const auto file = trained.folder / "a.csv";
+  write_prediction(file, prediction, {{prediction.full.ticks.at(1), Touch::slip}});
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample");
+  std::getline(in, line);
+  EXPECT_TRUE(line.starts_with("5040000,")) << line;
+  EXPECT_TRUE(line.ends_with(",,," + std::to_string(prediction.full.events[0]) + ",")) << line;
+  std::getline(in, line);
+  EXPECT_TRUE(line.ends_with(",slip")) << line;
+  std::size_t rows = 2;
+  while (std::getline(in, line)) ++rows;
+  EXPECT_EQ(rows, prediction.verdicts.size());
+  for (const Probabilities& p : prediction.full.probabilities) EXPECT_NEAR(p[0] + p[1] + p[2], 1.0, 1e-5);
 }
 
 TEST(Evaluation, DoesNotDependOnTheNumberOfThreads) {
@@ -111,77 +189,6 @@ TEST(Evaluation, RefusesAModelOfAnotherDataset) {
   write_dataset(trained.folder / "data", trained.folder / "data/other.h5", {.sampling = {.seed = 2}}, 1);
   const Dataset other(trained.folder / "data/other.h5");
   EXPECT_THROW(evaluate(other, Classifier(trained.bundle.folder, 1), test_runs(other)), Error);
-}
-
-TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
-  const Trained trained({"fan", "small-box", "usb-hub"});
-  const auto result = run_tactile("eval --json", trained.folder.path());
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("models/small"), std::string::npos);
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(read_json(trained.bundle.evaluation()), json);
-  const auto expect_figure = [](const nlohmann::json& figure) {
-    for (const char* key : {"value", "low", "high", "n"}) EXPECT_TRUE(figure.contains(key)) << key << " in " << figure;
-  };
-  expect_figure(json.at("accuracy").at("mean"));
-  expect_figure(json.at("accuracy").at("objects").at("fan"));
-  expect_figure(json.at("false_alarms_per_min"));
-  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position"})
-    expect_figure(json.at("baselines").at(baseline).at("accuracy"));
-  for (const char* touch : {"press", "slip"}) {
-    for (const char* delays : {"delay_ms", "delay_true_ms"}) {
-      const auto& delay = json.at(delays).at(touch);
-      expect_figure(delay.at("mean"));
-      expect_figure(delay.at("median"));
-      for (const char* key : {"sem", "intervals", "misses", "early", "objects"}) EXPECT_TRUE(delay.contains(key)) << key;
-    }
-  }
-  EXPECT_EQ(json.at("confusion").size(), 3U);
-  EXPECT_TRUE(json.at("simulated").get<bool>());
-  const auto text = run_tactile("eval", trained.folder.path());
-  EXPECT_NE(text.out.find("on simulated runs"), std::string::npos);
-  EXPECT_NE(text.out.find("The network's accuracy interval"), std::string::npos);
-  EXPECT_NE(text.out.find("always_press"), std::string::npos);
-}
-
-TEST(EvalCommand, WithoutAModelNamesTheCommandThatTrainsOne) {
-  const test::TemporaryFolder folder;
-  make_runs(folder / "data", {"fan"}, 2);
-  const auto no_dataset = run_tactile("eval", folder.path());
-  EXPECT_EQ(no_dataset.exit_code, 1);
-  EXPECT_NE(no_dataset.err.find("tactile train --th 40"), std::string::npos) << no_dataset.err;
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
-  const auto no_model = run_tactile("eval", folder.path());
-  EXPECT_EQ(no_model.exit_code, 1);
-  EXPECT_NE(no_model.err.find("tactile train --th 40"), std::string::npos) << no_model.err;
-}
-
-TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
-  const Trained trained(test::six_objects, 2);
-  const auto refused = run_tactile("eval --unseen --no-train", trained.folder.path());
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("tactile train --th 40 --split unseen --epochs 4"), std::string::npos) << refused.err;
-
-  const auto result = run_tactile("eval --unseen --json --threads 1", trained.folder.path());
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("is missing: it is trained first"), std::string::npos) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(read_json(trained.bundle.unseen_evaluation()), json);
-  const auto& objects = json.at("unseen").at("objects");
-  EXPECT_EQ(objects.size(), 5U);
-  for (const auto& [name, object] : objects.items()) {
-    const double seen = object.at("seen").at("value"), held_out = object.at("held_out").at("value");
-    EXPECT_NEAR(object.at("difference").at("value").get<double>(), held_out - seen, 1e-12) << name;
-  }
-  // Run 01 of a held-out object was learned from by the other model.
-  const std::set<std::string> runs = json.at("unseen").at("runs");
-  EXPECT_EQ(runs, (std::set<std::string>{"fan/02", "plastic-container/02", "small-box/02", "sprayer/02", "textured-box/02"}));
-  EXPECT_EQ(json.at("unseen").at("models").at("seen"), "small");
-  EXPECT_TRUE(json.contains("accuracy"));
-
-  const auto again = run_tactile("eval --unseen --no-train --json", trained.folder.path());
-  EXPECT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_EQ(nlohmann::json::parse(again.out).at("unseen"), json.at("unseen"));
 }
 
 }  // namespace

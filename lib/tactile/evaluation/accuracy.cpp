@@ -78,9 +78,10 @@ Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions&
 Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b, const BootstrapOptions& options) {
   bool same = a.size() == b.size();
   for (std::size_t i = 0; same && i < a.size(); ++i) {
-    same = a[i].object == b[i].object && a[i].confusion.samples() == b[i].confusion.samples();
+    same = a[i].object == b[i].object;
   }
-  if (!same) throw Error("difference of accuracies: the two are not of the same runs; expected the same runs in the same order");
+  if (!same)
+    throw Error("difference of accuracies: the two are not of the same objects; expected the same runs in the same order");
   return accuracy_by(
       a,
       [a, b](std::span<const std::size_t> indexes) -> std::optional<double> {

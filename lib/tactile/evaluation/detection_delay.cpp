@@ -47,6 +47,13 @@ double standard_error_of(std::span<const double> values) {
   return std::sqrt(squares / (n - 1) / n);
 }
 
+std::map<std::string, std::vector<std::size_t>> runs_that_have(Touch touch, std::span<const RunDetections> runs) {
+  return runs_by_object(runs, [touch](const RunDetections& run) {
+    return std::any_of(run.detections.begin(), run.detections.end(),
+                       [touch](const Detection& d) { return d.interval.touch == touch; });
+  });
+}
+
 template <class MakeFigure>
 DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch, MakeFigure make_figure) {
   DelaySummary summary;
@@ -132,20 +139,20 @@ void to_json(nlohmann::json& json, const DelayTable& table) {
   json["objects"] = table.objects;
 }
 
+DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {
+  const RunsByObject chosen = without_names(runs_that_have(touch, runs));
+  return summary_of(runs, chosen, touch,
+                    [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
+}
+
 DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [touch](const RunDetections& run) {
-    return std::any_of(run.detections.begin(), run.detections.end(),
-                       [touch](const Detection& d) { return d.interval.touch == touch; });
-  });
   DelayTable table;
-  for (const auto& [name, indexes] : objects) {
+  for (const auto& [name, indexes] : runs_that_have(touch, runs)) {
     table.objects[name] = summary_of(runs, {indexes}, touch, [&, &of = indexes](const Statistic& statistic) {
       return figure_of_object(of, statistic, options);
     });
   }
-  const RunsByObject chosen = without_names(objects);
-  table.all = summary_of(runs, chosen, touch,
-                         [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
+  table.all = delay_summary(runs, touch, options);
   return table;
 }
 

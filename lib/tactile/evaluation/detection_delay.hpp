@@ -73,6 +73,8 @@ struct DelayTable {
 void to_json(nlohmann::json& json, const DelaySummary& summary);
 void to_json(nlohmann::json& json, const DelayTable& table);
 
+/// Over all runs only, as `delay_table(...).all`.
+DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options = {});
 DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options = {});
 
 }  // namespace tactile

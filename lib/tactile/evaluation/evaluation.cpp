@@ -4,18 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/run_folder.hpp"
-#include "tactile/core/version.hpp"
 #include "tactile/evaluation/full_run.hpp"
-#include "tactile/labels/labels.hpp"
+#include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/train_model.hpp"
-#include "tactile/simulation/truth.hpp"
 
 namespace tactile {
 namespace {
@@ -30,11 +30,18 @@ void check_same_dataset(const Dataset& dataset, const Classifier& classifier) {
       classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
 }
 
-/// The balanced samples of one run as the network and the baselines see them.
+/// The balanced samples of one run as the baselines see them.
 struct RunSamples {
-  std::vector<Touch> truth, said;
+  std::vector<Touch> truth;
   std::vector<std::uint64_t> events;
   std::vector<Features> moments, fields;
+
+  void add(Touch touch, std::uint64_t events_in_window, std::span<const std::uint8_t> heatmap, SensorSize size) {
+    truth.push_back(touch);
+    events.push_back(events_in_window);
+    moments.push_back(moments_of(heatmap, size));
+    fields.push_back(shares_of_fields(heatmap, size));
+  }
 };
 
 std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
@@ -51,20 +58,15 @@ std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t ru
   return counts;
 }
 
-RunSamples samples_of(const Dataset& dataset, const Classifier& classifier, std::uint32_t run, unsigned threads) {
-  const auto samples = samples_of_runs(dataset, {&run, 1});
-  const auto heatmaps = sample_heatmaps(dataset, classifier.rendering(), samples, threads);
-  const std::size_t cells = samples.empty() ? 0 : heatmaps.size() / samples.size();
-  RunSamples of_run;
-  of_run.said = classifier.verdicts(heatmaps, threads);
-  of_run.events = event_counts(dataset, run, samples, classifier.rendering().history);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    of_run.truth.push_back(dataset.samples()[samples[i]].touch);
-    const auto heatmap = std::span(heatmaps).subspan(i * cells, cells);
-    of_run.moments.push_back(moments_of(heatmap, classifier.input_size()));
-    of_run.fields.push_back(shares_of_fields(heatmap, classifier.input_size()));
+void add_samples(RunSamples& samples, const Dataset& dataset, const Classifier& classifier, std::uint32_t run, unsigned threads) {
+  const auto indexes = samples_of_runs(dataset, {&run, 1});
+  const auto heatmaps = sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
+  const auto events = event_counts(dataset, run, indexes, classifier.rendering().history);
+  const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
+  for (std::size_t i = 0; i < indexes.size(); ++i) {
+    samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells),
+                classifier.input_size());
   }
-  return of_run;
 }
 
 std::vector<BaselineScore> baseline_scores(const RunSamples& training, std::span<const RunSamples> tests,
@@ -99,30 +101,40 @@ std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std
   return verdicts;
 }
 
-/// What a run holds to detect.
-struct RunTruth {
-  std::vector<TouchInterval> labelled;  ///< with labels that the dataset used
-  std::vector<TouchInterval> all;       ///< those in doubt too
-  bool has_truth = false;
-  std::vector<TouchInterval> true_ones, unlabelled;
-  std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`
-};
-
-RunTruth truth_of(const Dataset& dataset, std::uint32_t run) {
-  RunTruth truth;
-  for (const DatasetInterval& interval : dataset.intervals()) {
-    if (interval.run_index == run && interval.interval.touch != Touch::none) truth.labelled.push_back(interval.interval);
-  }
+RunFolder folder_of(const Dataset& dataset, std::uint32_t run) {
   const DatasetRun& names = dataset.runs()[run];
-  const RunFolder folder{dataset.run_folder(run), names.object, names.run};
-  for (const LabelledInterval& interval : read_labels(folder.labels()).intervals) truth.all.push_back(interval.interval());
-  truth.has_truth = std::filesystem::exists(folder.truth());
-  if (!truth.has_truth) return truth;
-  for (const TrueInterval& interval : read_truth(folder.truth()).intervals) {
-    (interval.labelled ? truth.true_ones : truth.unlabelled).push_back(interval.interval);
-    if (interval.labelled) truth.gross.push_back(interval.gross);
+  return {dataset.run_folder(run), names.object, names.run};
+}
+
+/// The dataset's samples of a run, ascending in time.
+std::vector<Sample> samples_in(const Dataset& dataset, std::uint32_t run) {
+  std::vector<Sample> samples;
+  for (const std::uint32_t index : samples_of_runs(dataset, {&run, 1})) samples.push_back(dataset.samples()[index]);
+  return samples;
+}
+
+/// The samples that the dataset would have of this run by another guard; by its own, those that it has.
+std::vector<Sample> samples_by_guard(const Dataset& dataset, std::uint32_t run, const RunTruth& truth, const TickRange& ticks,
+                                     microseconds history, microseconds guard) {
+  if (guard == dataset.sampling().guard) return samples_in(dataset, run);
+  if (ticks.count == 0) return {};
+  SamplingOptions options = dataset.sampling();
+  options.guard = guard;
+  const DatasetRun& names = dataset.runs()[run];
+  return balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
+                          seed_for(options.seed, {"windows", names.object, names.run}), options);
+}
+
+/// The place of a sample's tick in a full run.
+std::size_t place_of(const Sample& sample, const TickRange& ticks, const std::string& run) {
+  const microseconds since = between(ticks.first, sample.t);
+  if (since < microseconds{0} || since % ticks.tick != microseconds{0} || since / ticks.tick >= ticks.count) {
+    throw Error(
+        fmt::format("{}: its sample at {} us lies at no tick of the model's, {} us apart from {} us on; expected a dataset "
+                    "and a model of one tick",
+                    run, us_of(sample.t), ticks.tick.count(), us_of(ticks.first)));
   }
-  return truth;
+  return static_cast<std::size_t>(since / ticks.tick);
 }
 
 /// How one detector did on one run.
@@ -131,38 +143,119 @@ struct RunScore {
   FalseAlarms false_alarms;
 };
 
-RunScore score_of(const FullRun& run, const RunTruth& truth, microseconds guard, const DelayOptions& options) {
+RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
+                  std::span<const TouchInterval> all, std::span<const TouchInterval> unlabelled, microseconds guard,
+                  const DelayOptions& options) {
   RunScore score;
-  score.detections = detections_of(run.ticks, run.verdicts, truth.labelled, options);
-  score.false_alarms = false_alarms_of(run.ticks, run.verdicts, truth.all, truth.unlabelled, score.detections, guard);
+  score.detections = detections_of(ticks, verdicts, to_detect, options);
+  score.false_alarms = false_alarms_of(ticks, verdicts, all, unlabelled, score.detections, guard);
   return score;
 }
 
-struct FullRunScore {
+/// All that is kept of a run.
+struct RunResult {
+  Confusion confusion;
+  Reliability reliability;
+  std::vector<Confusion> by_guard;
+  RunSamples samples;
   RunScore network;
   std::array<RunScore, trivial_count> trivial;
+  std::vector<RunScore> by_threshold;
+  OverTimeOfRun over_time;
   bool has_truth = false;
-  std::vector<Detection> true_ones, gross;
+  Confusion true_confusion;
+  RunScore against_truth;
+  std::vector<Detection> gross;
+  OverTimeOfRun true_over_time;
 };
 
-FullRunScore score_full_run(const FullRun& run, const RunTruth& truth, const std::string& name, microseconds guard,
-                            const EvaluationOptions& options) {
-  FullRunScore score;
-  score.network = score_of(run, truth, guard, options.delay);
-  for (std::size_t i = 0; i < trivial_count; ++i) {
-    const FullRun trivial{run.ticks, trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, name)};
-    score.trivial[i] = score_of(trivial, truth, guard, options.delay);
+/// What every run is scored by.
+struct Scoring {
+  const Dataset& dataset;
+  const Classifier& classifier;
+  const EvaluationOptions& options;
+  microseconds guard;                         ///< of false alarms
+  std::vector<microseconds> sampling_guards;  ///< the dataset's own first
+};
+
+RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned threads,
+                    const std::function<void(std::size_t)>& advance) {
+  const Dataset& dataset = scoring.dataset;
+  const EvaluationOptions& options = scoring.options;
+  const RunFolder folder = folder_of(dataset, run_index);
+  const std::string name = name_of(dataset.runs()[run_index]);
+  const std::vector<Sample> samples = samples_in(dataset, run_index);
+  RunResult result;
+  std::size_t next = 0;
+  const auto see = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
+    if (next == samples.size() || tick != samples[next].t) return;
+    result.samples.add(samples[next].touch, events, heatmap, scoring.classifier.input_size());
+    ++next;
+  };
+  const FullRun run = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
+  const std::vector<Touch> verdicts = confirmed(run.verdicts, options.confirmation);
+  const RunTruth truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  const std::vector<TouchInterval> labelled = truth.used(), all = truth.all_labelled();
+
+  result.has_truth = truth.has_truth;
+  for (const Sample& sample : samples) {
+    const std::size_t k = place_of(sample, run.ticks, name);
+    result.confusion.add(sample.touch, verdicts[k]);
+    result.reliability.add(static_cast<double>(run.probabilities[k][static_cast<std::size_t>(run.verdicts[k])]),
+                           run.verdicts[k] == sample.touch);
+    if (truth.has_truth) result.true_confusion.add(touch_at(sample.t, truth.true_ones), verdicts[k]);
   }
-  score.has_truth = truth.has_truth;
-  score.true_ones = detections_of(run.ticks, run.verdicts, truth.true_ones, options.delay);
-  for (std::size_t i = 0; i < score.true_ones.size(); ++i) {
-    if (truth.gross[i]) score.gross.push_back(counted_from(score.true_ones[i], *truth.gross[i], run.ticks));
+  for (const microseconds guard : scoring.sampling_guards) {
+    Confusion confusion;
+    for (const Sample& sample :
+         samples_by_guard(dataset, run_index, truth, run.ticks, scoring.classifier.rendering().history, guard))
+      confusion.add(sample.touch, verdicts[place_of(sample, run.ticks, name)]);
+    result.by_guard.push_back(confusion);
   }
-  return score;
+  const auto score = [&](std::span<const Touch> said) {
+    return score_of(run.ticks, said, labelled, all, truth.unlabelled, scoring.guard, options.delay);
+  };
+  result.network = score(verdicts);
+  for (std::size_t i = 0; i < trivial_count; ++i)
+    result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, name));
+  for (const double threshold : default_thresholds())
+    result.by_threshold.push_back(score(confirmed(verdicts_above(run.probabilities, threshold), options.confirmation)));
+  result.over_time = over_time_of(run.ticks, verdicts, labelled, options.over_time);
+  if (!truth.has_truth) return result;
+  result.against_truth =
+      score_of(run.ticks, verdicts, truth.true_ones, truth.true_ones, truth.unlabelled, scoring.guard, options.delay);
+  for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
+    if (truth.gross[i]) result.gross.push_back(counted_from(result.against_truth.detections[i], *truth.gross[i], run.ticks));
+  }
+  result.true_over_time = over_time_of(run.ticks, verdicts, truth.true_ones, options.over_time);
+  return result;
+}
+
+/// Calls `work` for each run with the threads it may use, and tells how many ticks are done.
+void for_full_runs(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> runs, unsigned threads,
+                   const ProgressCallback& progress,
+                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
+  std::vector<std::size_t> expected(runs.size());
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    check_unchanged(dataset, runs[i]);
+    expected[i] = expected_ticks(folder_of(dataset, runs[i]).events(), classifier.rendering());
+  });
+  std::uint64_t total = 0, done = 0;
+  for (const std::size_t ticks : expected) total += ticks;
+  std::mutex guard_progress;
+  const auto threads_each = std::max(1U, threads / std::max(1U, static_cast<unsigned>(runs.size())));
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    const auto advance = [&](std::size_t ticks) {
+      const std::scoped_lock lock(guard_progress);
+      done += ticks;
+      tell(progress, done, total, "every tick of " + name_of(dataset.runs()[runs[i]]));
+    };
+    work(i, threads_each, advance);
+  });
 }
 
 template <class RunScoreOf>
-DetectorScore detector_score(std::span<const FullRunScore> runs, std::span<const std::string> objects,
+DetectorScore detector_score(std::span<const RunResult> runs, std::span<const std::string> objects,
                              const BootstrapOptions& bootstrap, RunScoreOf run_score_of) {
   std::vector<RunDetections> detections;
   std::vector<RunFalseAlarms> alarms;
@@ -175,36 +268,50 @@ DetectorScore detector_score(std::span<const FullRunScore> runs, std::span<const
           false_alarm_table(alarms, bootstrap)};
 }
 
-std::vector<FullRunScore> score_full_runs(const Dataset& dataset, const Classifier& classifier,
-                                          std::span<const std::uint32_t> runs, microseconds guard,
-                                          const EvaluationOptions& options, const ProgressCallback& progress) {
-  const unsigned threads = threads_or_all(options.threads);
-  std::vector<std::size_t> expected(runs.size());
-  parallel_for(runs.size(), threads, [&](std::size_t i) {
-    check_unchanged(dataset, runs[i]);
-    expected[i] = expected_ticks(dataset.run_folder(runs[i]) / "events.aedat4", classifier.rendering());
-  });
-  std::uint64_t total = 0, done = 0;
-  for (const std::size_t ticks : expected) total += ticks;
-  std::mutex guard_progress;
-  std::vector<FullRunScore> scores(runs.size());
-  parallel_for(runs.size(), threads, [&](std::size_t i) {
-    const std::string name = name_of(dataset.runs()[runs[i]]);
-    const auto advance = [&](std::size_t ticks) {
-      const std::scoped_lock lock(guard_progress);
-      done += ticks;
-      tell(progress, done, total, "every tick of " + name);
-    };
-    const FullRun run = classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier, 1, advance);
-    scores[i] = score_full_run(run, truth_of(dataset, runs[i]), name, guard, options);
-  });
-  return scores;
+/// One thing of each run's result, as tables over runs take it.
+template <class Entry, class ValueOf>
+std::vector<Entry> of_runs(std::span<const RunResult> runs, std::span<const std::string> objects, ValueOf value_of) {
+  std::vector<Entry> entries;
+  for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({objects[i], value_of(runs[i])});
+  return entries;
 }
 
-nlohmann::json detector_json(const DetectorScore& score) {
-  return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}},
-          {"false_alarms_per_min", score.false_alarms.per_min},
-          {"false_alarms", score.false_alarms}};
+Confusion sum_of(std::span<const RunConfusion> runs) {
+  Confusion sum;
+  for (const RunConfusion& run : runs) sum += run.confusion;
+  return sum;
+}
+
+/// Runs without a truth are left out.
+TruthScore truth_score(std::span<const RunResult> runs, std::span<const std::string> objects, const EvaluationOptions& options) {
+  std::vector<RunResult> with_truth;
+  std::vector<std::string> their_objects;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].has_truth) continue;
+    with_truth.push_back(runs[i]);
+    their_objects.push_back(objects[i]);
+  }
+  const auto confusions =
+      of_runs<RunConfusion>(with_truth, their_objects, [](const RunResult& run) { return run.true_confusion; });
+  const DetectorScore detector = detector_score(with_truth, their_objects, options.bootstrap,
+                                                [](const RunResult& run) -> const RunScore& { return run.against_truth; });
+  const auto gross = of_runs<RunDetections>(with_truth, their_objects, [](const RunResult& run) { return run.gross; });
+  const auto over_time = of_runs<RunOverTime>(with_truth, their_objects, [](const RunResult& run) { return run.true_over_time; });
+  return {accuracy_of(confusions, options.bootstrap),
+          sum_of(confusions),
+          detector.press,
+          detector.slip,
+          delay_table(gross, Touch::slip, options.bootstrap),
+          detector.false_alarms,
+          accuracy_over_time(over_time, options.over_time, options.bootstrap)};
+}
+
+std::vector<microseconds> guards_beside(microseconds own) {
+  std::vector<microseconds> guards{own};
+  for (const microseconds other : {microseconds{100'000}, microseconds{0}}) {
+    if (other != own) guards.push_back(other);
+  }
+  return guards;
 }
 
 nlohmann::json compared(const Figure& seen, const Figure& held_out, const Figure& difference) {
@@ -228,6 +335,7 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   check_same_dataset(dataset, classifier);
   const unsigned threads = threads_or_all(options.threads);
   const ModelDescription& model = classifier.model();
+  const BootstrapOptions& bootstrap = options.bootstrap;
   Evaluation evaluation;
   evaluation.model = {
       {"name", classifier.bundle().filename().string()}, {"settings", model.settings}, {"weights_sha256", model.weights_sha256}};
@@ -235,8 +343,10 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   evaluation.manifest_hash = dataset.manifest_hash();
   evaluation.simulated = dataset.simulated();
   evaluation.guard = options.guard.value_or(dataset.sampling().guard);
+  evaluation.sampling_guard = dataset.sampling().guard;
   evaluation.tick = classifier.rendering().tick;
-  evaluation.bootstrap = options.bootstrap;
+  evaluation.confirmation = options.confirmation;
+  evaluation.bootstrap = bootstrap;
   std::vector<std::string> objects;
   for (const std::uint32_t run : test_runs) {
     objects.push_back(dataset.runs()[run].object);
@@ -244,76 +354,53 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   }
 
   // Full runs first: a run folder that has changed is told before anything else is worked on.
-  const auto full = score_full_runs(dataset, classifier, test_runs, evaluation.guard, options, progress);
-  const auto& bootstrap = options.bootstrap;
+  const Scoring scoring{dataset, classifier, options, evaluation.guard, guards_beside(evaluation.sampling_guard)};
+  std::vector<RunResult> runs(test_runs.size());
+  for_full_runs(dataset, classifier, test_runs, threads, progress,
+                [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
+                  runs[i] = score_run(scoring, test_runs[i], threads_each, advance);
+                });
+
+  evaluation.runs = of_runs<RunConfusion>(runs, objects, [](const RunResult& run) { return run.confusion; });
+  evaluation.accuracy = accuracy_of(evaluation.runs, bootstrap);
+  evaluation.confusion = sum_of(evaluation.runs);
+  evaluation.classes = class_scores_of(evaluation.runs, bootstrap);
+  evaluation.calibration =
+      calibration_of(of_runs<RunReliability>(runs, objects, [](const RunResult& run) { return run.reliability; }), bootstrap);
+  for (std::size_t i = 0; i < scoring.sampling_guards.size(); ++i) {
+    const auto of_guard = of_runs<RunConfusion>(runs, objects, [i](const RunResult& run) { return run.by_guard[i]; });
+    evaluation.guards.push_back({scoring.sampling_guards[i], accuracy_of(of_guard, bootstrap),
+                                 accuracy_difference(evaluation.runs, of_guard, bootstrap), sum_of(of_guard)});
+  }
   evaluation.network =
-      detector_score(full, objects, bootstrap, [](const FullRunScore& run) -> const RunScore& { return run.network; });
+      detector_score(runs, objects, bootstrap, [](const RunResult& run) -> const RunScore& { return run.network; });
   for (std::size_t i = 0; i < trivial_count; ++i) {
     evaluation.trivial[trivial_names[i]] =
-        detector_score(full, objects, bootstrap, [i](const FullRunScore& run) -> const RunScore& { return run.trivial[i]; });
+        detector_score(runs, objects, bootstrap, [i](const RunResult& run) -> const RunScore& { return run.trivial[i]; });
   }
-  if (std::any_of(full.begin(), full.end(), [](const FullRunScore& run) { return run.has_truth; })) {
-    std::vector<RunDetections> true_ones, gross;
-    for (std::size_t i = 0; i < full.size(); ++i) {
-      true_ones.push_back({objects[i], full[i].true_ones});
-      gross.push_back({objects[i], full[i].gross});
-    }
-    evaluation.true_press = delay_table(true_ones, Touch::press, bootstrap);
-    evaluation.true_slip = delay_table(true_ones, Touch::slip, bootstrap);
-    evaluation.gross_slip = delay_table(gross, Touch::slip, bootstrap);
+  for (std::size_t i = 0; i < default_thresholds().size(); ++i) {
+    evaluation.operating_curve.push_back(operating_point(
+        default_thresholds()[i],
+        of_runs<RunDetections>(runs, objects, [i](const RunResult& run) { return run.by_threshold[i].detections; }),
+        of_runs<RunFalseAlarms>(runs, objects, [i](const RunResult& run) { return run.by_threshold[i].false_alarms; }),
+        bootstrap));
   }
+  evaluation.over_time = accuracy_over_time(
+      of_runs<RunOverTime>(runs, objects, [](const RunResult& run) { return run.over_time; }), options.over_time, bootstrap);
+  if (std::any_of(runs.begin(), runs.end(), [](const RunResult& run) { return run.has_truth; }))
+    evaluation.truth = truth_score(runs, objects, options);
 
   RunSamples training;
   const Split split = split_of(dataset, model.settings.split);
-  const std::size_t steps = split.train_runs.size() + test_runs.size();
   std::size_t step = 0;
   for (const std::uint32_t run : split.train_runs) {
-    tell(progress, step++, steps, "training samples of " + name_of(dataset.runs()[run]));
-    const RunSamples of_run = samples_of(dataset, classifier, run, threads);
-    training.truth.insert(training.truth.end(), of_run.truth.begin(), of_run.truth.end());
-    training.events.insert(training.events.end(), of_run.events.begin(), of_run.events.end());
-    training.moments.insert(training.moments.end(), of_run.moments.begin(), of_run.moments.end());
-    training.fields.insert(training.fields.end(), of_run.fields.begin(), of_run.fields.end());
+    tell(progress, step++, split.train_runs.size(), "training samples of " + name_of(dataset.runs()[run]));
+    add_samples(training, dataset, classifier, run, threads);
   }
   std::vector<RunSamples> tests;
-  std::vector<RunConfusion> confusions;
-  for (const std::uint32_t run : test_runs) {
-    tell(progress, step++, steps, "test samples of " + name_of(dataset.runs()[run]));
-    tests.push_back(samples_of(dataset, classifier, run, threads));
-    confusions.push_back({dataset.runs()[run].object, confusion_of(tests.back().truth, tests.back().said)});
-    evaluation.confusion += confusions.back().confusion;
-  }
-  evaluation.accuracy = accuracy_of(confusions, bootstrap);
+  for (RunResult& run : runs) tests.push_back(std::move(run.samples));
   evaluation.baselines = baseline_scores(training, tests, objects, bootstrap);
   return evaluation;
-}
-
-void to_json(nlohmann::json& json, const Evaluation& evaluation) {
-  json = {{"title", title_of(evaluation)},
-          {"simulated", evaluation.simulated},
-          {"model", evaluation.model},
-          {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
-          {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-          {"bootstrap",
-           {{"draws", evaluation.bootstrap.draws},
-            {"confidence", evaluation.bootstrap.confidence},
-            {"seed", evaluation.bootstrap.seed}}},
-          {"guard_ms", static_cast<double>(evaluation.guard.count()) / 1000},
-          {"tick_ms", static_cast<double>(evaluation.tick.count()) / 1000},
-          {"classes", nlohmann::json::array()},
-          {"test_runs", evaluation.test_runs},
-          {"accuracy", evaluation.accuracy},
-          {"confusion", evaluation.confusion}};
-  for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
-  json.update(detector_json(evaluation.network));
-  for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
-  for (const BaselineScore& baseline : evaluation.baselines) {
-    json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
-  }
-  if (evaluation.true_press) json["delay_true_ms"] = {{"press", *evaluation.true_press}, {"slip", *evaluation.true_slip}};
-  if (evaluation.gross_slip) json["delay_gross_ms"] = {{"slip", *evaluation.gross_slip}};
-  const auto above = evaluation.above_baselines();
-  json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
 }
 
 std::string title_of(const Evaluation& evaluation) {
@@ -322,19 +409,32 @@ std::string title_of(const Evaluation& evaluation) {
 }
 
 std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
-                                            std::span<const std::uint32_t> runs, unsigned threads,
+                                            std::span<const std::uint32_t> runs, const EvaluationOptions& options,
                                             const ProgressCallback& progress) {
   check_same_dataset(dataset, classifier);
-  std::vector<RunConfusion> confusions;
-  for (const std::uint32_t run : runs) {
-    tell(progress, confusions.size(), runs.size(), "test samples of " + name_of(dataset.runs()[run]));
-    const auto samples = samples_of_runs(dataset, {&run, 1});
-    const auto said =
-        classifier.verdicts(sample_heatmaps(dataset, classifier.rendering(), samples, threads), threads_or_all(threads));
-    Confusion confusion;
-    for (std::size_t i = 0; i < samples.size(); ++i) confusion.add(dataset.samples()[samples[i]].touch, said[i]);
-    confusions.push_back({dataset.runs()[run].object, confusion});
+  const unsigned threads = threads_or_all(options.threads);
+  std::vector<RunConfusion> confusions(runs.size());
+  const auto add = [&](std::size_t i, std::span<const Sample> samples, auto said_of) {
+    confusions[i].object = dataset.runs()[runs[i]].object;
+    for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, said_of(k));
+  };
+  if (options.confirmation.of == 1) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      tell(progress, i, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
+      const auto indexes = samples_of_runs(dataset, {&runs[i], 1});
+      const auto said = classifier.verdicts(sample_heatmaps(dataset, classifier.rendering(), indexes, threads), threads);
+      add(i, samples_in(dataset, runs[i]), [&](std::size_t k) { return said[k]; });
+    }
+    return confusions;
   }
+  for_full_runs(dataset, classifier, runs, threads, progress,
+                [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
+                  const FullRun run = classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
+                  const auto verdicts = confirmed(run.verdicts, options.confirmation);
+                  const auto samples = samples_in(dataset, runs[i]);
+                  add(i, samples,
+                      [&](std::size_t k) { return verdicts[place_of(samples[k], run.ticks, name_of(dataset.runs()[runs[i]]))]; });
+                });
   return confusions;
 }
 
@@ -349,15 +449,15 @@ void to_json(nlohmann::json& json, const UnseenComparison& comparison) {
 }
 
 UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,
-                                std::span<const std::uint32_t> runs, const BootstrapOptions& options, unsigned threads,
+                                std::span<const std::uint32_t> runs, const EvaluationOptions& options,
                                 const ProgressCallback& progress) {
-  const auto by_seen = sample_confusions(dataset, seen, runs, threads, progress);
-  const auto by_held_out = sample_confusions(dataset, held_out, runs, threads, progress);
+  const auto by_seen = sample_confusions(dataset, seen, runs, options, progress);
+  const auto by_held_out = sample_confusions(dataset, held_out, runs, options, progress);
   UnseenComparison comparison{seen.bundle().filename().string(),
                               held_out.bundle().filename().string(),
-                              accuracy_of(by_seen, options),
-                              accuracy_of(by_held_out, options),
-                              accuracy_difference(by_seen, by_held_out, options),
+                              accuracy_of(by_seen, options.bootstrap),
+                              accuracy_of(by_held_out, options.bootstrap),
+                              accuracy_difference(by_seen, by_held_out, options.bootstrap),
                               {}};
   for (const std::uint32_t run : runs) comparison.runs.push_back(name_of(dataset.runs()[run]));
   return comparison;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -10,9 +11,14 @@
 
 #include "tactile/core/progress.hpp"
 #include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/accuracy_over_time.hpp"
 #include "tactile/evaluation/baselines.hpp"
+#include "tactile/evaluation/calibration.hpp"
+#include "tactile/evaluation/class_scores.hpp"
+#include "tactile/evaluation/confirmation.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
+#include "tactile/evaluation/operating_curve.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/windows/dataset.hpp"
 
@@ -21,7 +27,9 @@ namespace tactile {
 struct EvaluationOptions {
   std::optional<microseconds> guard =
       std::nullopt;  ///< after an interval, alarms are counted apart for so long; >= 0, the dataset's own if not given
+  Confirmation confirmation{};
   DelayOptions delay{};
+  OverTimeOptions over_time{};
   BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it
 };
@@ -38,35 +46,58 @@ struct BaselineScore {
   Accuracy accuracy;
 };
 
+/// Accuracy on balanced samples whose none keeps another distance from every interval.
+struct GuardScore {
+  microseconds guard{0};
+  Accuracy accuracy;
+  Accuracy difference;  ///< to the accuracy on the dataset's own samples, paired over runs
+  Confusion confusion;
+};
+
+/// Against what truly happened, of simulated runs.
+struct TruthScore {
+  Accuracy accuracy;  ///< on the same samples, each with the class that its tick truly has
+  Confusion confusion;
+  DelayTable press, slip;  ///< from the true onset
+  DelayTable gross_slip;   ///< from `gross_us`, negative where told before it
+  FalseAlarmTable false_alarms;
+  OverTime over_time;
+};
+
 /// What a model does on runs that it was not trained on.
 struct Evaluation {
   nlohmann::json model;  ///< its name, settings and the hash of its weights
   std::string dataset, manifest_hash;
   bool simulated = false;
-  microseconds guard{0}, tick{0};
+  microseconds guard{0}, sampling_guard{0}, tick{0};
+  Confirmation confirmation;
   BootstrapOptions bootstrap;
   std::vector<std::string> test_runs;
 
+  std::vector<RunConfusion> runs;  ///< of the balanced samples of each test run, in order
   Accuracy accuracy;
   Confusion confusion;
+  ClassScores classes;
+  Calibration calibration;         ///< of the network's own verdicts, unconfirmed
+  std::vector<GuardScore> guards;  ///< the dataset's own first, then 100 ms and 0 where they are others
   std::vector<BaselineScore> baselines;
-  DetectorScore network;                         ///< against the labels
-  std::map<std::string, DetectorScore> trivial;  ///< "always_press", "always_slip", "random", against the same labels
-
-  /// Of simulated runs: delays against the true onsets, and of slips against `gross_us`, negative where told before it.
-  std::optional<DelayTable> true_press, true_slip, gross_slip;
+  DetectorScore network;  ///< against the labels
+  std::map<std::string, DetectorScore>
+      trivial;  ///< "always_press", "always_slip", "random", unconfirmed, against the same labels
+  OverTime over_time;
+  std::vector<OperatingPoint> operating_curve;  ///< confirmed as the verdicts are
+  std::optional<TruthScore> truth;
 
   /// Whether the network's accuracy interval lies above that of every baseline; nothing where one of them is not known.
   std::optional<bool> above_baselines() const;
 };
 
-/// Evaluates a model on runs of the dataset that it was trained on: accuracy and baselines on balanced samples; delays and false
-/// alarms at every tick of the run folders.
+/// Evaluates a model on runs of the dataset that it was trained on, all by one pass over every tick of their run folders: a
+/// balanced sample has the verdict at its tick.
 ///
 /// @param test_runs  indexes into the dataset's runs, none of them trained on
-/// @throws Error  if the model is of another dataset, a run folder's events or labels are not those the dataset was made from, or
-/// a
-///                recording cannot be read
+/// @throws Error  if the model is of another dataset, a run folder's events or labels are not those the dataset was made from, a
+///                sample lies at no tick of the model's, or a recording cannot be read
 Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
                     const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
@@ -76,9 +107,11 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation);
 /// "Evaluation of th040-single-run-01-s1 on simulated runs"
 std::string title_of(const Evaluation& evaluation);
 
-/// What the network says of the balanced samples of these runs, one entry a run.
+/// What the network says of the balanced samples of these runs, one entry a run: from the dataset's heatmaps, or from every tick
+/// of the run folders where verdicts are to be confirmed.
+/// @throws Error as `evaluate`
 std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
-                                            std::span<const std::uint32_t> runs, unsigned threads = 0,
+                                            std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
                                             const ProgressCallback& progress = {});
 
 /// Accuracies of two models on the same runs.
@@ -94,7 +127,7 @@ void to_json(nlohmann::json& json, const UnseenComparison& comparison);
 
 /// Compares on `runs`, which neither model was trained on. @throws Error as `evaluate`
 UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,
-                                std::span<const std::uint32_t> runs, const BootstrapOptions& options = {}, unsigned threads = 0,
+                                std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
                                 const ProgressCallback& progress = {});
 
 /// The runs that neither of two splits trains on, of the objects that `held_out` holds out.

@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/heatmaps/run_heatmaps.hpp"
 
 namespace tactile {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::size_t batch = 256;  // heatmaps rendered before they are classif
 }  // namespace
 
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t)>& advance) {
+                          const std::function<void(std::size_t)>& advance, const TickCallback& see) {
   RecordingReader reader(recording);
   const Stream& stream = event_stream(reader);
   const SensorSize size = stream.size ? heatmap_size(*stream.size, classifier.rendering().factor) : SensorSize{};
@@ -29,12 +29,15 @@ FullRun classify_full_run(const std::filesystem::path& recording, const Classifi
   FullRun run;
   std::vector<std::uint8_t> waiting;
   const auto classify_waiting = [&] {
-    const auto verdicts = classifier.verdicts(waiting, threads);
-    run.verdicts.insert(run.verdicts.end(), verdicts.begin(), verdicts.end());
+    const auto logits = classifier.classify(waiting, threads);
+    std::transform(logits.begin(), logits.end(), std::back_inserter(run.verdicts), verdict_of);
+    std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities), probabilities_of);
     waiting.clear();
-    if (advance) advance(verdicts.size());
+    if (advance) advance(logits.size());
   };
-  const auto use = [&](CameraTime, std::span<const std::uint8_t> heatmap, std::uint64_t) {
+  const auto use = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
+    if (see) see(tick, heatmap, events);
+    run.events.push_back(events);
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };

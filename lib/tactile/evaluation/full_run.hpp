@@ -1,29 +1,34 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
 
-/// A verdict at every full tick of a run.
+/// What a model says at every full tick of a run; one entry for each tick.
 struct FullRun {
   TickRange ticks;
-  std::vector<Touch> verdicts;  ///< one for each tick
+  std::vector<Touch> verdicts;               ///< the likeliest, unconfirmed
+  std::vector<Probabilities> probabilities;  ///< of none, press, slip
+  std::vector<std::uint64_t> events;         ///< in [t_c - t_h, t_c)
 };
 
 /// Renders every full tick of a recording with the model's own settings and classifies it, batch by batch: memory follows the
-/// batch.
+/// batch, and the ticks.
 ///
 /// @param threads  to classify on, > 0; the verdicts do not depend on it
 /// @param advance  told after each batch how many ticks it held, may be empty
+/// @param see      handed each tick as it is rendered, may be empty
 /// @throws Error   if the recording cannot be read, or its sensor gives heatmaps of another size than the model's
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t ticks)>& advance = {});
+                          const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {});
 
 /// About how many full ticks a recording holds, from its list of packets.
 std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options);

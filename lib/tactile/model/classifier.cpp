@@ -37,7 +37,11 @@ const HeatmapOptions& Classifier::rendering() const { return state_->description
 SensorSize Classifier::input_size() const { return state_->description.input; }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps) const {
-  return state_->network.logits(heatmaps, state_->threads);
+  return classify(heatmaps, state_->threads);
+}
+
+std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
+  return state_->network.logits(heatmaps, threads);
 }
 
 std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps) const {
@@ -45,10 +49,17 @@ std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps) 
 }
 
 std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
-  const auto logits = state_->network.logits(heatmaps, threads);
+  const auto logits = classify(heatmaps, threads);
   std::vector<Touch> verdicts(logits.size());
   std::transform(logits.begin(), logits.end(), verdicts.begin(), verdict_of);
   return verdicts;
+}
+
+std::vector<Probabilities> Classifier::probabilities(std::span<const std::uint8_t> heatmaps) const {
+  const auto logits = classify(heatmaps);
+  std::vector<Probabilities> probabilities(logits.size());
+  std::transform(logits.begin(), logits.end(), probabilities.begin(), probabilities_of);
+  return probabilities;
 }
 
 }  // namespace tactile

@@ -37,10 +37,14 @@ class Classifier {
   /// @param heatmaps  [n, height, width] of `input_size()`, one after the other
   /// @return n times the logits of none, press, slip
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
+  std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
   /// The verdicts of the same. May be called from several threads at once.
   std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps) const;
   std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
+
+  /// The probabilities of the same. May be called from several threads at once.
+  std::vector<Probabilities> probabilities(std::span<const std::uint8_t> heatmaps) const;
 
  private:
   struct State;

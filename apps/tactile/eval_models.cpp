@@ -1,0 +1,106 @@
+#include "eval_models.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "model_arguments.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/model/train_model.hpp"
+
+namespace tactile {
+
+namespace fs = std::filesystem;
+
+std::string train_command(const EvalArguments& args, const ModelSettings& settings) {
+  std::string command = "tactile train";
+  const ModelSettings defaults;
+  const auto add = [&](const std::string& option, const auto& value, const auto& usual) {
+    if (value != usual) command += fmt::format(" --{} {}", option, value);
+  };
+  if (args.data != "data") command += " " + args.data;
+  command += fmt::format(" --th {}", static_cast<double>(settings.rendering.history.count()) / 1000);
+  if (settings.split.kind == SplitKind::unseen) {
+    command += " --split unseen";
+    nlohmann::json ours = settings, usual = settings;
+    ModelSettings with_default = settings;
+    with_default.split.held_out = default_held_out();
+    usual = with_default;
+    if (ours != usual) command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
+  }
+  add("train-run", settings.split.train_run, defaults.split.train_run);
+  add("seed", settings.training.seed, defaults.training.seed);
+  add("epochs", settings.training.epochs, defaults.training.epochs);
+  add("batch", settings.training.batch, defaults.training.batch);
+  add("lr", settings.training.learning_rate, defaults.training.learning_rate);
+  add("schedule", name_of(settings.training.schedule), name_of(defaults.training.schedule));
+  add("optimizer", name_of(settings.training.optimizer), name_of(defaults.training.optimizer));
+  add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
+  add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
+  add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
+  add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
+  // An early stop brings a validation part of its own, which the option makes another.
+  add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
+  add("early-stop", settings.training.early_stop, defaults.training.early_stop);
+  if (settings.from) command += " --from " + settings.from->name;
+  const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
+  add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
+  add("resize", rendering.at("resize").get<std::string>(), usual.at("resize").get<std::string>());
+  add("factor", settings.rendering.factor, defaults.rendering.factor);
+  add("tick-us", settings.rendering.tick.count(), defaults.rendering.tick.count());
+  add("models", args.models, std::string("models"));
+  return command;
+}
+
+ModelBundle bundle_named(const EvalArguments& args) {
+  const fs::path given(args.model);
+  if (fs::exists(given)) return {given.filename().empty() ? given.parent_path() : given};
+  return {fs::path(args.models) / given};
+}
+
+std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind) {
+  return newest_bundle(args.models, [&](const ModelDescription& model) {
+    return model.manifest_hash == dataset.manifest_hash() && model.settings.split.kind == kind;
+  });
+}
+
+ModelSettings with_split(ModelSettings settings, SplitKind kind) {
+  settings.split.kind = kind;
+  if (kind == SplitKind::unseen) settings.split.held_out = default_held_out();
+  return settings;
+}
+
+ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
+                       const ModelSettings& settings, const std::optional<ModelBundle>& other) {
+  const auto same = [&](const ModelDescription& model) {
+    return model.manifest_hash == dataset.manifest_hash() && same_settings(model.settings, settings);
+  };
+  const auto same_but_held_out = [&](const ModelDescription& model) {
+    ModelSettings alike = model.settings;
+    alike.split.held_out = settings.split.held_out;
+    return model.manifest_hash == dataset.manifest_hash() && same_settings(alike, settings);
+  };
+  if (const auto found = newest_bundle(args.models, same)) return *found;
+  if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
+  const ModelBundle bundle{fs::path(args.models) / default_name(settings)};
+  const std::string command = train_command(args, settings);
+  if (settings.from) {
+    throw Error(
+        fmt::format("{}: missing, and a model that goes on from another is not trained by itself; expected this model, run '{}' "
+                    "first",
+                    bundle.folder.string(), command));
+  }
+  if (args.no_train)
+    throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));
+  if (fs::exists(bundle.folder)) {
+    throw Error(fmt::format("{}: is there, but of another dataset or damaged; expected it of {}, run '{} --force' first",
+                            bundle.folder.string(), dataset.file().string(), command));
+  }
+  const auto rate = other ? images_per_s(*other) : std::nullopt;
+  spdlog::info("{} is missing: it is trained first, as by '{}': {}", bundle.folder.string(), command,
+               training_estimate(dataset, settings, rate, common.threads));
+  train_model(dataset, settings, bundle, {.threads = common.threads, .resume = true}, progress_line(common));
+  return bundle;
+}
+
+}  // namespace tactile

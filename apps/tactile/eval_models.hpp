@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "tactile/model/model_bundle.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+struct EvalArguments {
+  std::string data = "data";
+  std::string models = "models", model;
+  bool unseen = false, no_train = false;
+  double guard_ms = -1;
+  std::string confirm = "1/1";
+  std::vector<std::string> runs;  ///< to be shown over time; the rest is left undone then
+  std::string out;
+};
+
+/// The `tactile train` that makes a model of these settings.
+std::string train_command(const EvalArguments& args, const ModelSettings& settings);
+
+/// That of `--model`: a folder, or a name below `--models`.
+ModelBundle bundle_named(const EvalArguments& args);
+
+/// The model of this dataset and kind of split that was trained last.
+std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind);
+
+ModelSettings with_split(ModelSettings settings, SplitKind kind);
+
+/// The model of the same settings that holds objects out, or does not; trained where it is missing.
+/// @param other  whose speed of training tells how long it will take
+ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
+                       const ModelSettings& settings, const std::optional<ModelBundle>& other);
+
+}  // namespace tactile

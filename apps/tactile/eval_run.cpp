@@ -1,0 +1,212 @@
+#include "eval_run.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "model_arguments.hpp"
+#include "openmp_threads.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/report/prediction_picture.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The run that is meant, and its place in the dataset if it has one.
+struct ChosenRun {
+  RunFolder folder;
+  std::optional<std::uint32_t> in_dataset;
+};
+
+ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const std::optional<Dataset>& dataset) {
+  if (dataset) {
+    for (std::uint32_t i = 0; i < dataset->runs().size(); ++i) {
+      const DatasetRun& run = dataset->runs()[i];
+      std::error_code unreadable;
+      if (name_of(run) == given || fs::equivalent(dataset->run_folder(i), given, unreadable))
+        return {{dataset->run_folder(i), run.object, run.run}, i};
+    }
+  }
+  const fs::path data = fs::is_regular_file(args.data) ? fs::path(args.data).parent_path() : fs::path(args.data);
+  const fs::path folder = fs::is_directory(given) ? fs::path(given) : data / given;
+  if (!fs::is_directory(folder)) {
+    throw Error(
+        fmt::format("{}: no such run; expected object/run of {}, such as fan/02, or a run's folder", given, data.string()));
+  }
+  recording_in(folder);
+  return {run_folder_at(folder), {}};
+}
+
+ModelBundle model_for_runs(const EvalArguments& args, const std::optional<Dataset>& dataset) {
+  if (!args.model.empty()) return bundle_named(args);
+  std::optional<ModelBundle> found;
+  if (dataset) found = newest_of(args, *dataset, SplitKind::single_run);
+  if (!found) found = newest_bundle(args.models, [](const ModelDescription&) { return true; });
+  if (!found) throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
+  return *found;
+}
+
+std::string outcome_of(const Detection& detection) {
+  switch (detection.outcome) {
+    case DetectionOutcome::detected:
+      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
+    case DetectionOutcome::missed:
+      return "missed";
+    case DetectionOutcome::early:
+      return "early";
+  }
+  return "";
+}
+
+/// How an interval was met; "in doubt" where its labels are.
+std::string words_of(const TouchInterval& interval, const RunPrediction& prediction) {
+  for (const Detection& detection : prediction.detections) {
+    if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return outcome_of(detection);
+  }
+  return "in doubt";
+}
+
+PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& classifier, const Confirmation& confirmation,
+                             bool learned_from) {
+  PredictionPicture picture;
+  picture.title = fmt::format("{}{} as {} sees it{}", prediction.run, prediction.simulated ? " (simulated)" : "",
+                              classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
+  const double history_ms = static_cast<double>(classifier.rendering().history.count()) / 1000;
+  for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
+    const Probabilities& p = prediction.full.probabilities[k];
+    picture.ticks.push_back({prediction.full.ticks.at(static_cast<std::int64_t>(k)),
+                             static_cast<double>(prediction.full.events[k]) / history_ms,
+                             static_cast<double>(p[static_cast<std::size_t>(Touch::press)]),
+                             static_cast<double>(p[static_cast<std::size_t>(Touch::slip)]), prediction.verdicts[k]});
+  }
+  picture.has_labels = !prediction.truth.labels.empty();
+  for (const SampledInterval& label : prediction.truth.labels)
+    picture.labels.push_back({label.interval, words_of(label.interval, prediction)});
+  picture.has_truth = prediction.truth.has_truth;
+  picture.truth = prediction.truth.true_ones;
+  picture.unlabelled = prediction.truth.unlabelled;
+  std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms,
+                                     static_cast<double>(classifier.rendering().tick.count()) / 1000);
+  if (confirmation.of > 1)
+    settings += fmt::format("; said in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
+  picture.remarks.push_back(settings + ".");
+  if (picture.has_labels) {
+    const FalseAlarms& alarms = prediction.false_alarms;
+    picture.remarks.push_back(fmt::format(
+        "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion that "
+        "nobody labels: {}.",
+        alarms.alarms, alarms.after_intervals, alarms.unlabelled));
+  }
+  return picture;
+}
+
+nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundle, bool learned_from, const fs::path& stem) {
+  nlohmann::json json{{"run", prediction.run},
+                      {"model", bundle.name()},
+                      {"simulated", prediction.simulated},
+                      {"learned_from", learned_from},
+                      {"ticks", prediction.verdicts.size()},
+                      {"csv", stem.string() + ".csv"},
+                      {"png", stem.string() + ".png"},
+                      {"svg", stem.string() + ".svg"},
+                      {"intervals", nlohmann::json::array()}};
+  for (const Detection& detection : prediction.detections) {
+    const bool detected = detection.outcome == DetectionOutcome::detected;
+    json["intervals"].push_back(
+        {{"class", name_of(detection.interval.touch)},
+         {"start_us", us_of(detection.interval.start)},
+         {"end_us", us_of(detection.interval.end)},
+         {"outcome", detected                                        ? "detected"
+                     : detection.outcome == DetectionOutcome::missed ? "missed"
+                                                                     : "early"},
+         {"delay_ms", detected ? nlohmann::json(static_cast<double>(detection.delay.count()) / 1000) : nlohmann::json()}});
+  }
+  json["false_alarms"] = prediction.truth.labels.empty() ? nlohmann::json() : nlohmann::json(prediction.false_alarms.alarms);
+  return json;
+}
+
+/// The same with a name of its own for each run: object and run, whatever the folder above it is.
+fs::path stem_of(const EvalArguments& args, const ModelBundle& bundle, const RunFolder& run) {
+  return (args.out.empty() ? bundle.folder / "runs" : fs::path(args.out)) / (run.object + "-" + run.run);
+}
+
+}  // namespace
+
+void show_runs(const EvalArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
+  std::optional<Dataset> dataset;
+  if (fs::exists(dataset_file(args.data))) dataset.emplace(dataset_file(args.data));
+  std::vector<ChosenRun> runs;
+  for (const std::string& given : args.runs) runs.push_back(chosen_run(given, args, dataset));
+  const ModelBundle bundle = model_for_runs(args, dataset);
+  const Classifier classifier(bundle.folder, common.threads);
+  const ModelDescription& model = classifier.model();
+  spdlog::info("every tick as {} sees it", bundle.folder.string());
+
+  PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = common.threads};
+  if (dataset) options.guard = dataset->sampling().guard;
+  if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
+  if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
+
+  const bool of_this_dataset = dataset && model.manifest_hash == dataset->manifest_hash();
+  std::vector<std::size_t> expected;
+  for (const ChosenRun& run : runs) {
+    if (of_this_dataset && run.in_dataset) check_unchanged(*dataset, *run.in_dataset);
+    expected.push_back(expected_ticks(run.folder.events(), classifier.rendering()));
+  }
+  std::uint64_t total = 0, done = 0;
+  for (const std::size_t ticks : expected) total += ticks;
+
+  const ProgressCallback progress = progress_line(common);
+  nlohmann::json json = {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"runs", nlohmann::json::array()}};
+  std::vector<std::vector<std::string>> rows;
+  for (const ChosenRun& run : runs) {
+    const std::string name = run.folder.name();
+    const bool learned_from =
+        of_this_dataset && std::find(model.train_runs.begin(), model.train_runs.end(), name) != model.train_runs.end();
+    const RunPrediction prediction = predict_run(run.folder, classifier, options, [&](std::size_t ticks) {
+      done += ticks;
+      tell(progress, done, total, "every tick of " + name);
+    });
+    if (prediction.verdicts.empty()) {
+      throw Error(fmt::format("{}: shorter than the history of {} ms; expected a full tick at least", name,
+                              static_cast<double>(classifier.rendering().history.count()) / 1000));
+    }
+    std::map<CameraTime, Touch> samples;
+    if (of_this_dataset && run.in_dataset) {
+      for (const Sample& sample : dataset->samples()) {
+        if (sample.run_index == *run.in_dataset) samples[sample.t] = sample.touch;
+      }
+    }
+    const fs::path stem = stem_of(args, bundle, run.folder);
+    write_prediction(stem.string() + ".csv", prediction, samples);
+    const PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
+    for (const char* extension : {".png", ".svg"}) draw_prediction(picture, stem.string() + extension);
+    json["runs"].push_back(json_of(prediction, bundle, learned_from, stem));
+
+    std::string met;
+    for (const Detection& detection : prediction.detections)
+      met += fmt::format("{}{} {}", met.empty() ? "" : ", ", name_of(detection.interval.touch), outcome_of(detection));
+    rows.push_back({name, std::to_string(prediction.verdicts.size()),
+                    prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
+                    met.empty() ? "no labels" : met});
+    spdlog::info("{}: {}", name, stem.string() + ".csv, .png, .svg");
+  }
+  print_result(common, json,
+               fmt::format("Every tick as {} sees it\n\n", bundle.name()) +
+                   text_table({"run", "ticks", "false alarms", ""}, rows) + "\nWritten to " +
+                   stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, PNG and SVG each\n");
+}
+
+}  // namespace tactile

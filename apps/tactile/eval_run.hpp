@@ -1,0 +1,11 @@
+#pragma once
+
+#include "command.hpp"
+#include "eval_models.hpp"
+
+namespace tactile {
+
+/// `tactile eval --run`: what a model says over the whole of each run, as CSV, PNG and SVG.
+void show_runs(const EvalArguments& args, const CommonArguments& common);
+
+}  // namespace tactile

@@ -1,0 +1,217 @@
+#include "eval_tables.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+using Row = std::vector<std::string>;
+
+std::string percent(const Figure& figure) {
+  return std::isfinite(figure.value) ? fmt::format("{:.2f}", 100 * figure.value) : "-";
+}
+
+/// "[lower, upper]", both times `scale`.
+std::string bounds(const Figure& figure, double scale) {
+  return figure.low ? fmt::format("[{:.2f}, {:.2f}]", scale * *figure.low, scale * *figure.high) : "-";
+}
+
+std::string baselines_not_below(const Evaluation& evaluation) {
+  std::string names;
+  for (const BaselineScore& baseline : evaluation.baselines) {
+    if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
+  }
+  return names;
+}
+
+std::string number(const Figure& figure) { return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-"; }
+
+std::string accuracy_text(const Evaluation& evaluation) {
+  std::vector<Row> rows;
+  for (const auto& [name, figure] : evaluation.accuracy.objects)
+    rows.push_back({name, percent(figure), bounds(figure, 100), std::to_string(figure.n) + (figure.n == 1 ? " run" : " runs")});
+  const Figure& mean = evaluation.accuracy.mean;
+  rows.push_back({"mean over objects", percent(mean), bounds(mean, 100), std::to_string(mean.n) + " objects"});
+  if (evaluation.truth) {
+    const Figure& by_truth = evaluation.truth->accuracy.mean;
+    rows.push_back({"mean, by the truth", percent(by_truth), bounds(by_truth, 100), std::to_string(by_truth.n) + " objects"});
+  }
+  std::string text = text_table({"accuracy on balanced samples [%]", "", "95 %", ""}, rows) + "\n";
+
+  rows.clear();
+  rows.push_back({"network", percent(mean), bounds(mean, 100)});
+  for (const BaselineScore& baseline : evaluation.baselines)
+    rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
+  text += text_table({"beside the baselines, mean over objects [%]", "", "95 %"}, rows);
+  const auto above = evaluation.above_baselines();
+  text += !above ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
+          : *above
+              ? "The network's accuracy interval lies above every baseline's.\n\n"
+              : wrapped("The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") +
+                    "\n\n";
+
+  return text;
+}
+
+std::string classes_text(const Evaluation& evaluation) {
+  std::vector<Row> rows, score_rows;
+  for (const Touch truth : all_touches) {
+    const auto index = static_cast<std::size_t>(truth);
+    Row row{std::string(name_of(truth))};
+    for (const std::uint64_t count : evaluation.confusion.counts[index]) row.push_back(std::to_string(count));
+    rows.push_back(row);
+    const ClassScore& score = evaluation.classes.all[index];
+    score_rows.push_back({std::string(name_of(truth)), percent(score.precision), bounds(score.precision, 100),
+                          percent(score.recall), bounds(score.recall, 100), percent(score.f1), bounds(score.f1, 100)});
+  }
+  return text_table({"true \\ said", "none", "press", "slip"}, rows) + "\n" +
+         text_table({"class [%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
+         wrapped(fmt::format("The network's probabilities are off by {} % {} in the mean (expected calibration error).",
+                             percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100))) +
+         "\n\n";
+}
+
+std::string guards_text(const Evaluation& evaluation) {
+  std::vector<Row> rows;
+  for (const GuardScore& score : evaluation.guards) {
+    const bool own = score.guard == evaluation.sampling_guard;
+    rows.push_back({fmt::format("{} ms{}", static_cast<double>(score.guard.count()) / 1000, own ? ", the dataset's own" : ""),
+                    percent(score.accuracy.mean), bounds(score.accuracy.mean, 100), own ? "" : percent(score.difference.mean),
+                    own ? "" : bounds(score.difference.mean, 100)});
+  }
+  return text_table({"none kept from intervals by", "accuracy [%]", "95 %", "difference", "95 %"}, rows) + "\n";
+}
+
+std::string over_time_text(const Evaluation& evaluation) {
+  std::vector<Row> rows;
+  const OverTime* truth = evaluation.truth ? &evaluation.truth->over_time : nullptr;
+  const auto row = [&](const std::string& name, const Figure& by_labels, const Figure* by_truth) {
+    rows.push_back({name, percent(by_labels), bounds(by_labels, 100), by_truth != nullptr ? percent(*by_truth) : "",
+                    by_truth != nullptr ? bounds(*by_truth, 100) : ""});
+  };
+  const auto add = [&](const std::string& name, const ShareOverTime& labels, const ShareOverTime* by_truth) {
+    const auto ms = [](microseconds us) { return us.count() / 1000; };
+    const OverTimeOptions& options = evaluation.over_time.options;
+    row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
+    row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
+    row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
+    row(fmt::format("{}, last - first", name), labels.last_minus_first, by_truth ? &by_truth->last_minus_first : nullptr);
+  };
+  add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
+  add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);
+  std::vector<std::string> header{"every tick of intervals said right [%]", "by labels", "95 %"};
+  if (truth) header.insert(header.end(), {"by the truth", "95 %"});
+  return text_table(header, rows) + "\n";
+}
+
+std::string operating_text(const Evaluation& evaluation) {
+  std::vector<Row> rows;
+  const auto told = [](const DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); };
+  for (const OperatingPoint& point : evaluation.operating_curve) {
+    // Those that a person compares; eval.json has them all.
+    const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
+    if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
+    rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), told(point.press),
+                    number(point.slip.mean_ms), told(point.slip), number(point.false_alarms.per_min),
+                    bounds(point.false_alarms.per_min, 1)});
+  }
+  return text_table(
+      {"said where as likely as", "press [ms]", "miss + early", "slip [ms]", "miss + early", "false alarms per min", "95 %"},
+      rows);
+}
+
+constexpr const char* delay_legend =
+    "One tick is the best delay possible; it is averaged over the intervals that were detected. miss: not detected within 500 ms "
+    "or the interval; early: said long before it began. 95 %: bootstrap interval, sem: standard error of the mean; - : too few "
+    "to tell. In brackets, detectors that know nothing: one that detects at once by chance pays with false alarms. From gross "
+    "slip: "
+    "below 0 where told before it.";
+
+constexpr const char* false_alarm_legend =
+    "A false alarm begins in no interval; one that begins within the guard after an interval is counted apart, and so is one in "
+    "real motion that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run.";
+
+Row delay_row(const std::string& name, const DelaySummary& delay) {
+  return {name,
+          number(delay.mean_ms),
+          bounds(delay.mean_ms, 1),
+          std::isfinite(delay.sem_ms) ? fmt::format("{:.2f}", delay.sem_ms) : "-",
+          number(delay.median_ms),
+          std::to_string(delay.intervals),
+          std::to_string(delay.misses),
+          std::to_string(delay.early)};
+}
+
+std::string delay_text(const std::string& title, const DelayTable& network,
+                       const std::vector<std::pair<std::string, const DelayTable*>>& others) {
+  std::vector<Row> rows;
+  for (const auto& [name, delay] : network.objects) rows.push_back(delay_row(name, delay));
+  rows.push_back(delay_row("all", network.all));
+  for (const auto& [name, table] : others) rows.push_back(delay_row(name, table->all));
+  return text_table({title, "mean", "95 %", "sem", "median", "of", "misses", "early"}, rows) + "\n";
+}
+
+std::string delays_text(const Evaluation& evaluation) {
+  std::vector<std::pair<std::string, const DelayTable*>> press, slip;
+  for (const auto& [name, score] : evaluation.trivial) {
+    press.emplace_back("(" + name + ")", &score.press);
+    slip.emplace_back("(" + name + ")", &score.slip);
+  }
+  if (evaluation.truth) {
+    press.emplace_back("from the true onset", &evaluation.truth->press);
+    slip.emplace_back("from the true onset", &evaluation.truth->slip);
+    slip.emplace_back("from gross slip", &evaluation.truth->gross_slip);
+  }
+  return delay_text("delay of press [ms]", evaluation.network.press, press) +
+         delay_text("delay of slip [ms]", evaluation.network.slip, slip) + wrapped(delay_legend) + "\n\n";
+}
+
+std::string false_alarms_text(const Evaluation& evaluation) {
+  const auto minutes = [](microseconds us) { return fmt::format("{:.3f}", static_cast<double>(us.count()) / 60e6); };
+  const auto row = [&](const std::string& name, const FalseAlarmTable& table) {
+    const FalseAlarms& total = table.total;
+    return Row{name,
+               number(table.per_min),
+               bounds(table.per_min, 1),
+               fmt::format("{} in {}", total.alarms, minutes(total.none_time)),
+               fmt::format("{} in {}", total.after_intervals, minutes(total.after_intervals_time)),
+               fmt::format("{} in {}", total.unlabelled, minutes(total.unlabelled_time))};
+  };
+  std::vector<Row> rows{row("network", evaluation.network.false_alarms)};
+  if (evaluation.truth) rows.push_back(row("network, by the truth", evaluation.truth->false_alarms));
+  for (const auto& [name, score] : evaluation.trivial) rows.push_back(row("(" + name + ")", score.false_alarms));
+  return text_table({"false alarms per min", "", "95 %", "in min", "after", "unlabelled"}, rows) + wrapped(false_alarm_legend) +
+         "\n\n";
+}
+
+}  // namespace
+
+std::string text_of(const Evaluation& evaluation) {
+  std::string title = title_of(evaluation);
+  if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
+  return title + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
+         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation);
+}
+
+std::string text_of(const UnseenComparison& comparison, bool simulated) {
+  std::vector<Row> rows;
+  const auto row = [&](const std::string& name, const Figure& seen, const Figure& held_out, const Figure& difference) {
+    rows.push_back({name, percent(seen), bounds(seen, 100), percent(held_out), bounds(held_out, 100), percent(difference),
+                    bounds(difference, 100)});
+  };
+  for (const auto& [name, seen] : comparison.seen.objects)
+    row(name, seen, comparison.held_out.objects.at(name), comparison.difference.objects.at(name));
+  row("mean over objects", comparison.seen.mean, comparison.held_out.mean, comparison.difference.mean);
+  return fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither learned from\n\n",
+                     comparison.seen_model, comparison.held_out_model, comparison.runs.size(), simulated ? "simulated" : "real") +
+         text_table({"accuracy on balanced samples [%]", "seen", "95 %", "held out", "95 %", "difference", "95 %"}, rows) + "\n";
+}
+
+}  // namespace tactile

@@ -1,0 +1,223 @@
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "openmp_threads.hpp"
+#include "option_checks.hpp"
+#include "rendering_arguments.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/study/study.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+struct ReproduceArguments {
+  std::string data = "data", models = "models", out = "study";
+  std::string preset = "quick";
+  std::vector<std::string> objects{"all"};
+  int runs = 0;
+  bool force = false;
+  std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
+  std::string train_run = "01";
+  std::vector<std::string> held_out = default_held_out();
+  unsigned epochs = 0, seeds = 1;
+  std::uint64_t seed = 1;
+  std::string splits = "0";
+};
+
+/// "all", or a whole number from 0 on.
+std::size_t number_of_splits(const std::string& text) {
+  if (text == "all") return std::numeric_limits<std::size_t>::max();
+  std::size_t number = 0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (failed != std::errc{} || end != text.data() + text.size())
+    throw Error(fmt::format("'{}' is no number of splits; expected a whole number from 0 on, or all", text));
+  return number;
+}
+
+std::string check_splits(const std::string& text) {
+  try {
+    number_of_splits(text);
+    return "";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+std::string check_run_id(const std::string& text) {
+  return is_run_id(text) ? "" : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
+}
+
+StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
+  StudyOptions options;
+  options.data = args.data;
+  options.models = args.models;
+  options.out = args.out;
+  options.preset = args.preset;
+  options.objects = args.objects;
+  if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
+  if (args.runs > 0) options.runs = args.runs;
+  options.force = args.force;
+  options.histories.clear();
+  for (const double history_ms : args.histories_ms) options.histories.push_back(heatmap_options(history_ms, {}).history);
+  options.train_run = args.train_run;
+  options.held_out = args.held_out;
+  if (args.epochs > 0) options.epochs = args.epochs;
+  options.seeds = args.seeds;
+  options.seed = args.seed;
+  options.splits = number_of_splits(args.splits);
+  options.program = std::filesystem::read_symlink("/proc/self/exe");
+  options.threads = common.threads;
+  return options;
+}
+
+/// "97.31 [96.20, 98.10]", as it is or in percent.
+std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
+  if (figure.at("value").is_null()) return "-";
+  std::string text = fmt::format("{:.{}f}", factor * figure.at("value").get<double>(), decimals);
+  const auto bound = [&](const char* key) {
+    return figure.at(key).is_null() ? std::string("?") : fmt::format("{:.{}f}", factor * figure.at(key).get<double>(), decimals);
+  };
+  if (!figure.at("low").is_null() || !figure.at("high").is_null()) text += fmt::format(" [{}, {}]", bound("low"), bound("high"));
+  return text;
+}
+
+std::string mean_of(const nlohmann::json& accuracy) {
+  return accuracy.is_null() ? std::string("-") : figure_text(accuracy.at("mean"), 100, 2);
+}
+
+std::string text_of(const StudySummary& summary) {
+  const nlohmann::json& study = summary.study;
+  std::string text = study.at("title").get<std::string>() + "\n\n";
+
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& history : study.at("histories")) {
+    const auto& accuracy = history.at("accuracy");
+    rows.push_back({fmt::format("{}", history.at("th_ms").get<double>()), mean_of(accuracy.at("choice")),
+                    mean_of(accuracy.at("reported")), mean_of(accuracy.at("all_test"))});
+  }
+  text += "Accuracy by history [%]: mean over objects, and its 95 % interval\n\n" +
+          text_table({"t_h [ms]", "to choose on", "reported", "all test runs"}, rows) + "\n";
+  text += wrapped(study.at("choice").at("why").get<std::string>() +
+                  " In the paper's way: " + study.at("paper_way").at("why").get<std::string>()) +
+          "\n\n";
+
+  if (!study.at("unseen").is_null() && !study.at("unseen").at("reported").is_null()) {
+    rows.clear();
+    for (const auto& [object, figures] : study.at("unseen").at("reported").at("objects").items()) {
+      rows.push_back({object, figure_text(figures.at("seen"), 100, 2), figure_text(figures.at("held_out"), 100, 2),
+                      figure_text(figures.at("difference"), 100, 2)});
+    }
+    text += "Objects trained without [%]\n\n" + text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
+  }
+  if (!study.at("splits_mean").is_null()) {
+    text += wrapped(fmt::format("{} drawn splits: unseen less seen {} points on the reported runs.", study.at("splits").size(),
+                                study.at("splits_mean").at("reported").is_null()
+                                    ? std::string("-")
+                                    : figure_text(study.at("splits_mean").at("reported"), 100, 2))) +
+            "\n\n";
+  }
+
+  rows.clear();
+  for (const auto& claim : study.at("claims")) {
+    rows.push_back({claim.at("id").get<std::string>(), figure_text(claim.at("measured"), 1, 2),
+                    fmt::format("{} {} {}", claim.at("asked").get<std::string>(), claim.at("limit").get<double>(),
+                                claim.at("unit").get<std::string>()),
+                    claim.at("verdict").get<std::string>(), claim.at("all_test").at("verdict").get<std::string>()});
+  }
+  text += "The paper's claims\n\n" + text_table({"claim", "measured", "asked", "verdict", "in the paper's way"}, rows) + "\n";
+  text +=
+      wrapped(study.at("summary").get<std::string>() +
+              (study.at("simulated").get<bool>()
+                   ? " What is measured on simulated runs says nothing about real ones; it tells what the method does on them."
+                   : "")) +
+      "\n";
+  double seconds = 0;
+  for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
+  text += wrapped(fmt::format("{} steps done, {} kept as they were; all steps took {} (min:s), a training one thread each.",
+                              summary.done, summary.kept, clock_text(seconds))) +
+          "\n";
+  text += fmt::format("\nWritten to {}\n", summary.file.string());
+  return text;
+}
+
+void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
+  const StudySummary summary = run_study(
+      options_of(args, common), [&] { return progress_line(common); },
+      [](const std::string& step, bool kept) {
+        if (kept) {
+          spdlog::debug("{}: kept", step);
+        } else {
+          spdlog::info("{}", step);
+        }
+      });
+  nlohmann::json result = summary.study;
+  result["file"] = summary.file.string();
+  result["steps_done"] = summary.done;
+  result["steps_kept"] = summary.kept;
+  print_result(common, result, text_of(summary));
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& app) {
+  auto args = std::make_shared<ReproduceArguments>();
+  CLI::App* command = add_command(app, "reproduce", "The paper's whole study, its claims beside what is measured",
+                                  [args](const CommonArguments& common) { reproduce(*args, common); });
+  command->add_option("data", args->data, "Folder of runs; they are simulated where it holds none")->capture_default_str();
+  command
+      ->add_option(
+          "--preset", args->preset,
+          "tiny: 2 simulated runs per object, 3 epochs, no run to choose on; quick: 3, 6, run 02; paper: 10, 10, runs 02 "
+          "and 03")
+      ->check(one_of({"paper", "quick", "tiny"}))
+      ->capture_default_str();
+  command->add_option("--objects", args->objects, "Objects to simulate, a list with commas, or all")
+      ->delimiter(',')
+      ->type_name("NAME,...")
+      ->capture_default_str();
+  command->add_option("--runs", args->runs, "Runs to simulate per object, instead of the preset's")
+      ->check(in_range(1, 99))
+      ->type_name("N");
+  command->add_flag("--force", args->force, "Replace runs that were simulated with other settings");
+  command->add_option("--th", args->histories_ms, "Histories t_h to train for [ms], a list with commas")
+      ->delimiter(',')
+      ->check(in_range(0.001, 1e5))
+      ->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")
+      ->check(CLI::Validator(check_run_id, ""))
+      ->capture_default_str();
+  command->add_option("--held-out", args->held_out, "Objects of the unseen test, a list with commas; those that there are")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
+      ->check(in_range(1U, 100'000U))
+      ->type_name("N");
+  command->add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
+      ->check(in_range(1U, 1000U))
+      ->capture_default_str();
+  command
+      ->add_option("--seed", args->seed, "Of simulated runs, samples, drawn splits and the first training; others follow on it")
+      ->check(is_seed())
+      ->capture_default_str();
+  command
+      ->add_option("--splits", args->splits,
+                   "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
+      ->check(CLI::Validator(check_splits, "N|all"))
+      ->capture_default_str();
+  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
+  command->add_option("--out", args->out, "Folder of the study")->capture_default_str();
+}
+
+}  // namespace tactile

@@ -1,0 +1,116 @@
+// How near the evaluation of a full run at every tick comes to what it cannot do without, the network's own work on the same
+// heatmaps in batches, and how much of it is rendering. `scripts/bench --evaluation` runs this.
+//
+//   evaluation_benchmark FOLDER RECORDING…    makes a model of first weights in FOLDER; prints a table in Markdown
+//
+// Everything is done in turn on one thread, again and again, and measured by the process's CPU time, the kernel's included, so
+// that other programs hardly matter to it; a ratio is the median of those of one round.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
+#include "tactile/model/lenet.hpp"
+#include "tactile/model/model_bundle.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr int rounds = 9;
+constexpr std::size_t batch = 256, most_heatmaps = 20'000;
+
+double cpu_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const double before = cpu_seconds();
+  work();
+  return cpu_seconds() - before;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+SensorSize sensor_of(const std::filesystem::path& recording) {
+  const RecordingReader reader(recording);
+  const auto size = event_stream(reader).size;
+  if (!size) throw Error(recording.string() + ": declares no sensor size; expected one");
+  return *size;
+}
+
+void measure(const std::filesystem::path& folder, const std::filesystem::path& recording) {
+  ModelDescription description;
+  description.input = heatmap_size(sensor_of(recording), description.settings.rendering.factor);
+  const ModelBundle bundle{folder / "model"};
+  write_bundle(bundle, description, {LeNet(description.input, std::uint64_t{1}).weights(), {}}, {});
+  const Classifier classifier(bundle.folder, 1);
+
+  std::vector<std::uint8_t> heatmaps;
+  std::size_t ticks = 0;
+  const auto render = [&](const TickCallback& use) {
+    RecordingReader reader(recording);
+    for_every_tick(reader, event_stream(reader).id, classifier.rendering(), use);
+  };
+  render([&](CameraTime, std::span<const std::uint8_t> heatmap, std::uint64_t) {
+    ++ticks;
+    if (ticks <= most_heatmaps) heatmaps.insert(heatmaps.end(), heatmap.begin(), heatmap.end());
+  });
+  if (ticks == 0 || ticks > most_heatmaps)
+    throw Error(fmt::format("{}: {} ticks; expected 1 to {}", recording.string(), ticks, most_heatmaps));
+  const std::size_t cells = heatmaps.size() / ticks;
+
+  std::vector<double> network, whole, rendering, reading, ratio, share;
+  for (int round = 0; round < rounds; ++round) {
+    network.push_back(seconds_of([&] {
+      for (std::size_t first = 0; first < ticks; first += batch)
+        classifier.classify(std::span(heatmaps).subspan(first * cells, std::min(batch, ticks - first) * cells), 1);
+    }));
+    whole.push_back(seconds_of([&] { classify_full_run(recording, classifier, 1); }));
+    rendering.push_back(seconds_of([&] { render([](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}); }));
+    reading.push_back(seconds_of([&] {
+      RecordingReader reader(recording);
+      for_all_events(reader, event_stream(reader).id, [](std::span<const Event>) {});
+    }));
+    ratio.push_back(whole.back() / network.back());
+    share.push_back(rendering.back() / whole.back());
+  }
+  const auto us_a_tick = [&](const std::vector<double>& seconds) { return 1e6 * median(seconds) / static_cast<double>(ticks); };
+  fmt::print("| {} | {} | {:.0f} | {:.0f} | **{:.2f}** | {:.1f} | {:.1f} | **{:.1f} %** |\n",
+             recording.parent_path().parent_path().filename().string() + "/" + recording.parent_path().filename().string(), ticks,
+             us_a_tick(whole), us_a_tick(network), median(ratio), us_a_tick(rendering), us_a_tick(reading), 100 * median(share));
+}
+
+}  // namespace
+}  // namespace tactile
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    fmt::print(stderr, "evaluation_benchmark FOLDER RECORDING…\n");
+    return 1;
+  }
+  try {
+    fmt::print(
+        "| run | ticks | evaluation | network alone | ratio | rendering, reading included | reading | share of rendering |\n");
+    fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    for (int i = 2; i < argc; ++i) tactile::measure(argv[1], argv[i]);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,191 @@
+#include "tactile/evaluation/accuracy_over_time.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/accuracy.hpp"
+
+namespace tactile {
+namespace {
+
+/// What of a run's counts is meant.
+using Part = std::function<TickCount(const OverTimeOfRun&)>;
+
+TickCount& operator+=(TickCount& a, const TickCount& b) {
+  a.ticks += b.ticks;
+  a.right += b.right;
+  a.intervals += b.intervals;
+  return a;
+}
+
+/// Counts ticks of one interval at a time, so that it knows how many intervals have one.
+void count(TickCount& counts, bool right, bool& seen) {
+  ++counts.ticks;
+  counts.right += right ? 1 : 0;
+  counts.intervals += seen ? 0 : 1;
+  seen = true;
+}
+
+TickCount sum_of(std::span<const RunOverTime> runs, std::span<const std::size_t> chosen, const Part& part) {
+  TickCount sum;
+  for (const std::size_t i : chosen) sum += part(runs[i].counts);
+  return sum;
+}
+
+std::optional<double> share_of(const TickCount& counts) {
+  if (counts.ticks == 0) return std::nullopt;
+  return static_cast<double>(counts.right) / static_cast<double>(counts.ticks);
+}
+
+Statistic mean_share(std::span<const RunOverTime> runs, const Part& part) {
+  return mean_over_objects(
+      [runs, part](std::span<const std::size_t> of_object) { return share_of(sum_of(runs, of_object, part)); });
+}
+
+Statistic mean_difference(std::span<const RunOverTime> runs, const Part& a, const Part& b) {
+  return mean_over_objects([runs, a, b](std::span<const std::size_t> of_object) -> std::optional<double> {
+    const auto first = share_of(sum_of(runs, of_object, a)), second = share_of(sum_of(runs, of_object, b));
+    if (!first || !second) return std::nullopt;
+    return *second - *first;
+  });
+}
+
+/// The runs in which the part has a tick, by object; n of a figure counts no others.
+std::map<std::string, std::vector<std::size_t>> runs_with(std::span<const RunOverTime> runs, const Part& part) {
+  return runs_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
+}
+
+template <class MakeFigure>
+ShareOverTime shares_of(std::span<const RunOverTime> runs, const Part& first, const Part& later, const Part& last,
+                        MakeFigure figure) {
+  return {figure(first, mean_share(runs, first)), figure(later, mean_share(runs, later)), figure(last, mean_share(runs, last)),
+          figure(last, mean_difference(runs, first, last))};
+}
+
+AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vector<Touch>& touches, const OverTimeOptions& options,
+                             const BootstrapOptions& bootstrap) {
+  // The part is named of one class's counts; classes that count together are summed.
+  const auto part = [&touches](std::function<TickCount(const OverTimeCounts&)> of_class) -> Part {
+    return [&touches, of_class = std::move(of_class)](const OverTimeOfRun& run) {
+      TickCount sum;
+      for (const Touch touch : touches) sum += of_class(run[static_cast<std::size_t>(touch)]);
+      return sum;
+    };
+  };
+  const Part first = part([](const OverTimeCounts& counts) { return counts.first; });
+  const Part later = part([](const OverTimeCounts& counts) { return counts.later; });
+  const Part last = part([](const OverTimeCounts& counts) { return counts.last; });
+
+  AccuracyOverTime accuracy;
+  accuracy.all = shares_of(runs, first, later, last, [&](const Part& of, const Statistic& statistic) {
+    return figure_over_objects(without_names(runs_with(runs, of)), statistic, bootstrap);
+  });
+  for (const auto& object : runs_with(runs, first)) {
+    accuracy.objects[object.first] = shares_of(runs, first, later, last, [&](const Part& of, const Statistic& statistic) {
+      const auto with = runs_with(runs, of);
+      const auto found = with.find(object.first);
+      return found == with.end() ? Figure{} : figure_of_object(found->second, statistic, bootstrap);
+    });
+  }
+
+  const auto curve = [&](std::vector<TickCount> OverTimeCounts::*bins) {
+    std::vector<OverTimeBin> curve_bins;
+    const auto longest = static_cast<std::size_t>(options.longest / options.bin);
+    for (std::size_t i = 0; i < longest; ++i) {
+      const Part of_bin =
+          part([bins, i](const OverTimeCounts& counts) { return i < (counts.*bins).size() ? (counts.*bins)[i] : TickCount{}; });
+      OverTimeBin bin{options.bin * static_cast<std::int64_t>(i), options.bin * static_cast<std::int64_t>(i + 1), {}, 0, 0};
+      const RunsByObject with = without_names(runs_with(runs, of_bin));
+      for (const auto& object : with) {
+        const TickCount counts = sum_of(runs, object, of_bin);
+        bin.ticks += counts.ticks;
+        bin.intervals += counts.intervals;
+      }
+      bin.accuracy = figure_over_objects(with, mean_share(runs, of_bin), bootstrap);
+      curve_bins.push_back(bin);
+    }
+    while (!curve_bins.empty() && curve_bins.back().ticks == 0) curve_bins.pop_back();
+    return curve_bins;
+  };
+  accuracy.since_onset = curve(&OverTimeCounts::since_onset);
+  accuracy.before_end = curve(&OverTimeCounts::before_end);
+  return accuracy;
+}
+
+nlohmann::json json_of(const ShareOverTime& share) {
+  return {{"first", share.first}, {"later", share.later}, {"last", share.last}, {"last_minus_first", share.last_minus_first}};
+}
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
+nlohmann::json json_of(const std::vector<OverTimeBin>& bins) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const OverTimeBin& bin : bins) {
+    json.push_back({{"from_ms", in_ms(bin.from)},
+                    {"to_ms", in_ms(bin.to)},
+                    {"accuracy", bin.accuracy},
+                    {"ticks", bin.ticks},
+                    {"intervals", bin.intervals}});
+  }
+  return json;
+}
+
+nlohmann::json json_of(const AccuracyOverTime& accuracy) {
+  nlohmann::json json = json_of(accuracy.all);
+  json["objects"] = nlohmann::json::object();
+  for (const auto& [name, share] : accuracy.objects) json["objects"][name] = json_of(share);
+  json["since_onset"] = json_of(accuracy.since_onset);
+  json["before_end"] = json_of(accuracy.before_end);
+  return json;
+}
+
+}  // namespace
+
+OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
+                           const OverTimeOptions& options) {
+  if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
+    throw Error("accuracy over time: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
+                " ticks; expected one for each");
+  }
+  const auto bins = static_cast<std::size_t>(options.longest / options.bin);
+  OverTimeOfRun run;
+  for (OverTimeCounts& counts : run) counts.since_onset.resize(bins), counts.before_end.resize(bins);
+  for (const TouchInterval& interval : intervals) {
+    OverTimeCounts& counts = run[static_cast<std::size_t>(interval.touch)];
+    bool in_first = false, in_later = false, in_last = false;
+    std::vector<bool> in_since(bins), in_before(bins);
+    const auto count_in = [&](std::vector<TickCount>& curve, std::vector<bool>& seen_in, std::int64_t place, bool right) {
+      if (place < 0 || place >= static_cast<std::int64_t>(bins)) return;
+      bool seen = seen_in[static_cast<std::size_t>(place)];
+      count(curve[static_cast<std::size_t>(place)], right, seen);
+      seen_in[static_cast<std::size_t>(place)] = seen;
+    };
+    for (std::int64_t k = 0; k < ticks.count; ++k) {
+      const CameraTime t = ticks.at(k);
+      if (!interval.contains(t)) continue;
+      const bool right = verdicts[static_cast<std::size_t>(k)] == interval.touch;
+      const microseconds since = between(interval.start, t), left = between(t, interval.end);
+      count(since <= options.first ? counts.first : counts.later, right, since <= options.first ? in_first : in_later);
+      if (left < options.last) count(counts.last, right, in_last);
+      count_in(counts.since_onset, in_since, (since - microseconds{1}) / options.bin, right);
+      count_in(counts.before_end, in_before, left / options.bin, right);
+    }
+  }
+  return run;
+}
+
+void to_json(nlohmann::json& json, const OverTime& over_time) {
+  json = {{"bin_ms", in_ms(over_time.options.bin)},   {"first_ms", in_ms(over_time.options.first)},
+          {"last_ms", in_ms(over_time.options.last)}, {"press", json_of(over_time.press)},
+          {"slip", json_of(over_time.slip)},          {"both", json_of(over_time.both)}};
+}
+
+OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options,
+                            const BootstrapOptions& bootstrap) {
+  return {options, accuracy_of(runs, {Touch::press}, options, bootstrap), accuracy_of(runs, {Touch::slip}, options, bootstrap),
+          accuracy_of(runs, {Touch::press, Touch::slip}, options, bootstrap)};
+}
+
+}  // namespace tactile

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/touch.hpp"
+#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/windows/sample.hpp"
+
+namespace tactile {
+
+struct OverTimeOptions {
+  microseconds bin{50'000};         ///< of the curves, > 0
+  microseconds longest{3'000'000};  ///< how far from onset and end the curves go, >= bin
+  microseconds first{500'000};      ///< what counts as the beginning of an interval, > 0
+  microseconds last{200'000};       ///< what counts as its end, > 0
+};
+
+/// Ticks of intervals, and how many of them were said right.
+struct TickCount {
+  std::uint64_t ticks = 0, right = 0, intervals = 0;  ///< intervals: that have such a tick
+};
+
+/// The ticks of one run's intervals of one class, by how far they lie from onset and end.
+struct OverTimeCounts {
+  TickCount first, later, last;        ///< within `first` of the onset, behind that, and within `last` of the end
+  std::vector<TickCount> since_onset;  ///< bin i: i * bin < t_c - start <= (i + 1) * bin
+  std::vector<TickCount> before_end;   ///< bin i: i * bin <= end - t_c < (i + 1) * bin
+};
+
+/// By the value of Touch.
+using OverTimeOfRun = std::array<OverTimeCounts, touch_count>;
+
+/// Every tick of every interval counts, however long the interval is.
+/// @param verdicts  one for each tick
+/// @throws Error  if there is not one verdict for each tick
+OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
+                           const OverTimeOptions& options = {});
+
+/// One run's.
+struct RunOverTime {
+  std::string object;
+  OverTimeOfRun counts;
+};
+
+/// The shares of an interval's ticks that were said right: of each object over its runs, then the mean over objects.
+struct ShareOverTime {
+  Figure first, later, last;
+  Figure last_minus_first;  ///< below 0 where verdicts are worse near the end; a tick within both belongs to both
+};
+
+struct OverTimeBin {
+  microseconds from{0}, to{0};
+  Figure accuracy;
+  std::uint64_t ticks = 0, intervals = 0;
+};
+
+struct AccuracyOverTime {
+  ShareOverTime all;
+  std::map<std::string, ShareOverTime> objects;
+  std::vector<OverTimeBin> since_onset, before_end;  ///< up to the last bin with a tick
+};
+
+/// Of press, of slip and of both together.
+struct OverTime {
+  OverTimeOptions options;
+  AccuracyOverTime press, slip, both;
+};
+
+/// {"bin_ms", "first_ms", "last_ms", "press", "slip", "both"}, and in each of the three "first", "later", "last",
+/// "last_minus_first", "objects", "since_onset", "before_end" with "from_ms", "to_ms", "accuracy", "ticks", "intervals" in each
+/// bin.
+void to_json(nlohmann::json& json, const OverTime& over_time);
+
+OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options = {},
+                            const BootstrapOptions& bootstrap = {});
+
+}  // namespace tactile

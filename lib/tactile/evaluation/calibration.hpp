@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/confidence_interval.hpp"
+
+namespace tactile {
+
+inline constexpr std::size_t reliability_bins = 15;
+
+/// Samples by how sure the network was of what it said, its largest probability; bin i holds those in (i / 15, (i + 1) / 15].
+struct Reliability {
+  struct Bin {
+    std::uint64_t samples = 0, correct = 0;
+    double confidence = 0;  ///< the sum over its samples
+  };
+  std::array<Bin, reliability_bins> bins{};
+
+  void add(double confidence, bool right);  ///< the probability of what was said, in [0, 1], and whether it is
+  Reliability& operator+=(const Reliability& other);
+  std::uint64_t samples() const;
+};
+
+/// The expected calibration error, in [0, 1]:
+///
+///   ECE = sum over bins of (samples in it / all samples) * | share of them said right - mean of their largest probability |
+///
+/// Source: Guo et al., On Calibration of Modern Neural Networks, ICML 2017, equation 3.
+double calibration_error(const Reliability& reliability);  ///< 0 without samples
+
+/// The reliability of one run's samples.
+struct RunReliability {
+  std::string object;
+  Reliability reliability;
+};
+
+/// Whether the network's probabilities are what they say.
+struct Calibration {
+  struct Bin {
+    double from = 0, to = 0;
+    std::uint64_t samples = 0;
+    double confidence = 0;  ///< mean of its samples' largest probability; NaN without samples
+    Figure accuracy;        ///< share of them said right; objects drawn first, then runs
+  };
+  Figure error;                           ///< ECE of the samples of all runs together; objects drawn first, then runs
+  std::map<std::string, Figure> objects;  ///< ECE; runs drawn
+  std::vector<Bin> bins;
+};
+
+/// {"ece", "objects", "bins": [{"from", "to", "samples", "confidence", "accuracy"}]}
+void to_json(nlohmann::json& json, const Calibration& calibration);
+
+Calibration calibration_of(std::span<const RunReliability> runs, const BootstrapOptions& options = {});
+
+}  // namespace tactile

@@ -1,0 +1,39 @@
+#include "tactile/evaluation/confirmation.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+
+namespace tactile {
+
+Confirmation confirmation_in(std::string_view text) {
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto needed = whole_number_in(text.substr(0, slash));
+  const auto of = slash < text.size() ? whole_number_in(text.substr(slash + 1)) : std::nullopt;
+  if (!needed || !of || *of < 1 || *of > longest_confirmation || *needed > *of || 2 * *needed <= *of) {
+    throw Error("confirmation '" + std::string(text) + "'; expected k/n with n from 1 to " +
+                std::to_string(longest_confirmation) + " and k more than half of n, such as 2/3");
+  }
+  return {static_cast<unsigned>(*needed), static_cast<unsigned>(*of)};
+}
+
+std::string text_of(const Confirmation& confirmation) {
+  return std::to_string(confirmation.needed) + "/" + std::to_string(confirmation.of);
+}
+
+std::vector<Touch> confirmed(std::span<const Touch> said, const Confirmation& confirmation) {
+  std::vector<Touch> verdicts(said.size(), Touch::none);
+  std::array<unsigned, touch_count> counts{};
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    ++counts[static_cast<std::size_t>(said[i])];
+    if (i >= confirmation.of) --counts[static_cast<std::size_t>(said[i - confirmation.of])];
+    for (const Touch touch : {Touch::press, Touch::slip}) {
+      if (counts[static_cast<std::size_t>(touch)] >= confirmation.needed) verdicts[i] = touch;
+    }
+  }
+  return verdicts;
+}
+
+}  // namespace tactile

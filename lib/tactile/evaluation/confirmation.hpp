@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/touch.hpp"
+
+namespace tactile {
+
+/// How often a class must be said before it is believed: in at least `needed` of the last `of` ticks. More than half of them, so
+/// that no two classes can be confirmed at once. 1 of 1 believes each tick by itself.
+struct Confirmation {
+  unsigned needed = 1;
+  unsigned of = 1;
+
+  friend bool operator==(const Confirmation&, const Confirmation&) = default;
+};
+
+inline constexpr unsigned longest_confirmation = 1000;  ///< ticks
+
+/// "2/3" as {2, 3}. @throws Error  unless both are whole numbers with of / 2 < needed <= of <= longest_confirmation
+Confirmation confirmation_in(std::string_view text);
+
+std::string text_of(const Confirmation& confirmation);  ///< "2/3"
+
+/// The verdict at each tick: the class other than none that was said in at least `needed` of the last `of` ticks, this one
+/// included; none where there is no such class. Ticks before the first count as none.
+///
+/// @param said  one class for each tick
+std::vector<Touch> confirmed(std::span<const Touch> said, const Confirmation& confirmation);
+
+}  // namespace tactile

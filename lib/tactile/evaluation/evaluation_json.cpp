@@ -1,0 +1,69 @@
+#include "tactile/core/version.hpp"
+#include "tactile/evaluation/evaluation.hpp"
+
+namespace tactile {
+namespace {
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
+nlohmann::json detector_json(const DetectorScore& score) {
+  return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}},
+          {"false_alarms_per_min", score.false_alarms.per_min},
+          {"false_alarms", score.false_alarms}};
+}
+
+nlohmann::json guard_json(const GuardScore& score) {
+  nlohmann::json json = score.accuracy;
+  json["guard_ms"] = in_ms(score.guard);
+  json["difference"] = score.difference;
+  json["confusion"] = score.confusion;
+  return json;
+}
+
+void add_truth(nlohmann::json& json, const TruthScore& truth) {
+  json["accuracy_true"] = truth.accuracy;
+  json["confusion_true"] = truth.confusion;
+  json["delay_true_ms"] = {{"press", truth.press}, {"slip", truth.slip}};
+  json["delay_gross_ms"] = {{"slip", truth.gross_slip}};
+  json["false_alarms_true"] = truth.false_alarms;
+  json["over_time_true"] = truth.over_time;
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const Evaluation& evaluation) {
+  json = {{"title", title_of(evaluation)},
+          {"simulated", evaluation.simulated},
+          {"model", evaluation.model},
+          {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
+          {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+          {"bootstrap",
+           {{"draws", evaluation.bootstrap.draws},
+            {"confidence", evaluation.bootstrap.confidence},
+            {"seed", evaluation.bootstrap.seed}}},
+          {"guard_ms", in_ms(evaluation.guard)},
+          {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
+          {"tick_ms", in_ms(evaluation.tick)},
+          {"confirm", text_of(evaluation.confirmation)},
+          {"classes", nlohmann::json::array()},
+          {"test_runs", evaluation.test_runs},
+          {"accuracy", evaluation.accuracy},
+          {"confusion", evaluation.confusion},
+          {"per_class", evaluation.classes},
+          {"calibration", evaluation.calibration},
+          {"accuracy_by_guard", nlohmann::json::array()},
+          {"over_time", evaluation.over_time},
+          {"operating_curve", evaluation.operating_curve}};
+  for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
+  for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
+  json.update(detector_json(evaluation.network));
+  for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
+  for (const BaselineScore& baseline : evaluation.baselines) {
+    json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
+  }
+  if (evaluation.truth) add_truth(json, *evaluation.truth);
+  const auto above = evaluation.above_baselines();
+  json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
+}
+
+}  // namespace tactile

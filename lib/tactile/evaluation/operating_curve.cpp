@@ -1,0 +1,38 @@
+#include "tactile/evaluation/operating_curve.hpp"
+
+#include <algorithm>
+
+namespace tactile {
+
+const std::vector<double>& default_thresholds() {
+  static const std::vector<double> thresholds{0.01, 0.02, 0.05, 0.1,  0.2,  0.3,   0.4,   0.5,   0.6,    0.7,
+                                              0.8,  0.9,  0.95, 0.98, 0.99, 0.995, 0.998, 0.999, 0.9995, 0.9999};
+  return thresholds;
+}
+
+std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, double threshold) {
+  std::vector<Touch> verdicts(probabilities.size());
+  std::transform(probabilities.begin(), probabilities.end(), verdicts.begin(), [threshold](const Probabilities& of) {
+    const Touch likelier =
+        of[static_cast<std::size_t>(Touch::slip)] > of[static_cast<std::size_t>(Touch::press)] ? Touch::slip : Touch::press;
+    return static_cast<double>(of[static_cast<std::size_t>(likelier)]) >= threshold ? likelier : Touch::none;
+  });
+  return verdicts;
+}
+
+void to_json(nlohmann::json& json, const OperatingPoint& point) {
+  json = {{"threshold", point.threshold},
+          {"delay_ms", {{"press", point.press}, {"slip", point.slip}}},
+          {"false_alarms_per_min", point.false_alarms.per_min},
+          {"false_alarms", point.false_alarms.total.alarms}};
+}
+
+OperatingPoint operating_point(double threshold, std::span<const RunDetections> detections,
+                               std::span<const RunFalseAlarms> alarms, const BootstrapOptions& options) {
+  OperatingPoint point{threshold, delay_summary(detections, Touch::press, options),
+                       delay_summary(detections, Touch::slip, options), false_alarm_table(alarms, options)};
+  point.false_alarms.objects.clear();
+  return point;
+}
+
+}  // namespace tactile

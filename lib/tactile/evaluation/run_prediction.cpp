@@ -1,0 +1,62 @@
+#include "tactile/evaluation/run_prediction.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+std::string_view truth_name(CameraTime tick, const RunTruth& truth) {
+  const Touch touch = touch_at(tick, truth.true_ones);
+  return touch == Touch::none && touch_at(tick, truth.unlabelled) != Touch::none ? "unlabelled" : name_of(touch);
+}
+
+}  // namespace
+
+RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options,
+                          const std::function<void(std::size_t)>& advance) {
+  RunPrediction prediction;
+  prediction.run = run.name();
+  prediction.simulated = std::filesystem::exists(run.info()) && read_run_info(run).simulated;
+  prediction.truth = read_run_truth(run, options.include_flagged);
+  prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
+  prediction.verdicts = confirmed(prediction.full.verdicts, options.confirmation);
+  const TickRange& ticks = prediction.full.ticks;
+  prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);
+  if (prediction.truth.labels.empty()) return prediction;
+  prediction.false_alarms = false_alarms_of(ticks, prediction.verdicts, prediction.truth.all_labelled(),
+                                            prediction.truth.unlabelled, prediction.detections, options.guard);
+  return prediction;
+}
+
+void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,
+                      const std::map<CameraTime, Touch>& samples) {
+  const std::vector<TouchInterval> labels = prediction.truth.all_labelled();
+  WholeFile whole(file);
+  std::ofstream out(whole.path(), std::ios::binary);
+  out << "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n";
+  std::string line;
+  for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
+    const CameraTime t = prediction.full.ticks.at(static_cast<std::int64_t>(k));
+    const Probabilities& p = prediction.full.probabilities[k];
+    const auto sample = samples.find(t);
+    line.clear();
+    // 9 digits name a float32.
+    fmt::format_to(std::back_inserter(line), "{},{:.9g},{:.9g},{:.9g},{},{},{},{},{}\n", us_of(t), p[0], p[1], p[2],
+                   name_of(prediction.verdicts[k]), labels.empty() ? "" : name_of(touch_at(t, labels)),
+                   prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
+                   sample == samples.end() ? "" : name_of(sample->second));
+    out << line;
+  }
+  out.close();
+  if (!out) throw Error(file.string() + ": cannot be written; expected a disk with room");
+  whole.commit();
+}
+
+}  // namespace tactile

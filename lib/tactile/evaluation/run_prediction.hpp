@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tactile/core/run_folder.hpp"
+#include "tactile/evaluation/confirmation.hpp"
+#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/evaluation/false_alarms.hpp"
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+
+namespace tactile {
+
+/// What a model says over the whole of one run, labelled or not.
+struct RunPrediction {
+  std::string run;  ///< "fan/03"
+  bool simulated = false;
+  FullRun full;
+  std::vector<Touch> verdicts;  ///< confirmed, one for each tick
+  RunTruth truth;
+  std::vector<Detection> detections;  ///< of the labelled intervals that are in no doubt
+  FalseAlarms false_alarms;           ///< where the run has labels
+};
+
+struct PredictionOptions {
+  Confirmation confirmation{};
+  DelayOptions delay{};
+  microseconds guard{100'000};   ///< after an interval, alarms are counted apart for so long, >= 0
+  bool include_flagged = false;  ///< flags stand in no interval's way
+  unsigned threads = 1;          ///< > 0
+};
+
+/// @throws Error  as `classify_full_run` and `read_run_truth`
+RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options = {},
+                          const std::function<void(std::size_t ticks)>& advance = {});
+
+/// One row a tick: t_us, p_none, p_press, p_slip, verdict, label, truth, events, sample. `label` and `truth` are empty where the
+/// run has none; truth is "unlabelled" in motion that nobody labels; `sample` is the class where the tick is a balanced sample.
+/// Written whole or not at all.
+/// @param samples  class of each balanced sample by its tick; may be empty
+/// @throws Error   if it cannot be written
+void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,
+                      const std::map<CameraTime, Touch>& samples = {});
+
+}  // namespace tactile

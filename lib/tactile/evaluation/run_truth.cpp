@@ -1,0 +1,48 @@
+#include "tactile/evaluation/run_truth.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "tactile/labels/labels.hpp"
+#include "tactile/simulation/truth.hpp"
+
+namespace tactile {
+
+std::vector<TouchInterval> RunTruth::all_labelled() const {
+  std::vector<TouchInterval> all;
+  for (const SampledInterval& label : labels) all.push_back(label.interval);
+  return all;
+}
+
+std::vector<TouchInterval> RunTruth::used() const {
+  std::vector<TouchInterval> ones;
+  for (const SampledInterval& label : labels) {
+    if (label.used) ones.push_back(label.interval);
+  }
+  return ones;
+}
+
+RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
+  RunTruth truth;
+  if (std::filesystem::exists(run.labels())) {
+    const Labels labels = read_labels(run.labels());
+    for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+      truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
+    }
+  }
+  truth.has_truth = std::filesystem::exists(run.truth());
+  if (!truth.has_truth) return truth;
+  for (const TrueInterval& interval : read_truth(run.truth()).intervals) {
+    (interval.labelled ? truth.true_ones : truth.unlabelled).push_back(interval.interval);
+    if (interval.labelled) truth.gross.push_back(interval.gross);
+  }
+  return truth;
+}
+
+Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals) {
+  const auto found =
+      std::find_if(intervals.begin(), intervals.end(), [tick](const TouchInterval& interval) { return interval.contains(tick); });
+  return found == intervals.end() ? Touch::none : found->touch;
+}
+
+}  // namespace tactile

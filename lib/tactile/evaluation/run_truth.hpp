@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/touch.hpp"
+#include "tactile/windows/sample.hpp"
+
+namespace tactile {
+
+/// What a run holds to detect, by its labels and, if it is a simulated one, by its truth.
+struct RunTruth {
+  std::vector<SampledInterval> labels;           ///< by start; those whose labels are in doubt are not `used`
+  bool has_truth = false;                        ///< the rest is empty without
+  std::vector<TouchInterval> true_ones;          ///< that labels should have
+  std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other
+  std::vector<TouchInterval> unlabelled;         ///< real motion that nobody labels
+
+  std::vector<TouchInterval> all_labelled() const;
+  std::vector<TouchInterval> used() const;
+};
+
+/// Reads labels.json and truth.json of a run; empty where there is none.
+/// @param include_flagged  flags stand in no interval's way
+/// @throws Error  if one of them is damaged
+RunTruth read_run_truth(const RunFolder& run, bool include_flagged = false);
+
+/// What the tick lies in; none where it lies in no interval.
+Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals);
+
+}  // namespace tactile

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tactile/core/touch.hpp"
+#include "tactile/report/gnuplot.hpp"
+
+namespace tactile {
+
+/// One tick of a run as a model saw it.
+struct PredictedTick {
+  CameraTime t{};
+  double events_per_ms = 0;    ///< over the history
+  double press = 0, slip = 0;  ///< probabilities, in [0, 1]
+  Touch verdict = Touch::none;
+};
+
+/// A labelled interval, and what is told of how it was met, such as "2 ms".
+struct PredictedInterval {
+  TouchInterval interval;
+  std::string words;
+};
+
+/// What a model says over a whole run, and what was there to be said.
+struct PredictionPicture {
+  std::string title;
+  std::vector<PredictedTick> ticks;  ///< ascending, evenly spaced; not empty
+  bool has_labels = false;           ///< the row of labels is left out without
+  std::vector<PredictedInterval> labels;
+  bool has_truth = false;  ///< likewise
+  std::vector<TouchInterval> truth;
+  std::vector<TouchInterval> unlabelled;  ///< real motion that nobody labels, drawn grey in the row of the truth
+  std::vector<std::string> remarks;       ///< told in words under the panels
+};
+
+/// A figure 1600 pixels wide, after the paper's eighth: the event rate, the probabilities of press and slip, and rows for what
+/// was said, labelled and true, one under the other on one axis of camera time; labelled intervals are shaded throughout, presses
+/// blue and slips orange.
+/// @throws Error  if there is no tick
+/// Source: Faris et al., arXiv:2403.10120, figure 8.
+Plot prediction_plot(const PredictionPicture& picture);
+
+/// Draws it as PNG or SVG. @throws Error as `draw` does
+void draw_prediction(const PredictionPicture& picture, const std::filesystem::path& file);
+
+}  // namespace tactile

@@ -1,0 +1,44 @@
+#include "tactile/study/history_choice.hpp"
+
+#include <fmt/core.h>
+
+#include <tuple>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+
+std::string ms_text(microseconds us) { return fmt::format("{}", static_cast<double>(us.count()) / 1000); }
+
+void to_json(nlohmann::json& json, const HistoryChoice& choice) {
+  const auto in_ms = [](microseconds us) { return static_cast<double>(us.count()) / 1000; };
+  json = {{"th_ms", in_ms(choice.history)}, {"objects", nlohmann::json::object()}, {"counts", nlohmann::json::object()}};
+  for (const auto& [object, history] : choice.of_objects) json["objects"][object] = in_ms(history);
+  for (const auto& [history, count] : choice.counts) json["counts"][ms_text(history)] = count;
+}
+
+HistoryChoice choose_history(const AccuracyByHistory& accuracies) {
+  if (accuracies.empty()) throw Error("no history to choose from; expected one at least");
+  HistoryChoice choice;
+  std::map<std::string, double> highest;
+  for (const auto& [history, accuracy] : accuracies) {
+    choice.counts[history] = 0;
+    for (const auto& [object, figure] : accuracy.objects) {
+      const auto [best, is_new] = highest.try_emplace(object, figure.value);
+      if (!is_new && !(figure.value > best->second)) continue;
+      best->second = figure.value;
+      choice.of_objects[object] = history;
+    }
+  }
+  for (const auto& [object, history] : choice.of_objects) ++choice.counts[history];
+  choice.history = accuracies.begin()->first;
+  const auto rank = [&](microseconds history) {
+    return std::tuple(choice.counts.at(history), accuracies.at(history).mean.value);
+  };
+  for (const auto& [history, accuracy] : accuracies) {
+    if (rank(history) > rank(choice.history)) choice.history = history;
+  }
+  return choice;
+}
+
+}  // namespace tactile

@@ -1,0 +1,851 @@
+#include "tactile/study/study.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <set>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/machine.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/evaluation/evaluation.hpp"
+#include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/heatmaps/store_heatmaps.hpp"
+#include "tactile/labels/label_runs.hpp"
+#include "tactile/model/checkpoint.hpp"
+#include "tactile/model/classifier.hpp"
+#include "tactile/model/library.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/simulation/simulate.hpp"
+#include "tactile/study/claims.hpp"
+#include "tactile/study/history_choice.hpp"
+#include "tactile/study/leave_five_out.hpp"
+#include "tactile/study/sample_verdicts.hpp"
+#include "tactile/study/step_runner.hpp"
+#include "tactile/study/study_json.hpp"
+#include "tactile/study/study_runs.hpp"
+#include "tactile/windows/write_dataset.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr microseconds shortest_stored{50'000};  ///< of events before each sample, by windows' default
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
+std::string joined_ms(std::span<const microseconds> histories) {
+  std::vector<std::string> texts;
+  for (const microseconds history : histories) texts.push_back(ms_text(history));
+  return fmt::format("{}", fmt::join(texts, ","));
+}
+
+/// A word of a command, quoted where a shell would part it.
+std::string word(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("-_./,=+:@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string command_of(const std::vector<std::string>& arguments) {
+  std::string command = "tactile";
+  for (const std::string& argument : arguments) command += " " + word(argument);
+  return command;
+}
+
+/// No two studies work in one folder at the same time.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    file_ = ::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (file_ < 0) throw Error(folder.string() + ": cannot be written; expected a writable folder for the study");
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      ::close(file_);
+      throw Error(folder.string() +
+                  ": another 'tactile reproduce' is at work in it; expected to be the only one, or another --out");
+    }
+  }
+  ~FolderLock() { ::close(file_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int file_ = -1;
+};
+
+json size_of(const fs::path& file) {
+  std::error_code missing;
+  const auto size = fs::file_size(file, missing);
+  return missing ? json() : json(size);
+}
+
+/// Size and time of change: enough to see that somebody wrote to a file too large to be read each time.
+json state_of_file(const fs::path& file) {
+  std::error_code missing;
+  const auto changed = fs::last_write_time(file, missing);
+  return missing ? json() : json::array({size_of(file), changed.time_since_epoch().count()});
+}
+
+json hash_of_file(const fs::path& file) { return fs::is_regular_file(file) ? json(sha256_of_file(file)) : json(); }
+
+/// Null if one of them is missing.
+json hashes_of(std::initializer_list<fs::path> files) {
+  json hashes = json::object();
+  for (const fs::path& file : files) {
+    const json hash = hash_of_file(file);
+    if (hash.is_null()) return {};
+    hashes[file.filename().string()] = hash;
+  }
+  return hashes;
+}
+
+std::vector<RunFolder> runs_below(const fs::path& data) {
+  return fs::is_directory(data) ? find_runs(data) : std::vector<RunFolder>{};
+}
+
+/// A model that the study trains.
+struct StudyModel {
+  ModelSettings settings;
+  ModelBundle bundle;
+  std::vector<std::uint32_t> runs;  ///< of the dataset, that its samples are judged on
+
+  std::string name() const { return bundle.name(); }
+};
+
+/// One set of runs that figures are told of.
+struct RunSet {
+  std::string name;  ///< "choice", "reported", "all_test"
+  std::vector<std::uint32_t> runs;
+  std::vector<std::string> names;
+};
+
+class Study {
+ public:
+  Study(const StudyOptions& options, const NewProgress& new_progress, const std::function<void(const std::string&, bool)>& tell)
+      : options_(options),
+        preset_(preset_settings(options.preset)),
+        epochs_(options.epochs.value_or(preset_.epochs)),
+        threads_(options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency())),
+        lock_(options.out),
+        runner_({.folder = options.out,
+                 .program = options.program,
+                 .threads = threads_,
+                 .new_progress = new_progress,
+                 .tell = tell}) {
+    std::sort(options_.histories.begin(), options_.histories.end());
+    options_.histories.erase(std::unique(options_.histories.begin(), options_.histories.end()), options_.histories.end());
+    if (options_.histories.empty()) throw Error("no history to train for; expected one at least");
+    for (const microseconds history : options_.histories) check(HeatmapOptions{.history = history});
+  }
+
+  StudySummary run() {
+    make_dataset();
+    const Dataset dataset(dataset_file());
+    dataset_ = &dataset;
+    divide_runs();
+    plan_and_train();
+    StudySummary summary;
+    summary.study = write_results();
+    summary.file = options_.out / "study.json";
+    summary.done = runner_.done_now();
+    summary.kept = runner_.records().size() - runner_.done_now();
+    return summary;
+  }
+
+ private:
+  // --- from nothing to a dataset
+
+  fs::path dataset_file() const { return options_.data / "dataset.h5"; }
+
+  void make_dataset() {
+    simulate_runs();
+    const std::vector<RunFolder> runs = runs_below(options_.data);
+    if (runs.empty())
+      throw Error(options_.data.string() + ": no runs; expected DATA/<object>/<run>, or no such folder to simulate them");
+    label(runs);
+    cut_windows(runs);
+    render();
+  }
+
+  /// Where there are no runs, or those that this study has begun to simulate.
+  void simulate_runs() {
+    std::vector<std::string> words{"simulate", options_.data.string(),       "--preset", options_.preset,
+                                   "--seed",   std::to_string(options_.seed)};
+    if (!options_.objects.empty()) words.insert(words.end(), {"--objects", fmt::format("{}", fmt::join(options_.objects, ","))});
+    if (options_.runs) words.insert(words.end(), {"--runs", std::to_string(*options_.runs)});
+    Step step{.name = "simulate",
+              .command = command_of(words),
+              .inputs = {{"data", from_study(options_.data)},
+                         {"preset", options_.preset},
+                         {"objects", options_.objects},
+                         {"runs", options_.runs ? json(*options_.runs) : json()},
+                         {"seed", options_.seed}},
+              .outputs = [this] { return simulated_files(); },
+              .work =
+                  [this](const ProgressCallback& progress) {
+                    simulate({.data = options_.data,
+                              .preset = options_.preset,
+                              .runs = options_.runs,
+                              .objects = options_.objects,
+                              .seed = options_.seed,
+                              .force = options_.force,
+                              .threads = threads_},
+                             progress);
+                  }};
+    const json known = runner_.inputs_of("simulate");
+    const bool is_ours = known.is_object() && known.value("data", "") == from_study(options_.data);
+    simulated_here_ = is_ours || runs_below(options_.data).empty();
+    if (simulated_here_) runner_.run(step);
+  }
+
+  json simulated_files() const {
+    json files;
+    for (const RunFolder& run : runs_below(options_.data)) {
+      files[run.name()] = {size_of(run.events()),      size_of(run.robot()), size_of(run.video()),
+                           size_of(run.video_times()), size_of(run.truth()), hash_of_file(run.info())};
+    }
+    return files;
+  }
+
+  void label(const std::vector<RunFolder>& runs) {
+    json inputs;
+    for (const RunFolder& run : runs) {
+      inputs[run.name()] = {state_of_file(run.events()), state_of_file(run.robot()), state_of_file(run.video()),
+                            state_of_file(run.video_times()), state_of_file(run.info())};
+    }
+    runner_.run({.name = "label",
+                 .command = command_of({"label", options_.data.string(), "--no-pictures"}),
+                 .inputs = inputs,
+                 .outputs = [&runs] { return labels_of(runs); },
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       for (const RunOutcome& outcome : label_runs(runs, {.threads = threads_}, progress)) {
+                         if (!outcome.error.empty()) throw Error(outcome.error);
+                       }
+                     }});
+  }
+
+  static json labels_of(const std::vector<RunFolder>& runs) {
+    json hashes;
+    for (const RunFolder& run : runs) {
+      hashes[run.name()] = hash_of_file(run.labels());
+      if (hashes[run.name()].is_null()) return {};
+    }
+    return hashes;
+  }
+
+  void cut_windows(const std::vector<RunFolder>& runs) {
+    WindowsOptions windows;
+    windows.sampling.seed = options_.seed;
+    windows.sampling.history = std::max(shortest_stored, options_.histories.back());
+    json events;
+    for (const RunFolder& run : runs) events[run.name()] = state_of_file(run.events());
+    std::vector<std::string> words{"windows", options_.data.string()};
+    if (options_.seed != 1) words.insert(words.end(), {"--seed", std::to_string(options_.seed)});
+    if (windows.sampling.history != shortest_stored)
+      words.insert(words.end(), {"--history-ms", ms_text(windows.sampling.history)});
+    runner_.run({.name = "windows",
+                 .command = command_of(words),
+                 .inputs = {{"sampling", windows.sampling}, {"labels", labels_of(runs)}, {"events", events}},
+                 .outputs =
+                     [this] {
+                       try {
+                         return json(Dataset(dataset_file()).manifest_hash());
+                       } catch (const Error&) {
+                         return json();
+                       }
+                     },
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       write_dataset(options_.data, dataset_file(), windows, threads_, progress);
+                     }});
+  }
+
+  void render() {
+    const Dataset dataset(dataset_file());
+    for (const microseconds history : options_.histories) check_renders(dataset, {.history = history});
+    runner_.run({.name = "heatmaps",
+                 .command = command_of({"heatmaps", options_.data.string(), "--th", joined_ms(options_.histories)}),
+                 .inputs = {{"manifest", dataset.manifest_hash()}, {"histories", joined_ms(options_.histories)}},
+                 .outputs =
+                     [&] {
+                       const Dataset now(dataset_file());
+                       json stored = json::array();
+                       for (const microseconds history : options_.histories) {
+                         const auto found = now.find_heatmaps(stored_name({.history = history}));
+                         if (!found) return json();
+                         stored.push_back(found->name);
+                       }
+                       return stored;
+                     },
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       for (const microseconds history : options_.histories)
+                         store_heatmaps(Dataset(dataset_file()), {.history = history}, threads_, progress);
+                     }});
+  }
+
+  // --- which runs, and which models
+
+  void divide_runs() {
+    runs_ = study_runs(*dataset_, options_.train_run, preset_.choice_runs);
+    for (const auto& [name, runs] :
+         {std::pair("choice", &runs_.choice), std::pair("reported", &runs_.reported), std::pair("all_test", &runs_.all_test)})
+      sets_.push_back({name, *runs, names_of(*dataset_, *runs)});
+    std::set<std::string> objects;
+    for (const std::uint32_t run : runs_.train) objects.insert(dataset_->runs()[run].object);
+    objects_.assign(objects.begin(), objects.end());
+    for (const std::string& object : options_.held_out) {
+      if (objects.contains(object)) held_out_.push_back(object);
+    }
+    std::sort(held_out_.begin(), held_out_.end());
+    if (held_out_.size() == objects_.size()) held_out_.clear();  // nothing would be left to learn from
+  }
+
+  const RunSet& choice_set() const { return sets_[0]; }
+  const RunSet& reported() const { return sets_[1]; }
+  const RunSet& all_test() const { return sets_[2]; }
+
+  std::uint64_t seed_at(unsigned place) const { return options_.seed + place; }
+
+  StudyModel model_of(microseconds history, std::uint64_t seed, const std::vector<std::string>& held_out) const {
+    StudyModel model;
+    model.settings.rendering.history = history;
+    model.settings.training.seed = seed;
+    model.settings.training.epochs = epochs_;
+    model.settings.split.train_run = options_.train_run;
+    if (!held_out.empty()) model.settings.split = {SplitKind::unseen, options_.train_run, held_out};
+    model.bundle = {options_.models / default_name(model.settings)};
+    for (const std::uint32_t run : runs_.all_test) {
+      const std::string& object = dataset_->runs()[run].object;
+      if (held_out.empty() || std::find(held_out.begin(), held_out.end(), object) != held_out.end()) model.runs.push_back(run);
+    }
+    return model;
+  }
+
+  StudyModel seen_model(microseconds history, std::uint64_t seed) const { return model_of(history, seed, {}); }
+
+  Step training_of(const StudyModel& model) const {
+    std::vector<std::string> words{"train",     options_.data.string(),
+                                   "--th",      ms_text(model.settings.rendering.history),
+                                   "--seed",    std::to_string(model.settings.training.seed),
+                                   "--epochs",  std::to_string(epochs_),
+                                   "--threads", "1",
+                                   "--models",  options_.models.string()};
+    if (options_.train_run != "01") words.insert(words.end(), {"--train-run", options_.train_run});
+    if (model.settings.split.kind == SplitKind::unseen) {
+      words.insert(words.end(),
+                   {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(model.settings.split.held_out, ","))});
+    }
+    return {.name = "train-" + model.name(),
+            .command = command_of(words),
+            .inputs = {{"manifest", dataset_->manifest_hash()},
+                       {"settings", model.settings},
+                       {"models", from_study(options_.models)}},
+            .outputs =
+                [this, model] {
+                  return state_of(model.bundle, *dataset_, model.settings) == BundleState::unchanged
+                             ? json(read_description(model.bundle).weights_sha256)
+                             : json();
+                },
+            .arguments =
+                [words, model](const StepPast& past) {
+                  std::error_code ignored;
+                  if (past.begun_otherwise) fs::remove_all(CheckpointFolder::beside(model.bundle.folder), ignored);
+                  std::vector<std::string> all = words;
+                  all.insert(all.end(), {"--quiet", "--resume"});
+                  if (past.made_outputs) all.emplace_back("--force");
+                  return all;
+                }};
+  }
+
+  fs::path samples_file(const StudyModel& model) const { return options_.out / "samples" / (model.name() + ".json"); }
+
+  Step judging_of(const StudyModel& model) const {
+    const fs::path file = samples_file(model);
+    return {.name = "judge-" + model.name(),
+            .command = "",
+            .inputs = {{"manifest", dataset_->manifest_hash()},
+                       {"weights", read_description(model.bundle).weights_sha256},
+                       {"runs", names_of(*dataset_, model.runs)}},
+            .outputs = [file] { return hash_of_file(file); },
+            .work =
+                [this, model, file](const ProgressCallback& progress) {
+                  const Classifier classifier(model.bundle.folder, threads_);
+                  const auto confusions = sample_confusions(*dataset_, classifier, model.runs, {.threads = threads_}, progress);
+                  std::vector<RunVerdicts> verdicts;
+                  for (std::size_t i = 0; i < model.runs.size(); ++i)
+                    verdicts.push_back({name_of(dataset_->runs()[model.runs[i]]), confusions[i].object, confusions[i].confusion});
+                  write_verdicts(file, verdicts);
+                }};
+  }
+
+  /// What models, counted together, said of the samples of these runs.
+  std::vector<RunConfusion> judged(const std::vector<StudyModel>& models, const std::vector<std::string>& runs) const {
+    std::vector<std::vector<RunConfusion>> each;
+    for (const StudyModel& model : models) each.push_back(verdicts_on(read_verdicts(samples_file(model)), runs));
+    return together(each);
+  }
+
+  // --- training, choice, evaluation
+
+  void train_and_judge(const std::vector<StudyModel>& models) {
+    std::vector<Step> steps;
+    for (const StudyModel& model : models) steps.push_back(training_of(model));
+    runner_.run_side_by_side(steps);
+    for (const StudyModel& model : models) runner_.run(judging_of(model));
+  }
+
+  std::vector<StudyModel> unseen_models() const {
+    std::vector<StudyModel> models;
+    if (held_out_.empty()) return models;
+    for (unsigned place = 0; place < options_.seeds; ++place) models.push_back(model_of(history_, seed_at(place), held_out_));
+    return models;
+  }
+
+  void plan_and_train() {
+    std::vector<StudyModel> due;
+    for (const microseconds history : options_.histories) {
+      for (unsigned place = 0; place < options_.seeds; ++place) {
+        models_[history].push_back(seen_model(history, seed_at(place)));
+        due.push_back(models_[history].back());
+      }
+    }
+    if (options_.splits > 0) {
+      if (held_out_.empty())
+        throw Error("--splits: no objects to hold out of training; expected some of --held-out in the dataset");
+      splits_ = drawn_splits(all_splits(objects_, held_out_.size()), options_.splits, options_.seed);
+    }
+    const bool chosen_on_runs = !runs_.choice.empty();
+    const auto add_held_out = [&](std::vector<StudyModel>& models) {
+      unseen_ = unseen_models();
+      models.insert(models.end(), unseen_.begin(), unseen_.end());
+      for (const HeldOutSplit& split : splits_) {
+        split_models_.push_back(model_of(history_, seed_at(0), split.held_out));
+        const auto has_its_name = [&](const StudyModel& model) { return model.name() == split_models_.back().name(); };
+        if (std::none_of(models.begin(), models.end(), has_its_name)) models.push_back(split_models_.back());
+      }
+    };
+    if (!chosen_on_runs) {
+      history_ = nearest_to_default();
+      add_held_out(due);  // nothing to wait for: all of it side by side
+    }
+    train_and_judge(due);
+    for (const RunSet& set : sets_) {
+      if (set.runs.empty()) continue;
+      for (const auto& [history, models] : models_) {
+        confusions_[set.name][history] = judged(models, set.names);
+        accuracies_[set.name][history] = accuracy_of(confusions_[set.name][history]);
+      }
+      choices_[set.name] = choose_history(accuracies_[set.name]);
+    }
+    paper_history_ = choices_.at("all_test").history;
+    if (chosen_on_runs) {
+      history_ = choices_.at("choice").history;
+      std::vector<StudyModel> held_out;
+      add_held_out(held_out);
+      train_and_judge(held_out);
+    }
+    for (unsigned place = 0; place < options_.seeds; ++place)
+      evaluate_on(place == 0 ? "reported" : fmt::format("reported-s{}", seed_at(place)), models_.at(history_)[place], reported());
+    evaluate_on("all_test", models_.at(paper_history_).front(), all_test());
+    predict_full_run();
+  }
+
+  microseconds nearest_to_default() const {
+    return *std::min_element(options_.histories.begin(), options_.histories.end(), [](microseconds a, microseconds b) {
+      return std::chrono::abs(a - default_history) < std::chrono::abs(b - default_history);
+    });
+  }
+
+  struct Evaluated {
+    std::string id;
+    StudyModel model;
+    std::string runs;
+    fs::path json_file, csv_file;
+  };
+
+  void evaluate_on(const std::string& id, const StudyModel& model, const RunSet& set) {
+    for (const Evaluated& other : evaluated_) {
+      // The same model on the same runs needs no second look.
+      const bool same_runs = other.runs == set.name || (runs_.reported == runs_.all_test);
+      if (other.model.name() == model.name() && same_runs) {
+        evaluated_.push_back({id, model, set.name, other.json_file, other.csv_file});
+        return;
+      }
+    }
+    const fs::path stem = options_.out / "evaluations" / (set.name + "-" + model.name());
+    const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
+    runner_.run({.name = "evaluate-" + set.name + "-" + model.name(),
+                 .command = "",
+                 .inputs = {{"manifest", dataset_->manifest_hash()},
+                            {"weights", read_description(model.bundle).weights_sha256},
+                            {"truth", truths_of(set.runs)},
+                            {"runs", set.names}},
+                 .outputs =
+                     [json_file, csv_file] {
+                       return hashes_of({json_file, csv_file});
+                     },
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       const Classifier classifier(model.bundle.folder, threads_);
+                       const Evaluation evaluation = evaluate(*dataset_, classifier, set.runs, {.threads = threads_}, progress);
+                       write_whole(csv_file, table_of(evaluation));
+                       write_json(json_file, evaluation);
+                     }});
+    evaluated_.push_back({id, model, set.name, json_file, csv_file});
+  }
+
+  /// What evaluations read beside the dataset.
+  json truths_of(const std::vector<std::uint32_t>& runs) const {
+    json states = json::array();
+    for (const std::uint32_t run : runs) states.push_back(hash_of_file(dataset_->run_folder(run) / "truth.json"));
+    return states;
+  }
+
+  /// One run over time, as the paper's figure 8: of the water bottle where there is one.
+  void predict_full_run() {
+    std::uint32_t shown = runs_.reported.front();
+    for (auto run = runs_.reported.rbegin(); run != runs_.reported.rend(); ++run) {
+      if (dataset_->runs()[*run].object == "water-bottle") shown = *run;
+    }
+    const StudyModel& model = models_.at(history_).front();
+    const DatasetRun& run = dataset_->runs()[shown];
+    full_run_ = name_of(run);
+    full_run_file_ = options_.out / "runs" / (run.object + "-" + run.run + ".csv");
+    runner_.run({.name = "run-" + run.object + "-" + run.run,
+                 .command = command_of({"eval", options_.data.string(), "--run", full_run_, "--models", options_.models.string(),
+                                        "--model", model.name(), "--out", (options_.out / "runs").string()}),
+                 .inputs = {{"manifest", dataset_->manifest_hash()},
+                            {"weights", read_description(model.bundle).weights_sha256},
+                            {"truth", truths_of({shown})}},
+                 .outputs = [this] { return hash_of_file(full_run_file_); },
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       check_unchanged(*dataset_, shown);
+                       const Classifier classifier(model.bundle.folder, threads_);
+                       const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
+                       std::map<CameraTime, Touch> samples;
+                       for (const Sample& sample : dataset_->samples()) {
+                         if (sample.run_index == shown) samples[sample.t] = sample.touch;
+                       }
+                       const std::size_t total = expected_ticks(folder.events(), classifier.rendering());
+                       std::size_t done = 0;
+                       const auto prediction =
+                           predict_run(folder, classifier, {.guard = dataset_->sampling().guard, .threads = threads_},
+                                       [&](std::size_t ticks) {
+                                         done += ticks;
+                                         tactile::tell(progress, done, total, "every tick of " + full_run_);
+                                       });
+                       write_prediction(full_run_file_, prediction, samples);
+                     }});
+  }
+
+  // --- results
+
+  /// A path as study.json has it: from the study's folder on.
+  std::string from_study(const fs::path& path) const {
+    // Absolute first: what is not there yet would stay as it is, and be told otherwise once it is there.
+    const auto whole = [](const fs::path& any) { return fs::weakly_canonical(fs::absolute(any)); };
+    return whole(path).lexically_relative(whole(options_.out)).generic_string();
+  }
+
+  SeenAndHeldOut compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
+    SeenAndHeldOut comparison;
+    for (const std::uint32_t run : set.runs) {
+      const auto& judged_on = held_out.front().runs;
+      if (std::find(judged_on.begin(), judged_on.end(), run) != judged_on.end())
+        comparison.runs.push_back(name_of(dataset_->runs()[run]));
+    }
+    if (comparison.runs.empty()) return comparison;
+    // As many models with the objects as without them, of the same seeds.
+    const auto& all = models_.at(history_);
+    const std::vector<StudyModel> with(all.begin(),
+                                       all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), held_out.size())));
+    const auto seen = judged(with, comparison.runs), without = judged(held_out, comparison.runs);
+    comparison.seen = accuracy_of(seen);
+    comparison.held_out = accuracy_of(without);
+    comparison.difference = accuracy_difference(seen, without);
+    return comparison;
+  }
+
+  const Evaluated& evaluation_on(const std::string& id) const {
+    return *std::find_if(evaluated_.begin(), evaluated_.end(), [&](const Evaluated& one) { return one.id == id; });
+  }
+
+  std::vector<Claim> claims_on(const RunSet& set) const {
+    const Evaluated& evaluated = evaluation_on(set.name);
+    const std::string where = evaluated.json_file.string();
+    const json evaluation = read_json(evaluated.json_file);
+    ClaimInputs inputs;
+    inputs.histories = confusions_.at(set.name);
+    inputs.press = delays_in(evaluation, "press", where);
+    inputs.slip = delays_in(evaluation, "slip", where);
+    inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
+    const auto both = member<json>(member<json>(evaluation, "over_time", where), "both", where);
+    inputs.first = figure_in(member<json>(both, "first", where), where);
+    inputs.last_minus_first = figure_in(member<json>(both, "last_minus_first", where), where);
+    if (!unseen_.empty()) {
+      const SeenAndHeldOut comparison = compared(unseen_, set);
+      if (!comparison.runs.empty()) {
+        const auto& all = models_.at(history_);
+        inputs.seen = judged(all, comparison.runs);
+        inputs.held_out = judged(unseen_, comparison.runs);
+      }
+    }
+    return claims_of(inputs);
+  }
+
+  json histories_json() const {
+    json histories = json::array();
+    for (const auto& [history, models] : models_) {
+      json entry = {{"th_ms", in_ms(history)}, {"models", json::array()}, {"accuracy", {{"choice", nullptr}}}};
+      for (const StudyModel& model : models) {
+        entry["models"].push_back({{"seed", model.settings.training.seed},
+                                   {"name", model.name()},
+                                   {"folder", from_study(model.bundle.folder)},
+                                   {"history", from_study(model.bundle.history())},
+                                   {"weights_sha256", read_description(model.bundle).weights_sha256},
+                                   {"samples", from_study(samples_file(model))},
+                                   {"accuracy", accuracy_of(judged({model}, reported().names)).mean}});
+      }
+      for (const auto& [set, accuracies] : accuracies_) entry["accuracy"][set] = accuracies.at(history);
+      histories.push_back(entry);
+    }
+    return histories;
+  }
+
+  json choice_json() const {
+    const bool chosen_on_runs = !runs_.choice.empty();
+    json choice = {{"th_ms", in_ms(history_)},
+                   {"model", models_.at(history_).front().name()},
+                   {"chosen_on", chosen_on_runs ? "choice" : "default"},
+                   {"best", {{"choice", nullptr}}}};
+    if (chosen_on_runs) {
+      const HistoryChoice& made = choices_.at("choice");
+      choice["why"] =
+          fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).", ms_text(history_),
+                      made.counts.at(history_), made.of_objects.size(), fmt::join(preset_.choice_runs, ", "));
+    } else {
+      choice["why"] = fmt::format("There is no run to choose a history on beside those reported on, so that t_h stays {} ms.",
+                                  ms_text(history_));
+    }
+    for (const auto& [set, made] : choices_) choice["best"][set] = made;
+    return choice;
+  }
+
+  json paper_way_json() const {
+    const HistoryChoice& made = choices_.at("all_test");
+    return {{"th_ms", in_ms(paper_history_)},
+            {"model", models_.at(paper_history_).front().name()},
+            {"why",
+             fmt::format("{} ms is the best history for {} of {} objects on all test runs, the very runs that are reported on.",
+                         ms_text(paper_history_), made.counts.at(paper_history_), made.of_objects.size())}};
+  }
+
+  json evaluations_json() const {
+    json evaluations = json::array();
+    for (const Evaluated& one : evaluated_) {
+      const json full = read_json(one.json_file);
+      const double tick_ms = member<double>(full, "tick_ms", one.json_file.string());
+      json entry = {{"id", one.id},
+                    {"th_ms", in_ms(one.model.settings.rendering.history)},
+                    {"seed", one.model.settings.training.seed},
+                    {"model", one.model.name()},
+                    {"runs", one.runs},
+                    {"json", from_study(one.json_file)},
+                    {"csv", from_study(one.csv_file)}};
+      for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
+        entry[key] = full.at(key);
+      entry["slip_at_once"]["objects"] = told_at_once(delays_in(full, "slip", one.json_file.string()), tick_ms);
+      evaluations.push_back(entry);
+    }
+    return evaluations;
+  }
+
+  json settings_json() const {
+    std::vector<std::uint64_t> seeds;
+    for (unsigned place = 0; place < options_.seeds; ++place) seeds.push_back(seed_at(place));
+    json histories = json::array();
+    for (const microseconds history : options_.histories) histories.push_back(in_ms(history));
+    return {{"data", from_study(options_.data)},
+            {"models", from_study(options_.models)},
+            {"preset", options_.preset},
+            {"seed", options_.seed},
+            {"seeds", seeds},
+            {"train_run", options_.train_run},
+            {"histories_ms", histories},
+            {"epochs", epochs_},
+            {"splits", splits_.size()},
+            {"objects", simulated_here_ && !options_.objects.empty() ? json(options_.objects) : json()},
+            {"runs", simulated_here_ && options_.runs ? json(*options_.runs) : json()}};
+  }
+
+  json write_results() const {
+    const BootstrapOptions bootstrap;
+    json study = {
+        {"format", "tactile-study-1"},
+        {"title",
+         fmt::format("The paper's study on {} runs ({})", dataset_->simulated() ? "simulated" : "real", options_.preset)},
+        {"simulated", dataset_->simulated()},
+        {"settings", settings_json()},
+        {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}}},
+        {"machine",
+         {{"cpu", cpu_name()},
+          {"system", system_name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"memory_bytes", memory_bytes()},
+          {"threads", threads_}}},
+        {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
+        {"steps", json::array()},
+        {"dataset",
+         {{"file", from_study(dataset_file())},
+          {"manifest_hash", dataset_->manifest_hash()},
+          {"samples", dataset_->samples().size()},
+          {"tick_ms", in_ms(dataset_->sampling().tick)},
+          {"guard_ms", in_ms(dataset_->sampling().guard)}}},
+        {"runs", {{"train", names_of(*dataset_, runs_.train)}}},
+        {"histories", histories_json()},
+        {"choice", choice_json()},
+        {"paper_way", paper_way_json()},
+        {"evaluations", evaluations_json()},
+        {"full_runs", json::array({json{{"run", full_run_},
+                                        {"model", models_.at(history_).front().name()},
+                                        {"th_ms", in_ms(history_)},
+                                        {"csv", from_study(full_run_file_)}}})},
+        {"unseen", nullptr},
+        {"splits", json::array()},
+        {"splits_mean", nullptr}};
+    for (const StepRecord& record : runner_.records()) {
+      study["steps"].push_back({{"name", record.name},
+                                {"command", record.command.empty() ? json() : json(record.command)},
+                                {"seconds", record.seconds},
+                                {"finished_at", record.finished_at}});
+    }
+    for (const RunSet& set : sets_) study["runs"][set.name] = set.names;
+
+    std::vector<std::unique_ptr<SeenAndHeldOut>> comparisons;
+    std::vector<UnseenRow> unseen_rows;
+    const auto add_comparison = [&](json& entry, const std::string& split, const std::vector<StudyModel>& held_out) {
+      for (const RunSet* set : {&reported(), &all_test()}) {
+        comparisons.push_back(std::make_unique<SeenAndHeldOut>(compared(held_out, *set)));
+        if (comparisons.back()->runs.empty()) {
+          entry[set->name] = nullptr;
+          continue;
+        }
+        entry[set->name] = *comparisons.back();
+        unseen_rows.push_back({split, set->name, comparisons.back().get()});
+      }
+    };
+    if (!unseen_.empty()) {
+      json& unseen =
+          study["unseen"] = {{"th_ms", in_ms(history_)},
+                             {"held_out", held_out_},
+                             {"models", {{"seen", models_.at(history_).front().name()}, {"held_out", unseen_.front().name()}}}};
+      add_comparison(unseen, "paper", unseen_);
+    }
+    for (std::size_t i = 0; i < splits_.size(); ++i) {
+      json split = {{"name", splits_[i].name}, {"held_out", splits_[i].held_out}, {"model", split_models_[i].name()}};
+      add_comparison(split, splits_[i].name, {split_models_[i]});
+      study["splits"].push_back(split);
+    }
+    if (!splits_.empty()) study["splits_mean"] = {{"reported", splits_mean(reported())}, {"all_test", splits_mean(all_test())}};
+
+    const std::vector<Claim> on_reported = claims_on(reported()), on_all = claims_on(all_test());
+    study["claims"] = json::array();
+    for (std::size_t i = 0; i < on_reported.size(); ++i) {
+      json claim = on_reported[i], beside = on_all[i];
+      for (const char* key : {"measured", "verdict", "objects", "note"}) claim["all_test"][key] = beside.at(key);
+      study["claims"].push_back(claim);
+    }
+    study["summary"] = summary_of(on_reported, dataset_->simulated());
+
+    std::vector<AccuracyRow> rows;
+    for (const RunSet& set : sets_) {
+      if (set.runs.empty()) continue;
+      for (const auto& [history, accuracy] : accuracies_.at(set.name)) rows.push_back({in_ms(history), set.name, &accuracy});
+    }
+    write_if_changed(options_.out / "accuracy.csv", accuracy_csv(rows));
+    write_if_changed(options_.out / "unseen.csv", unseen_csv(unseen_rows));
+    write_if_changed(options_.out / "claims.csv", claims_csv(on_reported, on_all));
+    write_if_changed(options_.out / "study.json", study.dump(2) + "\n");
+    return study;
+  }
+
+  /// Over all drawn splits: each object's runs count once for every split that holds it out.
+  json splits_mean(const RunSet& set) const {
+    std::map<std::string, RunConfusion> with, without;
+    for (const StudyModel& model : split_models_) {
+      const SeenAndHeldOut comparison = compared({model}, set);
+      if (comparison.runs.empty()) continue;
+      const auto seen = judged({models_.at(history_).front()}, comparison.runs), held_out = judged({model}, comparison.runs);
+      for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+        with[comparison.runs[i]].object = without[comparison.runs[i]].object = seen[i].object;
+        with[comparison.runs[i]].confusion += seen[i].confusion;
+        without[comparison.runs[i]].confusion += held_out[i].confusion;
+      }
+    }
+    if (with.empty()) return {};
+    std::vector<RunConfusion> seen, held_out;
+    for (const auto& [run, confusion] : with) {
+      seen.push_back(confusion);
+      held_out.push_back(without.at(run));
+    }
+    return accuracy_difference(seen, held_out).mean;
+  }
+
+  static void write_if_changed(const fs::path& file, const std::string& text) {
+    if (!fs::exists(file) || read_text(file) != text) write_whole(file, text);
+  }
+
+  StudyOptions options_;
+  PresetSettings preset_;
+  unsigned epochs_, threads_;
+  FolderLock lock_;
+  StepRunner runner_;
+  const Dataset* dataset_ = nullptr;
+  bool simulated_here_ = false;
+
+  StudyRuns runs_;
+  std::vector<RunSet> sets_;
+  std::vector<std::string> objects_, held_out_;
+  std::map<microseconds, std::vector<StudyModel>> models_;  ///< one for each seed
+  std::vector<StudyModel> unseen_, split_models_;
+  std::vector<HeldOutSplit> splits_;
+  std::map<std::string, std::map<microseconds, std::vector<RunConfusion>>> confusions_;  ///< by the name of the set of runs
+  std::map<std::string, AccuracyByHistory> accuracies_;
+  std::map<std::string, HistoryChoice> choices_;
+  microseconds history_{0}, paper_history_{0};
+  std::vector<Evaluated> evaluated_;
+  std::string full_run_;
+  fs::path full_run_file_;
+};
+
+}  // namespace
+
+StudySummary run_study(const StudyOptions& options, const NewProgress& new_progress,
+                       const std::function<void(const std::string& step, bool kept)>& tell) {
+  if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
+  return Study(options, new_progress, tell).run();
+}
+
+}  // namespace tactile

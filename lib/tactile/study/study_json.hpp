@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/study/claims.hpp"
+#include "tactile/study/history_choice.hpp"
+
+namespace tactile {
+
+/// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
+Figure figure_in(const nlohmann::json& json, const std::string& where);
+
+/// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error  likewise
+std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
+                                              const std::string& where);
+
+/// Which objects had every slip told at the first tick: none missed, none early, and a mean of one tick.
+std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms);
+
+/// Accuracies on one set of runs, for a table.
+struct AccuracyRow {
+  double history_ms = 0;
+  std::string runs;  ///< "choice", "reported", "all_test"
+  const Accuracy* accuracy = nullptr;
+};
+
+/// th_ms,runs,object,value,low,high,n; the mean over objects as object "all".
+std::string accuracy_csv(const std::vector<AccuracyRow>& rows);
+
+/// Accuracies with objects in training and without, on runs that neither model saw.
+struct SeenAndHeldOut {
+  std::vector<std::string> runs;
+  Accuracy seen, held_out, difference;
+};
+
+/// {"runs", "mean", "objects"}, with "seen", "held_out", "difference" in "mean" and in each of "objects".
+void to_json(nlohmann::json& json, const SeenAndHeldOut& comparison);
+
+struct UnseenRow {
+  std::string split, runs;
+  const SeenAndHeldOut* comparison = nullptr;
+};
+
+/// split,runs,object,of,value,low,high,n
+std::string unseen_csv(const std::vector<UnseenRow>& rows);
+
+/// id,runs,value,low,high,n,unit,asked,limit,verdict; `reported` and `all_test` in the same order.
+std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test);
+
+}  // namespace tactile

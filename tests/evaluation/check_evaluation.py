@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+"""Computes what `tactile eval` says once more, from the definitions alone, and compares.
+
+    check_evaluation.py EVAL.json RUNS DATA
+
+RUNS holds the CSV that `tactile eval --run` wrote of every test run, by the same model and the same --confirm; DATA holds the run folders
+with labels.json and truth.json. Ends with 1 and names every figure that differs. Needs NumPy, and nothing of tactile.
+"""
+
+import csv
+import json
+import math
+import os
+import sys
+
+import numpy as np
+
+CLASSES = ["none", "press", "slip"]
+WINDOW, HEAD_START = 500_000, 10_000  # us
+
+
+class Run:
+    def __init__(self, name, runs, data):
+        self.object = name.split("/")[0]
+        with open(os.path.join(runs, name.replace("/", "-") + ".csv"), newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.t = np.array([int(row["t_us"]) for row in rows])
+        self.p = np.array([[np.float32(row["p_" + c]) for c in CLASSES] for row in rows]).astype(float)
+        self.said = [row["verdict"] for row in rows]
+        self.sample = [row["sample"] for row in rows]
+        self.true = [row["truth"] for row in rows]
+        self.label_column = [row["label"] for row in rows]
+        labels = json.load(open(os.path.join(data, name, "labels.json")))
+        doubt = {flag["interval"] for flag in labels["flags"] if not flag["confirmed"]}
+        self.labels = [(i["class"], i["start_us"], i["end_us"]) for i in labels["intervals"]]
+        self.used = [interval for k, interval in enumerate(self.labels) if k not in doubt]
+        self.truth, self.unlabelled = None, []
+        file = os.path.join(data, name, "truth.json")
+        if os.path.exists(file):
+            true = [(i["labelled"], (i["class"], i["start_us"], i["end_us"])) for i in json.load(open(file))["intervals"]]
+            self.truth = [interval for labelled, interval in true if labelled]
+            self.unlabelled = [interval for labelled, interval in true if not labelled]
+
+
+def inside(t, interval):
+    return interval[1] < t <= interval[2]
+
+
+def class_at(t, intervals):
+    return next((i[0] for i in intervals if inside(t, i)), "none")
+
+
+def confirm(said, k, n):
+    verdicts = []
+    for i in range(len(said)):
+        last = said[max(0, i - n + 1) : i + 1]
+        verdicts.append(next((c for c in CLASSES[1:] if last.count(c) >= k), "none"))
+    return verdicts
+
+
+def detect(t, tick, said, interval):
+    """(outcome, delay in us, the index at which the episode that ran into the onset begins, or None)"""
+    what, start, end = interval
+    first_after = (start // tick + 1) * tick
+    at = {int(time): k for k, time in enumerate(t)}
+    says = lambda time: time in at and said[at[time]] == what
+    leading = None
+    if says(first_after) and says(first_after - tick):
+        begin = first_after - tick
+        while says(begin - tick):
+            begin -= tick
+        leading = at[begin]
+        if first_after - begin > HEAD_START:
+            return "early", None, leading
+        if first_after <= min(end, start + WINDOW):
+            return "detected", tick, leading
+    time = first_after
+    while time <= min(end, start + WINDOW):
+        if says(time):
+            return "detected", time - first_after + tick, leading
+        time += tick
+    return "missed", None, leading
+
+
+def false_alarms(t, tick, said, intervals, unlabelled, found, guard):
+    def where(time):
+        if any(inside(time, i) for i in intervals):
+            return "in"
+        if any(i[2] < time <= i[2] + guard for i in intervals):
+            return "after"
+        return "unlabelled" if any(inside(time, i) for i in unlabelled) else "none"
+
+    zone = [where(time) for time in t]
+    counts = {"none": 0, "after": 0, "unlabelled": 0}
+    for k, what in enumerate(said):
+        if what == "none" or (k > 0 and said[k - 1] == what):
+            continue
+        led = [outcome for outcome, _, leading in found if leading == k]
+        if "early" in led:
+            counts[zone[k] if zone[k] != "in" else "none"] += 1
+        elif "detected" not in led and zone[k] != "in":
+            counts[zone[k]] += 1
+    minutes = {name: zone.count(name) * tick / 60e6 for name in counts}
+    return counts, minutes
+
+
+class Comparison:
+    def __init__(self):
+        self.count, self.wrong = 0, []
+
+    def same(self, name, ours, theirs):
+        self.count += 1
+        ours = None if ours is None or (isinstance(ours, float) and math.isnan(ours)) else ours
+        if (ours is None) != (theirs is None) or (ours is not None and abs(ours - theirs) > 1e-9 * max(1, abs(ours))):
+            self.wrong.append(f"{name}: {theirs}; expected {ours}")
+
+
+def share(part, whole):
+    return part / whole if whole else None
+
+
+def mean(values):
+    values = [value for value in values if value is not None]
+    return sum(values) / len(values) if values else None
+
+
+def compare_accuracy(check, name, runs, classes_of, theirs, confusion):
+    """classes_of(run) gives (true, said) of each balanced sample."""
+    objects, counts = {}, np.zeros((3, 3), int)
+    for run in runs:
+        for true, said in classes_of(run):
+            objects.setdefault(run.object, []).append(true == said)
+            counts[CLASSES.index(true)][CLASSES.index(said)] += 1
+    for which, right in objects.items():
+        check.same(f"{name} of {which}", float(np.mean(right)), theirs["objects"][which]["value"])
+    check.same(f"objects of {name}", len(objects), len(theirs["objects"]))
+    check.same(f"mean {name}", mean([float(np.mean(right)) for right in objects.values()]), theirs["mean"]["value"])
+    for i in range(3):
+        for j in range(3):
+            check.same(f"{name}, {CLASSES[i]} said {CLASSES[j]}", int(counts[i][j]), confusion[i][j])
+    return counts
+
+
+def compare_delays(check, name, runs, found, theirs):
+    for what in CLASSES[1:]:
+        of_runs = [(run.object, [d for i, d in found[k] if i[0] == what]) for k, run in enumerate(runs)]
+        for which in [None] + sorted({o for o, d in of_runs if d}):
+            entry = theirs[what] if which is None else theirs[what]["objects"][which]
+            all_of = [d for o, ds in of_runs if which in (None, o) for d in ds]
+            delays = [d[1] / 1000 for d in all_of if d[0] == "detected"]
+            where = f"{name} of {what}, {which or 'all'}"
+            check.same(where + ": intervals", len(all_of), entry["intervals"])
+            check.same(where + ": misses", sum(d[0] == "missed" for d in all_of), entry["misses"])
+            check.same(where + ": early", sum(d[0] == "early" for d in all_of), entry["early"])
+            check.same(where + ": mean", float(np.mean(delays)) if delays else None, entry["mean"]["value"])
+            check.same(where + ": median", float(np.median(delays)) if delays else None, entry["median"]["value"])
+            sem = float(np.std(delays, ddof=1) / math.sqrt(len(delays))) if len(delays) > 1 else None
+            check.same(where + ": sem", sem, entry["sem"])
+
+
+def compare_false_alarms(check, name, results, theirs):
+    total = {zone: sum(counts[zone] for counts, _ in results) for zone in ("none", "after", "unlabelled")}
+    minutes = {zone: sum(m[zone] for _, m in results) for zone in total}
+    check.same(name, total["none"], theirs["count"])
+    check.same(name + ": none time", minutes["none"], theirs["none_min"])
+    check.same(name + " per minute", share(total["none"], minutes["none"]), theirs["per_min"]["value"])
+    for zone, key in (("after", "after_intervals"), ("unlabelled", "unlabelled")):
+        check.same(f"{name}, {key}", total[zone], theirs[key]["count"])
+        check.same(f"{name}, time {key}", minutes[zone], theirs[key]["min"])
+
+
+def compare_over_time(check, name, runs, intervals_of, theirs):
+    first_us, last_us, bin_us = (1000 * theirs[key] for key in ("first_ms", "last_ms", "bin_ms"))
+    for what in CLASSES[1:]:
+        ticks = []  # object, since the onset, before the end, right
+        for run in runs:
+            for interval in intervals_of(run):
+                if interval[0] != what:
+                    continue
+                for t, said in zip(run.t, run.said):
+                    if inside(t, interval):
+                        ticks.append((run.object, t - interval[1], interval[2] - t, said == what))
+
+        def accuracy(taken):
+            objects = {}
+            for which, since, left, right in ticks:
+                if taken(since, left):
+                    objects.setdefault(which, []).append(right)
+            return {which: float(np.mean(right)) for which, right in objects.items()}
+
+        parts = {
+            "first": accuracy(lambda since, left: since <= first_us),
+            "later": accuracy(lambda since, left: since > first_us),
+            "last": accuracy(lambda since, left: left < last_us),
+        }
+        for part, of_objects in parts.items():
+            check.same(f"{name} of {what}, {part}", mean(of_objects.values()), theirs[what][part]["value"])
+        both = [parts["last"][o] - parts["first"][o] for o in parts["last"] if o in parts["first"]]
+        check.same(f"{name} of {what}, last - first", mean(both), theirs[what]["last_minus_first"]["value"])
+        for i, entry in enumerate(theirs[what]["since_onset"]):
+            of_bin = accuracy(lambda since, left: i * bin_us < since <= (i + 1) * bin_us)
+            check.same(f"{name} of {what}, bin {i} since the onset", mean(of_bin.values()), entry["accuracy"]["value"])
+        for i, entry in enumerate(theirs[what]["before_end"]):
+            of_bin = accuracy(lambda since, left: i * bin_us <= left < (i + 1) * bin_us)
+            check.same(f"{name} of {what}, bin {i} before the end", mean(of_bin.values()), entry["accuracy"]["value"])
+
+
+def main():
+    theirs = json.load(open(sys.argv[1]))
+    runs = [Run(name, sys.argv[2], sys.argv[3]) for name in theirs["test_runs"]]
+    tick, guard = round(1000 * theirs["tick_ms"]), round(1000 * theirs["guard_ms"])
+    k, n = (int(part) for part in theirs["confirm"].split("/"))
+    check = Comparison()
+
+    # What the files say of themselves: verdicts follow from probabilities, labels and truth from the intervals.
+    for run in runs:
+        likeliest = [CLASSES[int(np.argmax(p))] for p in run.p]
+        check.same("verdicts that differ from their probabilities", sum(a != b for a, b in zip(confirm(likeliest, k, n), run.said)), 0)
+        wrong = sum(class_at(t, run.labels) != label for t, label in zip(run.t, run.label_column))
+        check.same("labels that differ", wrong, 0)
+
+    samples = lambda run: [i for i, sample in enumerate(run.sample) if sample]
+    counts = compare_accuracy(check, "accuracy", runs, lambda run: [(run.sample[i], run.said[i]) for i in samples(run)],
+                              theirs["accuracy"], theirs["confusion"])
+    for i, what in enumerate(CLASSES):
+        right, said, true = int(counts[i, i]), int(counts[:, i].sum()), int(counts[i].sum())
+        for metric, ours in (("precision", share(right, said)), ("recall", share(right, true)), ("f1", share(2 * right, said + true))):
+            check.same(f"{metric} of {what}", ours, theirs["per_class"][what][metric]["value"])
+
+    confidence = np.concatenate([run.p[samples(run)].max(axis=1) for run in runs if samples(run)])
+    right = np.concatenate([[CLASSES[int(np.argmax(run.p[i]))] == run.sample[i] for i in samples(run)] for run in runs if samples(run)])
+    edges = np.linspace(0, 1, 16)
+    bins = np.clip(np.searchsorted(edges, confidence, side="left") - 1, 0, 14)
+    error = sum(abs(right[bins == b].mean() - confidence[bins == b].mean()) * np.mean(bins == b) for b in range(15) if np.any(bins == b))
+    check.same("calibration error", float(error), theirs["calibration"]["ece"]["value"])
+
+    found = [[(i, detect(run.t, tick, run.said, i)) for i in run.used] for run in runs]
+    compare_delays(check, "delay", runs, found, theirs["delay_ms"])
+    alarms = [false_alarms(run.t, tick, run.said, run.labels, run.unlabelled, [d for _, d in of_run], guard)
+              for run, of_run in zip(runs, found)]
+    compare_false_alarms(check, "false alarms", alarms, theirs["false_alarms"])
+    compare_over_time(check, "accuracy over time", runs, lambda run: run.used, theirs["over_time"])
+
+    for always in CLASSES[1:]:
+        met = [[(i, detect(run.t, tick, [always] * len(run.t), i)) for i in run.used] for run in runs]
+        compare_delays(check, f"delay of always_{always}", runs, met, theirs["trivial"][f"always_{always}"]["delay_ms"])
+
+    for point in theirs["operating_curve"]:
+        results = {what: [] for what in CLASSES[1:]}
+        count = 0
+        for run in runs:
+            raw = [("slip" if p[2] > p[1] else "press") if max(p[1], p[2]) >= point["threshold"] else "none" for p in run.p]
+            said = confirm(raw, k, n)
+            met = [(i, detect(run.t, tick, said, i)) for i in run.used]
+            for interval, outcome in met:
+                results[interval[0]].append(outcome)
+            of_run, _ = false_alarms(run.t, tick, said, run.labels, run.unlabelled, [d for _, d in met], guard)
+            count += of_run["none"]
+        check.same(f"false alarms at {point['threshold']}", count, point["false_alarms"])
+        for what, outcomes in results.items():
+            delays = [d[1] / 1000 for d in outcomes if d[0] == "detected"]
+            entry, where = point["delay_ms"][what], f"{what} at {point['threshold']}"
+            check.same(where, float(np.mean(delays)) if delays else None, entry["mean"]["value"])
+            check.same(where + ": misses", sum(d[0] == "missed" for d in outcomes), entry["misses"])
+            check.same(where + ": early", sum(d[0] == "early" for d in outcomes), entry["early"])
+
+    true_runs = [run for run in runs if run.truth is not None]
+    if true_runs:
+        compare_accuracy(check, "accuracy by the truth", true_runs,
+                         lambda run: [(class_at(run.t[i], run.truth), run.said[i]) for i in samples(run)],
+                         theirs["accuracy_true"], theirs["confusion_true"])
+        met = [[(i, detect(run.t, tick, run.said, i)) for i in run.truth] for run in true_runs]
+        compare_delays(check, "delay by the truth", true_runs, met, theirs["delay_true_ms"])
+        alarms = [false_alarms(run.t, tick, run.said, run.truth, run.unlabelled, [d for _, d in of_run], guard)
+                  for run, of_run in zip(true_runs, met)]
+        compare_false_alarms(check, "false alarms by the truth", alarms, theirs["false_alarms_true"])
+        compare_over_time(check, "accuracy over time by the truth", true_runs, lambda run: run.truth, theirs["over_time_true"])
+        for run in true_runs:
+            wrong = sum(true.replace("unlabelled", "none") != class_at(t, run.truth) for t, true in zip(run.t, run.true))
+            check.same("truths that differ", wrong, 0)
+
+    for difference in check.wrong:
+        print(difference)
+    print(f"{check.count - len(check.wrong)} of {check.count} figures agree")
+    return 1 if check.wrong else 0
+
+
+sys.exit(main())

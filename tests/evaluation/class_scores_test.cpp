@@ -1,0 +1,42 @@
+#include "tactile/evaluation/class_scores.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+RunConfusion run_with(std::string object, std::array<std::array<std::uint64_t, 3>, 3> counts) {
+  return {std::move(object), {counts}};
+}
+
+TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
+  const std::vector<RunConfusion> runs{run_with("fan", {{{8, 1, 1}, {2, 7, 1}, {0, 0, 10}}}),
+                                       run_with("box", {{{9, 0, 1}, {0, 10, 0}, {3, 3, 4}}})};
+  const ClassScores scores = class_scores_of(runs);
+  const ClassScore& press = scores.all[static_cast<std::size_t>(Touch::press)];
+  EXPECT_DOUBLE_EQ(press.precision.value, 17.0 / 21);  // said press: 1 + 7 + 10 + 3
+  EXPECT_DOUBLE_EQ(press.recall.value, 17.0 / 20);
+  EXPECT_DOUBLE_EQ(press.f1.value, 34.0 / 41);
+  EXPECT_EQ(press.f1.n, 2U);
+  EXPECT_FALSE(press.f1.low.has_value());
+  EXPECT_DOUBLE_EQ(scores.objects.at("fan")[2].precision.value, 10.0 / 12);
+  EXPECT_DOUBLE_EQ(scores.objects.at("box")[2].recall.value, 0.4);
+}
+
+TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
+  const std::vector<RunConfusion> runs{run_with("fan", {{{5, 0, 0}, {5, 0, 0}, {0, 0, 0}}}), run_with("empty", {})};
+  const ClassScores scores = class_scores_of(runs);
+  EXPECT_TRUE(std::isnan(scores.all[1].precision.value));
+  EXPECT_DOUBLE_EQ(scores.all[1].recall.value, 0.0);
+  EXPECT_DOUBLE_EQ(scores.all[1].f1.value, 0.0);
+  EXPECT_TRUE(std::isnan(scores.all[2].f1.value));
+  EXPECT_EQ(scores.objects.count("empty"), 0U);
+  const nlohmann::json json = scores;
+  EXPECT_TRUE(json.at("press").at("precision").at("value").is_null());
+  EXPECT_EQ(json.at("none").at("objects").at("fan").at("recall").at("value"), 1.0);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "evaluation/trained_model.hpp"
+#include "support/run_command.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/labels/labels.hpp"
+#include "tactile/simulation/truth.hpp"
+
+namespace tactile {
+namespace {
+
+using test::make_runs;
+using test::run_tactile;
+using test::Trained;
+
+TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
+  const Trained trained({"fan", "small-box", "usb-hub"});
+  const auto result = run_tactile("eval --json", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("models/small"), std::string::npos);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(read_json(trained.bundle.evaluation()), json);
+  const auto expect_figure = [](const nlohmann::json& figure) {
+    for (const char* key : {"value", "low", "high", "n"}) EXPECT_TRUE(figure.contains(key)) << key << " in " << figure;
+  };
+  expect_figure(json.at("accuracy").at("mean"));
+  expect_figure(json.at("accuracy").at("objects").at("fan"));
+  expect_figure(json.at("false_alarms_per_min"));
+  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position"})
+    expect_figure(json.at("baselines").at(baseline).at("accuracy"));
+  for (const char* touch : {"press", "slip"}) {
+    for (const char* delays : {"delay_ms", "delay_true_ms"}) {
+      const auto& delay = json.at(delays).at(touch);
+      expect_figure(delay.at("mean"));
+      expect_figure(delay.at("median"));
+      for (const char* key : {"sem", "intervals", "misses", "early", "objects"}) EXPECT_TRUE(delay.contains(key)) << key;
+    }
+  }
+  EXPECT_EQ(json.at("confusion").size(), 3U);
+  EXPECT_TRUE(json.at("simulated").get<bool>());
+  const auto text = run_tactile("eval", trained.folder.path());
+  EXPECT_NE(text.out.find("on simulated runs"), std::string::npos);
+  EXPECT_NE(text.out.find("The network's accuracy interval"), std::string::npos);
+  EXPECT_NE(text.out.find("always_press"), std::string::npos);
+  for (const char* touch : {"none", "press", "slip"}) {
+    for (const char* score : {"precision", "recall", "f1"}) expect_figure(json.at("per_class").at(touch).at(score));
+  }
+  expect_figure(json.at("calibration").at("ece"));
+  EXPECT_EQ(json.at("calibration").at("bins").size(), 15U);
+  for (const char* key : {"accuracy_true", "confusion_true", "false_alarms_true", "over_time_true", "above_baselines"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  for (const auto& guard : json.at("accuracy_by_guard")) expect_figure(guard.at("difference").at("mean"));
+  for (const char* touch : {"press", "slip", "both"}) expect_figure(json.at("over_time").at(touch).at("last_minus_first"));
+  for (const auto& point : json.at("operating_curve")) {
+    expect_figure(point.at("delay_ms").at("slip").at("mean"));
+    expect_figure(point.at("false_alarms_per_min"));
+  }
+  EXPECT_EQ(json.at("confirm").get<std::string>(), "1/1");
+}
+
+TEST(EvalCommand, WritesTheSameFiguresAsATidyTable) {
+  const Trained trained({"fan", "small-box", "usb-hub"});
+  const auto result = run_tactile("eval --json --quiet", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  std::map<std::string, double> values;
+  std::istringstream table(read_text(trained.bundle.folder / "eval.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "group,object,class,metric,value,low,high,n");
+  while (std::getline(table, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
+    std::size_t comma = 0;
+    for (int i = 0; i < 4; ++i) comma = line.find(',', comma) + 1;
+    const std::string key = line.substr(0, comma - 1), value = line.substr(comma, line.find(',', comma) - comma);
+    EXPECT_FALSE(values.contains(key)) << "twice: " << key;
+    if (!value.empty()) values[key] = std::stod(value);
+  }
+  const auto expect_value = [&](const std::string& key, const nlohmann::json& value) {
+    ASSERT_TRUE(values.contains(key)) << key;
+    EXPECT_NEAR(values.at(key), value.get<double>(), 1e-8) << key;
+  };
+  expect_value("accuracy,all,,accuracy", json.at("accuracy").at("mean").at("value"));
+  expect_value("accuracy,fan,,accuracy", json.at("accuracy").at("objects").at("fan").at("value"));
+  expect_value("confusion,all,press,said_press", json.at("confusion").at(1).at(1));
+  expect_value("per_class,fan,slip,f1", json.at("per_class").at("slip").at("objects").at("fan").at("f1").at("value"));
+  expect_value("delay_ms,all,press,mean", json.at("delay_ms").at("press").at("mean").at("value"));
+  expect_value("delay_ms:random,all,slip,misses", json.at("trivial").at("random").at("delay_ms").at("slip").at("misses"));
+  expect_value("false_alarms,all,,per_min", json.at("false_alarms_per_min").at("value"));
+  expect_value("baseline:majority,all,,accuracy", json.at("baselines").at("majority").at("accuracy").at("value"));
+  expect_value("guard:0,all,,accuracy", json.at("accuracy_by_guard").at(1).at("mean").at("value"));
+  expect_value("over_time,all,press,first", json.at("over_time").at("press").at("first").at("value"));
+  expect_value("threshold:0.9,all,press,intervals", json.at("operating_curve").at(11).at("delay_ms").at("press").at("intervals"));
+  expect_value("delay_true_ms,usb-hub,slip,mean",
+               json.at("delay_true_ms").at("slip").at("objects").at("usb-hub").at("mean").at("value"));
+}
+
+TEST(EvalCommand, ConfirmsVerdictsAndSaysSo) {
+  const Trained trained({"fan", "small-box", "usb-hub"});
+  const auto result = run_tactile("eval --json --confirm 12/20", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("confirm").get<std::string>(), "12/20");
+  EXPECT_GE(json.at("delay_ms").at("press").at("mean").at("value").get<double>(), 24.0);
+  const auto wrong = run_tactile("eval --confirm 1/2", trained.folder.path());
+  EXPECT_NE(wrong.exit_code, 0);
+  EXPECT_NE(wrong.err.find("more than half"), std::string::npos) << wrong.err;
+}
+
+TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
+  const Trained trained;
+  test::make_run(trained.folder / "elsewhere/new/07", 5, false, false);
+  const auto result = run_tactile("eval --run fan/02,elsewhere/new/07 --json", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("runs").size(), 2U);
+  EXPECT_EQ(json.at("runs").at(0).at("ticks"), 581);
+  EXPECT_EQ(json.at("runs").at(0).at("intervals").size(), 2U);
+  EXPECT_TRUE(json.at("runs").at(1).at("intervals").empty());
+  EXPECT_TRUE(json.at("runs").at(1).at("false_alarms").is_null());
+  for (const char* name : {"fan-02", "new-07"}) {
+    for (const char* extension : {".csv", ".png", ".svg"})
+      EXPECT_GT(std::filesystem::file_size(trained.bundle.folder / "runs" / (std::string(name) + extension)), 1000U) << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(trained.bundle.evaluation()));
+
+  EXPECT_EQ(run_tactile("eval --run fan/01 --out shown", trained.folder.path()).exit_code, 0);
+  EXPECT_NE(read_text(trained.folder / "shown/fan-01.svg").find("learned from this run"), std::string::npos);
+  const auto unknown = run_tactile("eval --run fan/09", trained.folder.path());
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("fan/09: no such run"), std::string::npos) << unknown.err;
+}
+
+/// Shifts labels against the truth, flags an interval, and adds motion that nobody labels, so that every definition has its case.
+void make_odd(const std::filesystem::path& data) {
+  const auto alter = [&](const std::string& run, const std::function<void(Labels&)>& change) {
+    Labels labels = read_labels(data / run / "labels.json");
+    change(labels);
+    write_labels(data / run / "labels.json", labels);
+  };
+  const auto shift = [](UncertainTime& time, microseconds by) {
+    time = {after(time.at, by), after(time.low, by), after(time.high, by)};
+  };
+  alter("fan/02", [&](Labels& labels) { shift(labels.intervals[0].start, -37ms); });
+  alter("fan/03", [&](Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: said long before
+  alter("small-box/02", [&](Labels& labels) { shift(labels.intervals[0].start, 7ms); });  // a head start
+  alter("small-box/03", [&](Labels& labels) { shift(labels.intervals[0].end, -120ms); });
+  alter("usb-hub/02", [](Labels& labels) { labels.flags.push_back({1, "in doubt", false}); });
+  alter("usb-hub/03", [](Labels& labels) { labels.intervals[1].touch = Touch::press, labels.intervals[1].id = "press-2"; });
+  for (const char* run : {"fan/02", "small-box/03"}) {
+    Truth truth = read_truth(data / run / "truth.json");
+    truth.intervals.push_back({{Touch::slip, camera_time(5'560'000), camera_time(5'640'000)}, {}, {}, false});
+    truth.intervals.push_back({{Touch::press, camera_time(5'100'000), camera_time(5'150'000)}, {}, {}, false});
+    write_truth(data / run / "truth.json", truth);
+  }
+}
+
+TEST(EvalCommand, AgreesWithAnIndependentComputation) {
+  if (test::run_shell("/usr/bin/python3 -c 'import numpy'").exit_code != 0) GTEST_SKIP() << "no /usr/bin/python3 with NumPy";
+  // One pass over few samples: it errs often enough.
+  const Trained trained({"fan", "small-box", "usb-hub"}, 3, 1, make_odd);
+  for (const char* confirm : {"1/1", "2/3", "3/5"}) {
+    const std::string options = std::string(" --quiet --confirm ") + confirm;
+    const auto evaluated = run_tactile("eval" + options, trained.folder.path());
+    ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+    const auto shown =
+        run_tactile("eval --run fan/02,fan/03,small-box/02,small-box/03,usb-hub/02,usb-hub/03" + options, trained.folder.path());
+    ASSERT_EQ(shown.exit_code, 0) << shown.err;
+    const auto checked = test::run_shell("/usr/bin/python3 '" TACTILE_TEST_SOURCES
+                                         "/check_evaluation.py' models/small/eval.json "
+                                         "models/small/runs data",
+                                         trained.folder.path());
+    EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
+    EXPECT_NE(checked.out.find("figures agree"), std::string::npos) << checked.out;
+  }
+}
+
+TEST(EvalCommand, WithoutAModelNamesTheCommandThatTrainsOne) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan"}, 2);
+  const auto no_dataset = run_tactile("eval", folder.path());
+  EXPECT_EQ(no_dataset.exit_code, 1);
+  EXPECT_NE(no_dataset.err.find("tactile train --th 40"), std::string::npos) << no_dataset.err;
+  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  const auto no_model = run_tactile("eval", folder.path());
+  EXPECT_EQ(no_model.exit_code, 1);
+  EXPECT_NE(no_model.err.find("tactile train --th 40"), std::string::npos) << no_model.err;
+}
+
+TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
+  const Trained trained(test::six_objects, 2);
+  const auto refused = run_tactile("eval --unseen --no-train", trained.folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("tactile train --th 40 --split unseen --epochs 4"), std::string::npos) << refused.err;
+
+  const auto result = run_tactile("eval --unseen --json --threads 1", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("is missing: it is trained first"), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(read_json(trained.bundle.unseen_evaluation()), json);
+  const auto& objects = json.at("unseen").at("objects");
+  EXPECT_EQ(objects.size(), 5U);
+  for (const auto& [name, object] : objects.items()) {
+    const double seen = object.at("seen").at("value"), held_out = object.at("held_out").at("value");
+    EXPECT_NEAR(object.at("difference").at("value").get<double>(), held_out - seen, 1e-12) << name;
+  }
+  // Run 01 of a held-out object was learned from by the other model.
+  const std::set<std::string> runs = json.at("unseen").at("runs");
+  EXPECT_EQ(runs, (std::set<std::string>{"fan/02", "plastic-container/02", "small-box/02", "sprayer/02", "textured-box/02"}));
+  EXPECT_EQ(json.at("unseen").at("models").at("seen"), "small");
+  EXPECT_TRUE(json.contains("accuracy"));
+
+  const auto again = run_tactile("eval --unseen --no-train --json", trained.folder.path());
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out).at("unseen"), json.at("unseen"));
+}
+
+}  // namespace
+}  // namespace tactile

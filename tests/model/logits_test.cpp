@@ -1,0 +1,26 @@
+#include "tactile/model/logits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+TEST(Probabilities, AreTheSoftmaxOfTheLogits) {
+  const Probabilities p = probabilities_of({1.0F, 2.0F, -1.0F});
+  const double sum = std::exp(1.0) + std::exp(2.0) + std::exp(-1.0);
+  EXPECT_NEAR(p[0], std::exp(1.0) / sum, 1e-7);
+  EXPECT_NEAR(p[1], std::exp(2.0) / sum, 1e-7);
+  EXPECT_NEAR(p[2], std::exp(-1.0) / sum, 1e-7);
+}
+
+TEST(Probabilities, AreRightForLogitsOfAnySize) {
+  const Probabilities huge = probabilities_of({3e38F, -3e38F, 3e38F});
+  EXPECT_EQ(huge, (Probabilities{0.5F, 0.0F, 0.5F}));
+  const Probabilities low = probabilities_of({-1000.0F, -1001.0F, -2000.0F});
+  EXPECT_NEAR(low[0], 1 / (1 + std::exp(-1.0)), 1e-6);
+}
+
+}  // namespace
+}  // namespace tactile

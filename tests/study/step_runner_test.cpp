@@ -1,0 +1,143 @@
+#include "tactile/study/step_runner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/error_of.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Steps : public testing::Test {
+ protected:
+  StepRunner runner() const { return StepRunner({.folder = folder_.path(), .program = "/bin/sh", .threads = 2}); }
+
+  /// Writes "made" to a file of its name, and counts how often.
+  Step writing(const std::string& name, nlohmann::json inputs) {
+    const fs::path file = folder_ / name;
+    return {.name = name,
+            .command = "tactile " + name,
+            .inputs = std::move(inputs),
+            .outputs = [file] { return fs::exists(file) ? nlohmann::json(read_text(file)) : nlohmann::json(); },
+            .work =
+                [this, file](const ProgressCallback&) {
+                  ++worked_;
+                  write_whole(file, "made");
+                }};
+  }
+
+  /// The same by a process, which also writes down what was known of the step.
+  Step by_process(const std::string& name, nlohmann::json inputs) {
+    Step step = writing(name, std::move(inputs));
+    step.work = {};
+    step.arguments = [this, file = (folder_ / name).string()](const StepPast& past) {
+      pasts_.push_back(past);
+      return std::vector<std::string>{"-c", "printf made > '" + file + "'"};
+    };
+    return step;
+  }
+
+  test::TemporaryFolder folder_;
+  int worked_ = 0;
+  std::vector<StepPast> pasts_;
+};
+
+TEST_F(Steps, AreDoneOnceWhileInputsAndOutputsStay) {
+  for (int i = 0; i < 3; ++i) {
+    StepRunner steps = runner();
+    steps.run(writing("a", {{"x", 1}}));
+    EXPECT_EQ(steps.done_now(), i == 0 ? 1U : 0U);
+    ASSERT_EQ(steps.records().size(), 1U);
+    EXPECT_EQ(steps.records()[0].command, "tactile a");
+    EXPECT_FALSE(steps.records()[0].finished_at.empty());
+  }
+  EXPECT_EQ(worked_, 1);
+}
+
+TEST_F(Steps, AreDoneAgainForOtherInputsAndOtherOutputs) {
+  runner().run(writing("a", {{"x", 1}}));
+  runner().run(writing("a", {{"x", 2}}));
+  EXPECT_EQ(worked_, 2);
+  write_whole(folder_ / "a", "touched");
+  runner().run(writing("a", {{"x", 2}}));
+  EXPECT_EQ(worked_, 3);
+  fs::remove(folder_ / "a");
+  runner().run(writing("a", {{"x", 2}}));
+  EXPECT_EQ(worked_, 4);
+}
+
+TEST_F(Steps, ThatFailNameTheirCommandAndAreDoneAgain) {
+  Step step = writing("a", {});
+  step.work = [](const ProgressCallback&) { throw Error("no room"); };
+  EXPECT_EQ(test::error_of([&] { runner().run(step); }), "'tactile a' failed: no room");
+  step.command = "";
+  EXPECT_EQ(test::error_of([&] { runner().run(step); }), "'a' failed: no room");
+  runner().run(writing("a", {}));
+  EXPECT_EQ(worked_, 1);
+}
+
+TEST_F(Steps, ThatMakeNothingAreAnError) {
+  Step step = writing("a", {});
+  step.work = [](const ProgressCallback&) {};
+  EXPECT_NE(test::error_of([&] { runner().run(step); }).find("'tactile a' came to its end"), std::string::npos);
+}
+
+TEST_F(Steps, ADamagedRecordIsNone) {
+  runner().run(writing("a", {}));
+  write_whole(folder_ / "steps/a.json", "{\"key\": 3");
+  runner().run(writing("a", {}));
+  EXPECT_EQ(worked_, 2);
+}
+
+TEST_F(Steps, ProcessesRunSideBySideAndAreToldInTheirOrder) {
+  StepRunner steps = runner();
+  steps.run_side_by_side({by_process("b", {}), by_process("a", {}), by_process("c", {})});
+  ASSERT_EQ(steps.records().size(), 3U);
+  EXPECT_EQ(steps.records()[0].name, "b");
+  EXPECT_EQ(steps.records()[1].name, "a");
+  EXPECT_EQ(steps.records()[2].name, "c");
+  StepRunner again = runner();
+  again.run_side_by_side({by_process("b", {}), by_process("a", {})});
+  EXPECT_EQ(again.done_now(), 0U);
+  EXPECT_EQ(pasts_.size(), 3U);
+}
+
+TEST_F(Steps, AProcessLearnsWhatIsKnownOfItsStep) {
+  runner().run(by_process("a", {{"x", 1}}));
+  ASSERT_EQ(pasts_.size(), 1U);
+  EXPECT_FALSE(pasts_[0].begun_otherwise);
+  EXPECT_FALSE(pasts_[0].made_outputs);
+  runner().run(by_process("a", {{"x", 2}}));
+  EXPECT_TRUE(pasts_[1].begun_otherwise);
+  EXPECT_TRUE(pasts_[1].made_outputs);
+
+  Step broken = by_process("b", {{"x", 1}});
+  broken.arguments = [](const StepPast&) { return std::vector<std::string>{"-c", "exit 1"}; };
+  EXPECT_THROW(runner().run(broken), Error);
+  runner().run(by_process("b", {{"x", 1}}));
+  EXPECT_FALSE(pasts_[2].begun_otherwise) << "what it left half-done is its own";
+  EXPECT_FALSE(pasts_[2].made_outputs);
+  Step other = broken;
+  other.name = "c";
+  EXPECT_THROW(runner().run(other), Error);
+  runner().run(by_process("c", {{"x", 2}}));
+  EXPECT_TRUE(pasts_[3].begun_otherwise);
+  EXPECT_FALSE(pasts_[3].made_outputs);
+}
+
+TEST_F(Steps, InputsAreRemembered) {
+  EXPECT_FALSE(runner().knows("a"));
+  EXPECT_TRUE(runner().inputs_of("a").is_null());
+  runner().run(writing("a", {{"x", 1}}));
+  EXPECT_TRUE(runner().knows("a"));
+  EXPECT_EQ(runner().inputs_of("a").at("x"), 1);
+}
+
+}  // namespace
+}  // namespace tactile
