@@ -49,7 +49,8 @@ void check_places(const ExportArguments& args) {
   if (args.onnx.empty() && args.safetensors.empty()) {
     throw Error("nothing to export to; expected --onnx FILE, --safetensors FILE, or both");
   }
-  if (fs::weakly_canonical(args.onnx) == fs::weakly_canonical(args.safetensors)) {
+  const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
+  if (!args.onnx.empty() && !args.safetensors.empty() && place(args.onnx) == place(args.safetensors)) {
     throw Error(args.onnx + ": named for both formats; expected a file for each");
   }
   for (const std::string& file : {args.onnx, args.safetensors}) {

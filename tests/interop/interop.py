@@ -504,7 +504,7 @@ def bridge(folder):
 
 HEATMAPS = 1000  # of each kind that a model is asked about
 LOGIT_TOLERANCE = 1e-4
-NETWORKS = [(activation, pool, 5) for activation in ("relu", "tanh", "sigmoid") for pool in ("max", "average")] + [("relu", "max", 7)]
+NETWORKS = [(activation, pool, 0.2) for activation in ("relu", "tanh", "sigmoid") for pool in ("max", "average")] + [("relu", "max", 0.15)]
 
 
 class Model:
@@ -514,7 +514,7 @@ class Model:
         self.name = f"{activation}-{pool}-{factor}"
         rendering = ("--th", "40", "--factor", factor)
         if not (folder / self.name).exists():
-            tactile("train", data, "--epochs", "1", "--activation", activation, "--pool", pool, "--models", folder, "--name", self.name, *rendering)
+            tactile("train", data, "--epochs", "2", "--activation", activation, "--pool", pool, "--models", folder, "--name", self.name, *rendering)
         self.onnx, self.safetensors = folder / f"{self.name}.onnx", folder / f"{self.name}.safetensors"
         tactile("export", "--models", folder, "--model", self.name, "--onnx", self.onnx, "--safetensors", self.safetensors, "--force")
         real = real_heatmaps(data, rendering)
@@ -529,10 +529,11 @@ class Model:
         if found.shape != self.logits.shape or len(found) < 2 * HEATMAPS:
             raise Differs(f"{self.name}: {whose} {found.shape} logits, ours {self.logits.shape}; wanted for {2 * HEATMAPS} heatmaps")
         apart = float(np.abs(found - self.logits).max())
-        if not apart <= LOGIT_TOLERANCE:  # NaN is apart too
-            raise Differs(f"{self.name}: {whose} logits are up to {apart:.2g} apart from ours")
-        if np.ptp(self.logits, axis=0).min() < 10 * LOGIT_TOLERANCE:
-            raise Differs(f"{self.name}: the logits are all but the same for every heatmap, so the comparison tells nothing")
+        # A network of sigmoids that has learned little says nearly the same of all heatmaps: then the logits must be closer still.
+        allowed = min(LOGIT_TOLERANCE, float(np.ptp(self.logits, axis=0).min()) / 20)
+        if not apart <= allowed:  # NaN is apart too
+            raise Differs(f"{self.name}: {whose} logits are up to {apart:.2g} apart from ours, allowed {allowed:.2g}")
+        print(f"    {self.name}: {whose} logits of {len(found)} heatmaps are within {apart:.1g} of ours, which span {np.ptp(self.logits):.3g}", flush=True)
 
 
 def real_heatmaps(data, rendering):
@@ -550,7 +551,7 @@ def models(folder):
     """Of every activation and pooling, and of another input size; made once."""
     data, place = folder.parent / "model-data", folder.parent / "models"
     if not data.exists():
-        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,usb-hub,sprayer")
+        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
         tactile("label", data)
         tactile("windows", data)
     for activation, pool, factor in NETWORKS:
