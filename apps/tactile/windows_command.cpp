@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <string>
@@ -94,11 +95,15 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
                    ? "no two recordings overlap in camera time"
                    : fmt::format("recordings compared where they overlap in camera time: {} pairs, events equal by chance: {}",
                                  check.pairs_at_one_time, check.equal_by_chance);
+    verdict += check.histories.empty()
+                   ? "; no history is stored"
+                   : fmt::format("; every value of {} is as it was written", fmt::join(check.histories, ", "));
   }
   print_result(common,
                {{"dataset", file},
                 {"verified", verified},
                 {"differences", check.differences},
+                {"histories", check.histories},
                 {"pairs_at_one_time", check.pairs_at_one_time},
                 {"equal_by_chance", check.equal_by_chance}},
                text + wrapped(verdict) + "\n");

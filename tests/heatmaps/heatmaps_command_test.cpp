@@ -54,6 +54,28 @@ TEST_F(HeatmapsCommand, RendersTheHistoriesItIsGivenAndKeepsThemTheNextTime) {
   EXPECT_EQ(Dataset(folder / "data/dataset.h5").heatmaps().size(), 2U);
 }
 
+TEST_F(HeatmapsCommand, DamagedHistoriesAreFoundByVerifying) {
+  ASSERT_EQ(run_tactile("heatmaps --th 2,40", folder.path()).exit_code, 0);
+  const auto whole_one = run_tactile("windows --verify --json", folder.path());
+  ASSERT_EQ(whole_one.exit_code, 0) << whole_one.out;
+  EXPECT_EQ(nlohmann::json::parse(whole_one.out).at("histories"), nlohmann::json::parse(R"(["th_002", "th_040"])"));
+  const fs::path file = folder / "data/dataset.th_040.h5";
+  const std::string whole = read_text(file);
+  std::string flipped = whole;
+  for (std::size_t i = 0; i < 64; ++i) flipped[whole.size() / 2 + i] = static_cast<char>(flipped[whole.size() / 2 + i] ^ 0x55);
+  for (const std::string& damaged : {flipped, whole.substr(0, whole.size() / 2)}) {
+    write_whole(file, damaged);
+    const auto verified = run_tactile("windows --verify", folder.path());
+    EXPECT_EQ(verified.exit_code, 2);
+    EXPECT_NE(verified.out.find("dataset.th_040.h5"), std::string::npos) << verified.out;
+    EXPECT_EQ(verified.out.find("dataset.th_002.h5"), std::string::npos) << verified.out;
+  }
+  fs::remove(file);
+  ASSERT_EQ(run_tactile("heatmaps --th 40", folder.path()).exit_code, 0);
+  EXPECT_EQ(read_text(file), whole);
+  EXPECT_EQ(run_tactile("windows --verify", folder.path()).exit_code, 0);
+}
+
 TEST_F(HeatmapsCommand, RendersEveryHistoryOfThePaperWithoutArguments) {
   ASSERT_EQ(run_tactile("heatmaps", folder.path()).exit_code, 0);
   std::vector<std::string> names;

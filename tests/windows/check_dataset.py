@@ -35,7 +35,7 @@ def plain_filters(name, table):
     if isinstance(table, h5py.Dataset):
         settings = table.id.get_create_plist()
         filters = {settings.get_filter(i)[0] for i in range(settings.get_nfilters())}
-        expect(filters <= {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}, f"{name}: filters {filters}")
+        expect(filters <= {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_FLETCHER32, h5py.h5z.FILTER_SHUFFLE}, f"{name}: filters {filters}")
 
 
 def labels_of(folder, include_flagged):

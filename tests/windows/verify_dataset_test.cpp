@@ -118,5 +118,23 @@ TEST_F(VerifyDataset, SaysWhatIsDamagedAndEndsWithTwo) {
   EXPECT_EQ(test::run_tactile("windows --verify", folder.path()).exit_code, 2);
 }
 
+TEST_F(VerifyDataset, NamesWhyARunIsNoLongerAmongThoseToUse) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const auto runs = find_runs(data());
+  const std::string recording = read_text(runs.front().events());
+  write_whole(runs.front().events(), recording.substr(0, 100));
+  const DatasetCheck cut = verify_dataset(data(), file());
+  ASSERT_EQ(cut.differences.size(), 1U);
+  EXPECT_NE(cut.differences[0].find(runs.front().name() + ": is in the dataset but no longer among the runs to use: "),
+            std::string::npos)
+      << cut.differences[0];
+  write_whole(runs.front().events(), recording);
+  write_whole(runs.front().labels(), "{");
+  const DatasetCheck broken = verify_dataset(data(), file());
+  ASSERT_EQ(broken.differences.size(), 1U);
+  EXPECT_NE(broken.differences[0].find("labels.json"), std::string::npos) << broken.differences[0];
+}
+
 }  // namespace
 }  // namespace tactile

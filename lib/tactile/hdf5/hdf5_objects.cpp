@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 
 namespace tactile::hdf5 {
 namespace {
@@ -79,7 +80,11 @@ void fail(const std::string& where, const std::string& what) {
 }
 
 void fail_writing(const std::string& where, const std::string& what) {
-  throw Error(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file in a place with room");
+  const std::string reason = last_error();
+  if (reason.find("errno = " + std::to_string(ENOSPC)) != std::string::npos ||
+      reason.find("errno = " + std::to_string(EDQUOT)) != std::string::npos)
+    throw Error(where + ": " + what + " (no space is left); expected a place with room");
+  throw Error(where + ": " + what + " (" + reason + "); expected a sound HDF5 file in a place with room");
 }
 
 Id create_file(const std::filesystem::path& file) {
@@ -161,6 +166,7 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
   H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
   if (H5Tget_size(type) > 1 && H5Tget_class(type) == H5T_INTEGER) H5Pset_shuffle(properties);
   H5Pset_deflate(properties, deflate_level);
+  H5Pset_fletcher32(properties);  // a damaged chunk is told where it is read
   Id table(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
   if (table < 0) fail_writing(where, "'" + name + "' cannot be made");
   return table;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "tactile/core/error.hpp"
@@ -278,6 +279,36 @@ std::optional<StoredHeatmaps> Dataset::find_heatmaps(const std::string& name) co
   }
 }
 
+std::vector<std::string> Dataset::heatmap_names() const {
+  const h5::Session session;
+  const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+  return group < 0 ? std::vector<std::string>{} : h5::members_of(group);
+}
+
+std::string Dataset::what_is_wrong_with(const std::string& name) const {
+  constexpr std::size_t at_once = 512;  // heatmaps
+  try {
+    const std::string where = state_->file.string() + ": /heatmaps/" + name;
+    std::string written;
+    {
+      const h5::Session session;
+      const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
+      state_->describe(group, name);
+      const h5::Id table = open_heatmaps(group, name, state_->manifest_hash, state_->samples.size(), where);
+      written = h5::read_text_attribute(table, "sha256", where);
+    }
+    Sha256 digest;
+    for (std::size_t first = 0; first < state_->samples.size(); first += at_once) {
+      std::vector<std::uint32_t> indexes(std::min(at_once, state_->samples.size() - first));
+      std::iota(indexes.begin(), indexes.end(), static_cast<std::uint32_t>(first));
+      digest.add(std::as_bytes(std::span<const std::uint8_t>(read_heatmaps(name, indexes))));
+    }
+    return digest.hex() == written ? "" : where + ": its values are not those that were written";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
 std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const {
   const h5::Session session;
   const std::string where = state_->file.string() + ": /heatmaps/" + name;
@@ -323,6 +354,7 @@ struct HeatmapsWriter::State {
   fs::path target;
   std::optional<WholeFile> whole;
   h5::Id file, table;
+  Sha256 digest;
 
   std::size_t heatmap_size() const {
     return static_cast<std::size_t>(description.width) * static_cast<std::size_t>(description.height);
@@ -366,6 +398,7 @@ void HeatmapsWriter::append(std::span<const std::uint8_t> heatmaps) {
   const std::size_t count = heatmaps.size() / state_->heatmap_size();
   h5::append_rows(state_->table, H5T_NATIVE_UINT8, heatmaps.data(), count, state_->target.string());
   state_->written += count;
+  state_->digest.add(std::as_bytes(heatmaps));
 }
 
 void HeatmapsWriter::commit() {
@@ -375,6 +408,7 @@ void HeatmapsWriter::commit() {
     throw Error(where + ": " + std::to_string(state_->written) + " heatmaps; expected one for each of " +
                 std::to_string(state_->samples) + " samples");
   }
+  h5::write_attribute(state_->table, "sha256", state_->digest.hex(), where);
   state_->table.close(where);
   state_->file.close(where);
 

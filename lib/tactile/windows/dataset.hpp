@@ -67,6 +67,11 @@ class Dataset {
   /// anew.
   std::optional<StoredHeatmaps> find_heatmaps(const std::string& name) const;
 
+  /// Whether a listed history is what was written: its file beside, its shape, its settings, and every value, by their SHA-256.
+  /// @return  what is wrong; empty if nothing
+  std::string what_is_wrong_with(const std::string& name) const;
+  std::vector<std::string> heatmap_names() const;  ///< every history that is listed, readable or not
+
   /// @return [sample_indexes, height, width], one after the other
   std::vector<std::uint8_t> read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const;
 

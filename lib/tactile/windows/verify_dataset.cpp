@@ -9,6 +9,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_plan.hpp"
 #include "tactile/windows/shared_events.hpp"
 
@@ -105,6 +106,17 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   return differences;
 }
 
+void check_histories(const Dataset& dataset, DatasetCheck& check) {
+  for (const std::string& name : dataset.heatmap_names()) {
+    if (const std::string wrong = dataset.what_is_wrong_with(name); wrong.empty()) {
+      check.histories.push_back(name);
+    } else {
+      check.differences.push_back(name + ": " + wrong + "; remove " + dataset_layout::file_beside(dataset.file(), name).string() +
+                                  " and run 'tactile heatmaps' again");
+    }
+  }
+}
+
 /// Whatever one recording has in common with another. The runs of a dataset must not share a recording, nor a piece of one.
 void compare_recordings(const DatasetPlan& plan, microseconds history, unsigned threads, const ProgressCallback& progress,
                         DatasetCheck& check) {
@@ -137,14 +149,24 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
     opened.emplace(file);
   } catch (const Error& e) {
     if (!fs::exists(file)) throw;
-    return {.differences = {e.what()}};
+    DatasetCheck damaged;
+    damaged.differences.emplace_back(e.what());
+    return damaged;
   }
   const Dataset& dataset = *opened;
   const WindowsOptions options{.sampling = dataset.sampling(),
                                .mix = member<bool>(dataset.settings(), "mix", file.string()),
                                .include_flagged = member<bool>(dataset.settings(), "include_flagged", file.string())};
-  const DatasetPlan plan = plan_dataset(data, file, options, threads, progress);
   DatasetCheck check;
+  check_histories(dataset, check);
+  DatasetPlan plan;
+  try {
+    plan = plan_dataset(data, file, options, threads, progress);
+  } catch (const Error& e) {
+    if (!fs::exists(data)) throw;
+    check.differences.emplace_back(e.what());  // labels that are none, say: no dataset comes of these runs
+    return check;
+  }
   if (dataset.sensor() != plan.sensor) check.differences.emplace_back("the sensor's size is not that of the runs");
   if (dataset.simulated() != plan.simulated) check.differences.emplace_back("what the dataset says of simulated runs is not so");
   std::map<std::string, std::uint32_t> stored;
@@ -172,8 +194,12 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
     check.differences.insert(check.differences.end(), of_runs[i].begin(), of_runs[i].end());
     stored.erase(plan.runs[i].folder.name());
   }
-  for (const auto& [name, index] : stored)
-    check.differences.push_back(name + ": is in the dataset but no longer among the runs to use");
+  for (const auto& [name, index] : stored) {
+    const auto is_it = [&name = name](const WindowedRun& run) { return run.object + "/" + run.run == name; };
+    const auto left_out = std::find_if(plan.left_out.begin(), plan.left_out.end(), is_it);
+    check.differences.push_back(name + ": is in the dataset but no longer among the runs to use" +
+                                (left_out == plan.left_out.end() ? ", there is no such run" : ": " + left_out->remark));
+  }
   compare_recordings(plan, dataset.sampling().history, threads, progress, check);
   return check;
 }
