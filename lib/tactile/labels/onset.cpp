@@ -131,6 +131,7 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
 /// A pixel that has to undo its last change is blind for a while: for as long as the first ones take, once they fire, from one
 /// event to the next. By so much a marker may have moved ahead of its first events.
 microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std::size_t onset, microseconds longest) {
+  if (repeats.size() != counts.size()) return 0us;  // nobody has counted them
   constexpr double enough = 3.0;  // not one pixel alone, which might be noise
   const auto most = static_cast<std::size_t>(longest / bin);
   // So many events follow one of their pixel's noise by chance.
