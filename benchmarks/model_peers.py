@@ -47,12 +47,12 @@ def work_in_torch(what, threads, images):
         nn.Conv2d(1, 6, 5), nn.ReLU(), nn.MaxPool2d(2), nn.Conv2d(6, 16, 5), nn.ReLU(), nn.MaxPool2d(2), nn.Flatten(),
         nn.Linear(9744, 120), nn.ReLU(), nn.Linear(120, 84), nn.ReLU(), nn.Linear(84, 3))
     if what == "infer":
-        heatmaps = torch.from_numpy(heatmaps_at_random(CALL))
+        heatmaps = torch.from_numpy(heatmaps_at_random(CALL)).split(BATCH)  # twice as fast as all at once
         network.eval()
 
         def judge():
             with torch.no_grad():
-                return network(heatmaps.float() / 255)
+                return [network(some.float() / 255) for some in heatmaps]
         return answer_each_line(images, CALL, judge)
     heatmaps = torch.from_numpy(heatmaps_at_random(BATCHES * BATCH)).split(BATCH)
     truth = (torch.arange(BATCHES * BATCH) % 3).split(BATCH)
