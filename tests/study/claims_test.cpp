@@ -76,13 +76,13 @@ TEST(LargestOf, TakesTheLargestOfEachAndLeavesOpenWhatOneLeavesOpen) {
 TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
   const auto holds = claim_named(
       with_histories({{2ms, runs_of(80, 81, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 84, 95)}}), "history-2-worst");
-  EXPECT_DOUBLE_EQ(holds.measured.value, -3) << "usb-hub: 81 less 84";
+  EXPECT_NEAR(holds.measured.value, -3, 1e-9) << "usb-hub: 81 less 84";
   EXPECT_EQ(holds.measured.n, 3U);
   EXPECT_EQ(holds.verdict, Verdict::holds);
-  EXPECT_DOUBLE_EQ(holds.objects.at("fan").value, -5);
+  EXPECT_NEAR(holds.objects.at("fan").value, -5, 1e-9);
   const auto not_for_one = claim_named(
       with_histories({{2ms, runs_of(80, 91, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 95, 95)}}), "history-2-worst");
-  EXPECT_DOUBLE_EQ(not_for_one.measured.value, 1);
+  EXPECT_NEAR(not_for_one.measured.value, 1, 1e-9);
   EXPECT_EQ(not_for_one.verdict, Verdict::does_not);
 }
 
@@ -90,7 +90,7 @@ TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   auto longer = runs_of(85, 90, 90);
   longer[0] = run_of("fan", 70);  // the mean is 80
   const auto claim = claim_named(with_histories({{2ms, runs_of(79, 80, 80)}, {40ms, longer}}), "history-2-worst");
-  EXPECT_DOUBLE_EQ(claim.measured.value, -1);
+  EXPECT_NEAR(claim.measured.value, -1, 1e-9);
   EXPECT_EQ(claim.verdict, Verdict::cannot_tell);
 }
 
@@ -108,10 +108,10 @@ TEST(Claims, BestHistoryCountsObjectsAndTheShorterOfEquals) {
       with_histories(
           {{2ms, runs_of(50, 50, 50)}, {20ms, runs_of(90, 90, 95)}, {40ms, runs_of(90, 92, 90)}, {50ms, runs_of(80, 92, 80)}}),
       "best-history-40");
-  EXPECT_DOUBLE_EQ(claim.measured.value, -1) << "40 ms: usb-hub; 20 ms: fan, which 40 ms equals, and white-box";
+  EXPECT_NEAR(claim.measured.value, -1, 1e-9) << "40 ms: usb-hub; 20 ms: fan, which 40 ms equals, and white-box";
   EXPECT_EQ(claim.note, "20 ms is the best for 2, 40 ms is the best for 1 of 3 objects (the shorter of equals).");
   const auto all = claim_named(with_histories({{2ms, runs_of(50, 50, 50)}, {40ms, runs_of(90, 92, 90)}}), "best-history-40");
-  EXPECT_DOUBLE_EQ(all.measured.value, 3);
+  EXPECT_NEAR(all.measured.value, 3, 1e-9);
   EXPECT_EQ(all.verdict, Verdict::holds);
 }
 
@@ -126,7 +126,7 @@ TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
 
 TEST(Claims, AccuracyAt40IsThatOfTheLowestObject) {
   const auto claim = claim_named(with_histories({{40ms, runs_of(99, 96, 97)}}), "accuracy-at-40");
-  EXPECT_DOUBLE_EQ(claim.measured.value, 96);
+  EXPECT_NEAR(claim.measured.value, 96, 1e-9);
   EXPECT_EQ(claim.verdict, Verdict::holds);
   EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(99, 95, 97)}}), "accuracy-at-40").verdict, Verdict::does_not)
       << "95 does not exceed 95";
@@ -138,7 +138,7 @@ TEST(Claims, DelayIsThatOfTheSlowestObjectAndMissesKeepItFromHolding) {
   inputs.slip = inputs.press;
   inputs.slip["fan"].misses = 1;
   EXPECT_EQ(claim_named(inputs, "press-delay").verdict, Verdict::holds);
-  EXPECT_DOUBLE_EQ(claim_named(inputs, "press-delay").measured.value, 4);
+  EXPECT_NEAR(claim_named(inputs, "press-delay").measured.value, 4, 1e-9);
   const auto slip = claim_named(inputs, "slip-delay");
   EXPECT_EQ(slip.verdict, Verdict::cannot_tell);
   EXPECT_NE(slip.note.find("Of 18 intervals 1 were missed"), std::string::npos) << slip.note;
@@ -155,7 +155,7 @@ TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
                  {"d", {without_bounds(2), 3, 0, 1}},
                  {"none", {Figure{}, 0, 0, 0}}};
   const auto claim = claim_named(inputs, "slip-at-once");
-  EXPECT_DOUBLE_EQ(claim.measured.value, 25);
+  EXPECT_NEAR(claim.measured.value, 25, 1e-9);
   EXPECT_EQ(claim.measured.n, 4U) << "an object without a slip is none of them";
   for (const char* object : {"b", "c", "d"}) inputs.slip[object] = inputs.slip["a"];
   EXPECT_EQ(claim_named(inputs, "slip-at-once").verdict, Verdict::holds);
@@ -166,7 +166,7 @@ TEST(Claims, BeginningAndEndOfIntervals) {
   inputs.first = figure(0.97, 0.96, 0.98);
   inputs.last_minus_first = figure(-0.1, -0.2, -0.01);
   EXPECT_EQ(claim_named(inputs, "right-at-first").verdict, Verdict::holds);
-  EXPECT_DOUBLE_EQ(claim_named(inputs, "right-at-first").measured.value, 97);
+  EXPECT_NEAR(claim_named(inputs, "right-at-first").measured.value, 97, 1e-9);
   EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, Verdict::holds);
   inputs.last_minus_first = figure(0.1, 0.05, 0.2);
   EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, Verdict::does_not);

@@ -53,7 +53,7 @@ TEST(StudyJson, TablesHaveARowForEachFigure) {
             "2.5,reported,all,0.5,0.25,0.75,3\n"
             "2.5,reported,fan,0.25,,,1\n");
   const SeenAndHeldOut comparison{{"fan/02"}, accuracy, accuracy, accuracy};
-  EXPECT_EQ(unseen_csv({{"paper", "reported", &comparison}}).substr(0, 84),
+  EXPECT_EQ(unseen_csv({{"paper", "reported", &comparison}}).substr(0, 83),
             "split,runs,object,of,value,low,high,n\n"
             "paper,reported,all,seen,0.5,0.25,0.75,3\npaper");
   Claim claim;
