@@ -22,6 +22,15 @@ target_include_directories(tactile_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
 target_compile_definitions(tactile_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
 target_link_libraries(tactile_asio INTERFACE Threads::Threads)
 
+# Of ONNX only its messages are used; its CMake package names its targets differently from one Debian to the next.
+find_package(Protobuf REQUIRED)
+find_path(ONNX_INCLUDE_DIR onnx/onnx_pb.h REQUIRED)
+find_library(ONNX_PROTO_LIBRARY onnx_proto REQUIRED)
+add_library(tactile_onnx INTERFACE)
+target_include_directories(tactile_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIR})
+target_compile_definitions(tactile_onnx INTERFACE ONNX_ML=1 ONNX_NAMESPACE=onnx)
+target_link_libraries(tactile_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf)
+
 # The compiler and the headers are all we need of FlatBuffers; its CMake package is named differently from one Debian to the next.
 find_program(FLATC flatc REQUIRED)
 find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)

@@ -18,6 +18,8 @@ void add_view_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+void add_report_command(CLI::App& app);
+void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
 }  // namespace tactile

@@ -1,17 +1,14 @@
 #include <fmt/core.h>
 
-#include <fstream>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "heatmap_pictures.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "text_table.hpp"
 
@@ -27,64 +24,34 @@ struct HeatmapsArguments {
   std::string pictures;
 };
 
-/// Whole or not at all, but not synced one by one: thousands of pictures that are easily made again.
-void write_picture(const fs::path& file, const cv::Mat& picture) {
-  const fs::path part = file.parent_path() / ("." + file.filename().string() + ".part");
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
-  std::error_code failed;
-  fs::create_directories(file.parent_path(), failed);
-  std::ofstream out(part, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (out) fs::rename(part, file, failed);
-  if (!out || failed) throw Error(file.string() + ": cannot be written; expected a writable place with room");
-}
-
-/// One PNG a sample, its pixels the heatmap's own: DIR/th_040/<object>/<run>/<t_us>-<class>.png.
-std::uint64_t write_pictures(const Dataset& dataset, const StoredHeatmaps& stored, const fs::path& folder,
-                             const ProgressCallback& progress) {
-  const std::span<const Sample> samples = dataset.samples();
-  for (std::uint32_t i = 0; i < samples.size(); ++i) {
-    std::vector<std::uint8_t> heatmap = dataset.read_heatmaps(stored.name, std::span(&i, 1));
-    const DatasetRun& run = dataset.runs()[samples[i].run_index];
-    const std::string name = fmt::format("{}-{}.png", us_of(samples[i].t), name_of(samples[i].touch));
-    write_picture(folder / stored.name / run.object / run.run / name,
-                  cv::Mat(stored.height, stored.width, CV_8UC1, heatmap.data()));
-    tell(progress, i + 1, samples.size(), "pictures of " + stored.name);
-  }
-  return samples.size();
-}
-
 void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& common) {
-  const fs::path file = fs::is_regular_file(args.data) ? fs::path(args.data) : fs::path(args.data) / "dataset.h5";
+  const fs::path given = args.data;
+  const bool is_file = fs::is_regular_file(given) || (!fs::exists(given) && given.extension() == ".h5");
+  const fs::path file = is_file ? given : given / "dataset.h5";
   if (!fs::exists(file)) {
     throw Error(fmt::format("{}: no such dataset; expected one, run 'tactile windows{}' first", file.string(),
-                            args.data == "data" ? "" : " " + args.data));
+                            args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + args.data));
   }
   std::vector<HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {
     histories.push_back(heatmap_options(history_ms, args.rendering));
+    if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, stored_name(histories.back()));
   }
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
   {
     const Dataset dataset(file);
-    for (const HeatmapOptions& options : histories)
-      check_renders(dataset, options);  // all are refused before the first is rendered
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
-    for (const HeatmapOptions& options : histories) {
-      const StoredHistory history = store_heatmaps(dataset, options, common.threads, progress_line(common));
-      const StoredHeatmaps& stored = history.heatmaps;
+    for (const auto& [stored, kept] : store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
       result["histories"].push_back({{"name", stored.name},
-                                     {"outcome", history.kept ? "unchanged" : "written"},
+                                     {"outcome", kept ? "unchanged" : "written"},
                                      {"settings", stored.settings},
                                      {"width", stored.width},
                                      {"height", stored.height}});
-      rows.push_back({stored.name, fmt::format("{} ms", static_cast<double>(options.history.count()) / 1000),
+      rows.push_back({stored.name, fmt::format("{} ms", stored.settings["history_us"].get<double>() / 1000),
                       fmt::format("{}x{}", stored.width, stored.height), std::to_string(dataset.samples().size()),
-                      history.kept ? "unchanged" : "written"});
+                      kept ? "unchanged" : "written"});
     }
   }
   std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);
@@ -96,7 +63,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
       if (!stored)
         throw Error(fmt::format("{}: history {} is gone again; expected nobody to replace the dataset meanwhile", file.string(),
                                 stored_name(options)));
-      pictures += write_pictures(dataset, *stored, args.pictures, progress_line(common));
+      pictures += write_heatmap_pictures(dataset, *stored, args.pictures, common.threads, progress_line(common));
     }
     result["pictures"] = pictures;
     text += fmt::format("{} pictures in {}\n", pictures, args.pictures);

@@ -74,6 +74,22 @@ std::vector<RunFolder> runs_of_object(const fs::path& place) {
   return runs;
 }
 
+/// Folders that are named as runs and have no recording: of an object, or of all objects of a data folder.
+std::vector<std::string> without_recording(const fs::path& place) {
+  std::vector<std::string> names;
+  const auto look = [&](const fs::directory_entry& entry) {
+    if (entry.is_directory() && is_run_id(entry.path().filename().string()) && !fs::exists(entry.path() / "events.aedat4"))
+      names.push_back(entry.path().string());
+  };
+  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+    look(entry);
+    if (!entry.is_directory() || !is_object_name(entry.path().filename().string())) continue;
+    for (const fs::directory_entry& run : fs::directory_iterator(entry)) look(run);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 /// Runs, folders of an object's runs, and data folders as all of their runs; each once.
 std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
   std::vector<RunFolder> runs;
@@ -84,6 +100,8 @@ std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
       continue;
     }
     std::vector<RunFolder> found = find_runs(place);
+    if (const auto names = without_recording(place); !names.empty())
+      spdlog::warn("without events.aedat4, and left out: {}", fmt::join(names, ", "));
     if (found.empty()) found = runs_of_object(place);
     if (found.empty())
       throw Error(place + ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
@@ -198,6 +216,7 @@ Outcome read_runs(std::vector<RunFolder> runs) {
 }
 
 void run_label(const CommonArguments& common, const LabelArguments& arguments) {
+  check_exchange(arguments.exchange);
   const std::vector<RunFolder> runs = runs_in(arguments.places);
   if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, runs);
   if (arguments.exchange.exports()) {
@@ -214,6 +233,7 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
     json["objects"] = objects_json(labelled);
     json["differences"] = differences_json(labelled);
     text += "\n" + objects_table(labelled) + "\n" + differences_table(labelled);
+    if (const std::string remarks = remarks_text(labelled); !remarks.empty()) text += "\n" + remarks;
   }
   if (arguments.compare_truth && !labelled.empty()) {
     const TruthTables truth = compare_all(labelled);

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
@@ -145,6 +146,14 @@ void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& argum
                   "for ELAN the "
                   "film's first frame where its clock is known")
       ->check(one_of({"first-event", "camera", "video"}));
+}
+
+void check_exchange(const LabelExchangeArguments& arguments) {
+  if (arguments.exports() || arguments.imports()) return;
+  for (const auto& [option, value] : {std::pair{"--format", &arguments.format}, std::pair{"--origin", &arguments.origin}}) {
+    if (!value->empty())
+      throw Error(fmt::format("{} {}: says how labels are exchanged; expected --export or --import beside it", option, *value));
+  }
 }
 
 void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,

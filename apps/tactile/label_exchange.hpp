@@ -25,6 +25,9 @@ struct LabelExchangeArguments {
 void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& arguments, CLI::Option* compare_truth,
                                 CLI::Option* force);
 
+/// @throws Error  if --format or --origin is given, which say nothing without --export or --import
+void check_exchange(const LabelExchangeArguments& arguments);
+
 /// Writes the labels of the runs for another tool; those that have none are labelled by `label_first` before.
 /// @throws Error  if a file is there with other contents and `replace` is not given, or the labels cannot be put into the format
 void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,

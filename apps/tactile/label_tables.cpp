@@ -1,6 +1,7 @@
 #include "label_tables.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -248,6 +249,17 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
          "\n" + methods.legend();
 }
 
+std::string remarks_text(const std::vector<LabelledRun>& runs) {
+  std::map<std::string, std::vector<std::string>> runs_of;  // many runs share a remark
+  for (const LabelledRun& labelled : runs) {
+    for (const std::string& remark : labelled.labels.remarks) runs_of[remark].push_back(labelled.run.name());
+  }
+  if (runs_of.empty()) return {};
+  std::string text = "Remarks, which nobody needs to look at:\n";
+  for (const auto& [remark, names] : runs_of) text += wrapped(fmt::format("  {}: {}", fmt::join(names, ", "), remark), 4) + "\n";
+  return text;
+}
+
 nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
   nlohmann::json result = nlohmann::json::array();
   for (const LabelledRun& labelled : runs) {
@@ -276,6 +288,7 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
                                                                         {"offset_high_us", clock->offset_high_us},
                                                                         {"residual_us", clock->residual_us}}},
                       {"flags", flags},
+                      {"remarks", labelled.labels.remarks},
                       {"standing_flags", standing_flags(labelled.labels)}});
   }
   return result;
@@ -320,8 +333,8 @@ std::string differences_table(const std::vector<LabelledRun>& runs) {
   }
   return text_table({"onsets apart [ms]", "clock", "n", "median", "spread", "least", "largest"}, rows) +
          wrapped(
-             "Robot says when a stage command (press) or the lift (slip) began, so that its differences hold the lag of what "
-             "follows. A "
+             "Robot says when a stage command (press) or the lift (slip) began, and video when the stage or the arm began to "
+             "move, so that their differences hold the lag of what follows. A "
              "clock that was fitted to events, as its method tells, makes its source follow the events: that they agree then "
              "proves "
              "little.") +

@@ -11,13 +11,16 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_files.hpp"
+#include "tactile/labels/clock_fit.hpp"
 #include "tactile/labels/truth_comparison.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
 namespace {
 
-constexpr microseconds far_off{20'000};  ///< an unflagged error beyond this is named
+constexpr microseconds far_off{20'000};     ///< an unflagged error beyond this is named
+constexpr microseconds clock_goal{10'000};  ///< a clock with a symmetric anchor should be off by no more
+constexpr std::array symmetric_anchors{AnchorKind::imu, AnchorKind::sync_tap, AnchorKind::ring_down};
 
 /// A run beside its truth, and what its labels could be taken from.
 struct ComparedRun {
@@ -181,6 +184,62 @@ std::vector<Group> all_groups() {
           {"own_clocks", "clocks of its own", [](const ComparedRun& r) { return !r.shares_session; }}};
 }
 
+/// Whether an anchor that lies alike on either side of its moment places the robot's clock: no lag of skin or stage enters it.
+bool has_symmetric_anchor(const ComparedRun& run) {
+  const std::vector<FittedClock>& clocks = run.labelled->labels.robot_clocks;
+  return std::any_of(clocks.begin(), clocks.end(), [](const FittedClock& clock) {
+    return std::any_of(symmetric_anchors.begin(), symmetric_anchors.end(),
+                       [&](AnchorKind kind) { return clock.method.find(name_of(kind)) != std::string::npos; });
+  });
+}
+
+/// The error of the robot's clock by what placed it.
+struct ClocksByAnchor {
+  Errors errors;
+  std::size_t within = 0;  ///< `clock_goal`
+};
+
+std::array<ClocksByAnchor, 2> clocks_by_anchor(const std::vector<ComparedRun>& runs) {
+  std::array<ClocksByAnchor, 2> groups;
+  for (const ComparedRun& run : runs) {
+    if (!run.comparison.robot_clock) continue;
+    ClocksByAnchor& group = groups[has_symmetric_anchor(run) ? 0 : 1];
+    group.errors.add(*run.comparison.robot_clock, run.comparison.clocks_flagged);
+    group.within += std::chrono::abs(run.comparison.robot_clock->error) <= clock_goal ? 1 : 0;
+  }
+  return groups;
+}
+
+constexpr std::array<const char*, 2> anchor_groups{"symmetric", "others"};
+
+nlohmann::json json_of(const std::array<ClocksByAnchor, 2>& groups) {
+  nlohmann::json object = nlohmann::json::object();
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].errors.n() == 0) continue;
+    object[anchor_groups[i]] = groups[i].errors.json(true);
+    object[anchor_groups[i]]["within_10_ms"] = groups[i].within;
+  }
+  return object;
+}
+
+std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].errors.n() == 0) continue;
+    std::vector<std::string> cells = groups[i].errors.cells(i == 0 ? "symmetric" : "others", true);
+    cells.push_back(std::to_string(groups[i].within));
+    rows.push_back(std::move(cells));
+  }
+  if (rows.empty()) return {};
+  return "\n" +
+         text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
+         wrapped(
+             "Symmetric anchors: an inertial sensor, sync taps or the arm's ring-down, which lie alike on either side of their "
+             "moment. "
+             "Others follow from when something was touched or dragged, and say a wider interval.") +
+         "\n";
+}
+
 /// What is wrong without a flag that says so, one sentence each.
 std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   std::vector<std::string> named;
@@ -261,6 +320,7 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
   }
 
   const std::vector<std::string> silent = silent_errors(runs);
+  const std::array<ClocksByAnchor, 2> by_anchor = clocks_by_anchor(runs);
   TruthTables tables;
   tables.json = {{"runs", runs.size()},
                  {"intervals", intervals},
@@ -275,6 +335,7 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
                    {"undamaged_with_press_and_slip", {{"runs", plain}, {"flagged", plain_flagged}}}}},
                  {"unflagged_errors", silent},
                  {"errors_ms", json_of(errors_in["all"])},
+                 {"robot_clock_by_anchor", json_of(by_anchor)},
                  {"groups", groups}};
   std::string text =
       "\n" +
@@ -289,6 +350,7 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
               "where the "
               "lift starts.") +
           "\n";
+  text += text_of(by_anchor);
   text += wrapped(fmt::format("Flagged: {}; {}{}.", of_count(undamaged_flagged, runs.size() - damaged, "undamaged runs"),
                               of_count(plain_flagged, plain, "of them that hold press and slip"),
                               damaged == 0 ? "" : "; " + of_count(damaged_flagged, damaged, "damaged runs"))) +
@@ -297,7 +359,8 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
     text +=
         wrapped(fmt::format("No unflagged onset is missed, spurious or off by more than {} ms.", far_off.count() / 1000)) + "\n";
   else
-    text += wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) + "\n";
+    text += wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) +
+            "\n";
   for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
   tables.text = std::move(text);
   return tables;

@@ -9,6 +9,7 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/windows/verify_dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "text_table.hpp"
 
@@ -30,6 +31,8 @@ const char* name_of(DatasetSummary::Outcome outcome) {
       return "written";
     case DatasetSummary::Outcome::replaced:
       return "replaced";
+    case DatasetSummary::Outcome::moved:
+      return "moved";
     case DatasetSummary::Outcome::unchanged:
       return "unchanged";
   }
@@ -70,21 +73,36 @@ std::string text_of(const DatasetSummary& summary, const std::string& file) {
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
   if (summary.outcome == DatasetSummary::Outcome::replaced)
     text += "The dataset that was there had another manifest; its heatmaps are gone with it.\n";
+  if (summary.outcome == DatasetSummary::Outcome::moved)
+    text += "It is the one that was there, heatmaps included; where its runs lie now was noted.\n";
   return text;
 }
 
 void verify(const WindowsArguments& args, const std::string& file, const CommonArguments& common) {
-  const std::vector<std::string> differences = verify_dataset(args.data, file, common.threads, progress_line(common));
+  const DatasetCheck check = verify_dataset(args.data, file, common.threads, progress_line(common));
+  const bool verified = check.differences.empty();
   std::string text;
-  for (const std::string& difference : differences) text += difference + "\n";
-  text += wrapped(differences.empty()
-                      ? fmt::format("{}: every sample, interval and event is what the runs and labels below {} give, and no two "
-                                    "runs share a recording",
-                                    file, args.data)
-                      : fmt::format("{}: differs from the runs and labels below {}", file, args.data)) +
-          "\n";
-  print_result(common, {{"dataset", file}, {"verified", differences.empty()}, {"differences", differences}}, text);
-  if (!differences.empty()) throw CheckFailed{};
+  for (const std::string& difference : check.differences) text += difference + "\n";
+  std::string verdict = fmt::format("{}: differs from the runs and labels below {}", file, args.data);
+  if (verified) {
+    verdict = fmt::format(
+        "{}: every sample, interval and event is what the runs and labels below {} give, and no event in a window of one run is "
+        "in "
+        "another, whatever the split; ",
+        file, args.data);
+    verdict += check.pairs_at_one_time == 0
+                   ? "no two recordings overlap in camera time"
+                   : fmt::format("recordings compared where they overlap in camera time: {} pairs, events equal by chance: {}",
+                                 check.pairs_at_one_time, check.equal_by_chance);
+  }
+  print_result(common,
+               {{"dataset", file},
+                {"verified", verified},
+                {"differences", check.differences},
+                {"pairs_at_one_time", check.pairs_at_one_time},
+                {"equal_by_chance", check.equal_by_chance}},
+               text + wrapped(verdict) + "\n");
+  if (!verified) throw CheckFailed{};
 }
 
 void write_windows(const WindowsArguments& args, const CommonArguments& common) {

@@ -205,6 +205,47 @@ TEST_F(LabelCommand, RefusesARegionThatIsNone) {
     EXPECT_NE(result.err.find("x,y,width,height"), std::string::npos) << result.err;
   }
   EXPECT_EQ(run_tactile("label --no-pictures --roi 10,20,300,200 data/fan/01", folder.path()).exit_code, 0);
+  const auto larger = run_tactile("label --no-pictures --roi 10,20,8000,4000 data/fan/01", folder.path());
+  EXPECT_EQ(larger.exit_code, 1);
+  EXPECT_NE(larger.err.find("is not inside its frames"), std::string::npos) << larger.err;
+}
+
+TEST_F(LabelCommand, RefusesAFormatThatNothingIsExchangedIn) {
+  for (const std::string wrong : {"--format elan", "--origin camera"}) {
+    const auto result = run_tactile("label " + wrong, folder.path());
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.err.find("expected --export or --import beside it"), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.json"));
+}
+
+TEST_F(LabelCommand, NamesRunsThatHaveNoRecording) {
+  std::filesystem::remove(folder.path() / "data/fan/01/events.aedat4");
+  const auto result = run_tactile("label --no-pictures", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("without events.aedat4, and left out: data/fan/01"), std::string::npos) << result.err;
+}
+
+TEST_F(LabelCommand, TellsRemarksInTheSummary) {
+  std::filesystem::remove(folder.path() / "data/fan/01/video.mp4");
+  ASSERT_EQ(run_tactile("label --no-pictures", folder.path()).exit_code, 0);
+  const auto summary = run_tactile("label --summary", folder.path());
+  EXPECT_NE(summary.out.find("fan/01: no film"), std::string::npos) << summary.out;
+  const auto runs = nlohmann::json::parse(run_tactile("label --summary --json", folder.path()).out).at("runs");
+  EXPECT_FALSE(runs.at(0).at("remarks").empty());
+}
+
+TEST_F(LabelCommand, ComparesClocksByTheirAnchors) {
+  const auto result = run_tactile("label --compare-truth --json --no-pictures", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto truth = nlohmann::json::parse(result.out).at("truth");
+  std::size_t clocks = 0;
+  for (const auto& [which, errors] : truth.at("robot_clock_by_anchor").items()) {
+    const auto n = errors.at("n").get<std::size_t>();
+    EXPECT_LE(errors.at("within_10_ms").get<std::size_t>(), n) << which;
+    clocks += n;
+  }
+  EXPECT_EQ(clocks + truth.at("robot_clocks_missed").get<std::size_t>(), 2U);
 }
 
 }  // namespace

@@ -7,145 +7,75 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "heatmaps/dense_reference.hpp"
+#include "heatmaps/rendered_heatmap.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
 namespace tactile {
 namespace {
 
+using test::every_way;
+using test::Hits;
+using test::is_true;
+using test::rendered;
+
 constexpr microseconds history = 40ms;
-constexpr CameraTime tick{history};
-
-struct Hits {
-  int x = 0, y = 0;
-  std::uint32_t count = 1;
-};
-
-std::vector<Event> events_of(const std::vector<Hits>& pixels) {
-  std::vector<Event> events;
-  for (const Hits& pixel : pixels) {
-    events.insert(events.end(), pixel.count,
-                  Event{.t = {}, .x = static_cast<std::int16_t>(pixel.x), .y = static_cast<std::int16_t>(pixel.y)});
-  }
-  return events;
-}
-
-SlidingCounts counted(const std::vector<Event>& events, SensorSize sensor) {
-  SlidingCounts counts(sensor, history);
-  counts.add(events);
-  counts.move_to(tick);
-  return counts;
-}
-
-template <class T>
-std::vector<T> rendered(const SlidingCounts& counts, const HeatmapOptions& options) {
-  HeatmapRenderer renderer(counts.size(), options);
-  std::vector<T> heatmap(static_cast<std::size_t>(renderer.size().width * renderer.size().height), T{77});
-  renderer.render(counts, std::span(heatmap));
-  return heatmap;
-}
-
-std::vector<HeatmapOptions> every_way(double factor = 0.2) {
-  std::vector<HeatmapOptions> ways;
-  for (const Denoise denoise : {Denoise::mean, Denoise::literal, Denoise::none}) {
-    for (const Resize resize : {Resize::area, Resize::linear}) {
-      ways.push_back({.history = history, .denoise = denoise, .resize = resize, .factor = factor});
-    }
-  }
-  return ways;
-}
-
-/// Compares with the plain formula in long double: floats closely, bytes exactly but where the true value lies at a rounding
-/// boundary.
-void expect_true(const std::vector<Event>& events, SensorSize sensor, const HeatmapOptions& options) {
-  SCOPED_TRACE(nlohmann::json(options).dump() + " on " + std::to_string(sensor.width) + "x" + std::to_string(sensor.height));
-  const SlidingCounts counts = counted(events, sensor);
-  const auto expected = test::dense_heatmap(test::dense_counts(events, sensor, tick, history), sensor, options);
-  const auto exact = rendered<float>(counts, options);
-  const auto bytes = rendered<std::uint8_t>(counts, options);
-  ASSERT_EQ(exact.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    ASSERT_TRUE(std::isfinite(exact[i]));
-    ASSERT_LE(std::abs(exact[i] - expected[i]), std::max(1e-6L * expected[i], 1e-30L)) << "cell " << i;
-    const long double to_boundary = std::abs(expected[i] + 0.5L - std::round(expected[i] + 0.5L));
-    if (to_boundary > 1e-3L) {
-      ASSERT_EQ(static_cast<int>(bytes[i]), static_cast<int>(std::floor(expected[i] + 0.5L))) << "cell " << i;
-    }
-  }
-}
 
 TEST(Heatmap, OfNoEventIsAllZero) {
   for (const HeatmapOptions& options : every_way()) {
-    for (const float value : rendered<float>(counted({}, {20, 10}), options)) EXPECT_EQ(value, 0.0F);
-    for (const std::uint8_t value : rendered<std::uint8_t>(counted({}, {20, 10}), options)) EXPECT_EQ(value, 0);
+    for (const float value : rendered<float>({}, {20, 10}, options)) EXPECT_EQ(value, 0.0F);
+    for (const std::uint8_t value : rendered<std::uint8_t>({}, {20, 10}, options)) EXPECT_EQ(value, 0);
   }
 }
 
 TEST(Heatmap, OfOneEventIsATwentyFifthOfItsMaximumInOneCell) {
-  const SlidingCounts counts = counted(events_of({{.x = 7, .y = 2}}), {20, 10});
+  const std::vector<Hits> one{{.x = 7, .y = 2}};
   for (HeatmapOptions options : every_way()) {
     options.resize = Resize::area;
-    const auto exact = rendered<float>(counts, options);
-    const auto bytes = rendered<std::uint8_t>(counts, options);
+    const auto exact = rendered<float>(one, {20, 10}, options);
+    const auto bytes = rendered<std::uint8_t>(one, {20, 10}, options);
     for (std::size_t i = 0; i < exact.size(); ++i) {
       EXPECT_FLOAT_EQ(exact[i], i == 1 ? 10.2F : 0.0F);
       EXPECT_EQ(bytes[i], i == 1 ? 10 : 0);
     }
     options.resize = Resize::linear;
-    EXPECT_EQ(rendered<std::uint8_t>(counts, options)[1], 255);
+    EXPECT_EQ(rendered<std::uint8_t>(one, {20, 10}, options)[1], 255);
   }
 }
 
 TEST(Heatmap, OfTwoCountsIsWhatTheEquationSays) {
   // Pixels with 1 and 3 events: b = 2, D(1) = 1/(1+e^-1) = 0.731, D(3) = 3/(1+e) = 0.807.
-  const SlidingCounts counts = counted(events_of({{.x = 2, .y = 2, .count = 1}, {.x = 7, .y = 2, .count = 3}}), {10, 5});
-  const auto mean = rendered<float>(counts, {.history = history, .resize = Resize::linear});
+  const std::vector<Hits> two{{.x = 2, .y = 2, .count = 1}, {.x = 7, .y = 2, .count = 3}};
+  const auto by = [&](Denoise denoise) {
+    return rendered<float>(two, {10, 5}, {.history = history, .denoise = denoise, .resize = Resize::linear});
+  };
+  const auto mean = by(Denoise::mean);
   EXPECT_FLOAT_EQ(mean[1], 255.0F);
   EXPECT_FLOAT_EQ(mean[0], static_cast<float>(255.0 * (1 / (1 + std::exp(-1.0))) / (3 / (1 + std::exp(1.0)))));
   // As printed: D(1) = 1/(1+e^3), D(3) = 3/(1+e^5).
-  const auto literal = rendered<float>(counts, {.history = history, .denoise = Denoise::literal, .resize = Resize::linear});
+  const auto literal = by(Denoise::literal);
   EXPECT_FLOAT_EQ(literal[0], 255.0F);
   EXPECT_FLOAT_EQ(literal[1], static_cast<float>(255.0 * (3 / (1 + std::exp(5.0))) / (1 / (1 + std::exp(3.0)))));
-  const auto none = rendered<float>(counts, {.history = history, .denoise = Denoise::none, .resize = Resize::linear});
-  EXPECT_FLOAT_EQ(none[0], 85.0F);
+  EXPECT_FLOAT_EQ(by(Denoise::none)[0], 85.0F);
 }
 
 TEST(Heatmap, RoundsHalvesUp) {
   // 1 and 3 halves of the maximum in one cell: 255 * 2.5 / 25 = 25.5 exactly.
-  const SlidingCounts counts =
-      counted(events_of({{.x = 0, .count = 2}, {.x = 1, .count = 1}, {.x = 2, .count = 1}, {.x = 3, .count = 1}}), {5, 5});
-  EXPECT_EQ(rendered<std::uint8_t>(counts, {.history = history, .denoise = Denoise::none})[0], 26);
-}
-
-TEST(Heatmap, OfEveryPixelAlikeIsFull) {
-  for (const std::uint32_t count : {1U, 40U, 20'000U}) {
-    std::vector<Hits> pixels;
-    for (int y = 0; y < 10; ++y) {
-      for (int x = 0; x < 10; ++x) pixels.push_back({x, y, count});
-    }
-    for (const HeatmapOptions& options : every_way()) {
-      for (const std::uint8_t value : rendered<std::uint8_t>(counted(events_of(pixels), {10, 10}), options))
-        EXPECT_EQ(value, 255);
-    }
-  }
-}
-
-TEST(Heatmap, IsRightWhereTheExponentialsAreBeyondFloatAndDouble) {
-  const SensorSize sensor{20, 15};
-  const std::vector<std::vector<Hits>> extremes{
-      {{.x = 3, .y = 3, .count = 1'000'000}},                                // one hot pixel
-      {{.x = 2, .y = 2, .count = 1'000'000}, {.x = 7, .y = 7, .count = 1}},  // and a quiet one
-      {{.x = 2, .y = 2, .count = 1'000'000},
-       {.x = 7, .y = 7, .count = 999'999},
-       {.x = 12, .y = 12, .count = 999'990}},  // nearly alike
-      {{.x = 2, .y = 2, .count = 2'000}, {.x = 7, .y = 2, .count = 2'050}, {.x = 3, .y = 2, .count = 1'900}},
-      {{.x = 2, .y = 2, .count = 1'023}, {.x = 7, .y = 2, .count = 1'024}, {.x = 12, .y = 2, .count = 1'025}},
-      {{.x = 2, .y = 2, .count = 800}, {.x = 7, .y = 2, .count = 1}, {.x = 12, .y = 7, .count = 2}},
-  };
-  for (const auto& pixels : extremes) {
-    for (const HeatmapOptions& options : every_way()) expect_true(events_of(pixels), sensor, options);
-  }
+  EXPECT_EQ(rendered<std::uint8_t>({{.x = 0, .count = 2}, {.x = 1}, {.x = 2}, {.x = 3}}, {5, 5},
+                                   {.history = history, .denoise = Denoise::none})[0],
+            26);
+  // 255 * 1 / 510 and 255 * 3 / 510, which rounding to the even number would take to 0 and 2.
+  const auto bytes = rendered<std::uint8_t>({{.x = 0, .count = 510}, {.x = 1, .count = 1}, {.x = 2, .count = 3}}, {3, 1},
+                                            {.history = history, .denoise = Denoise::none, .factor = 1});
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{255, 1, 2}));
+  // Of pixels alike, 10 in cells of 10 x 10: 25.5; and of a third and its double, whose weights no binary fraction gives: 42.5,
+  // 127.5.
+  std::vector<Hits> tenth;
+  for (int x = 0; x < 10; ++x) tenth.push_back({.x = x});
+  EXPECT_EQ(rendered<std::uint8_t>(tenth, {10, 10}, {.history = history, .factor = 0.1})[0], 26);
+  EXPECT_EQ(rendered<std::uint8_t>({{.x = 0, .count = 1}, {.x = 1, .count = 1}, {.x = 2, .count = 3}}, {4, 2},
+                                   {.history = history, .denoise = Denoise::none, .factor = 0.5})[0],
+            43);
 }
 
 TEST(Heatmap, IsThatOfThePlainFormulaForRandomEvents) {
@@ -160,17 +90,64 @@ TEST(Heatmap, IsThatOfThePlainFormulaForRandomEvents) {
                           static_cast<int>(random.below(static_cast<std::uint64_t>(sensor.height))),
                           static_cast<std::uint32_t>(random.below(100) == 0 ? random.below(60) + 1 : 1)});
       }
-      const std::vector<Event> events = events_of(pixels);
-      for (const HeatmapOptions& options : every_way()) expect_true(events, sensor, options);
+      for (const HeatmapOptions& options : every_way()) ASSERT_TRUE(is_true(pixels, sensor, options));
     }
   }
 }
 
-TEST(Heatmap, IsResizedAsOpenCvDoes) {
+/// Random counts up to `most` are a random float32 frame once they are scaled to their maximum. OpenCV adds up in float32.
+void expect_resized_as_opencv_does(SensorSize sensor, double factor, std::uint64_t most, Random& random) {
+  std::vector<Hits> pixels;
+  cv::Mat frame(sensor.height, sensor.width, CV_32F);
+  double largest = 1;
+  for (int y = 0; y < sensor.height; ++y) {
+    for (int x = 0; x < sensor.width; ++x) {
+      const auto count = static_cast<std::uint32_t>(random.below(most + 1));
+      pixels.push_back({x, y, count});
+      frame.at<float>(y, x) = static_cast<float>(count);
+      largest = std::max<double>(largest, count);
+    }
+  }
+  frame *= 255.0 / largest;
+  for (const Resize resize : {Resize::area, Resize::linear}) {
+    const std::string where =
+        std::to_string(sensor.width) + "x" + std::to_string(sensor.height) + " by " + std::to_string(factor);
+    const HeatmapOptions options{.history = history, .denoise = Denoise::none, .resize = resize, .factor = factor};
+    const SensorSize size = heatmap_size(sensor, factor);
+    if (size.width == 0 || size.height == 0) {
+      EXPECT_THROW(HeatmapRenderer(sensor, options), Error) << where;
+      continue;
+    }
+    cv::Mat expected;
+    cv::resize(frame, expected, {}, factor, factor, resize == Resize::area ? cv::INTER_AREA : cv::INTER_LINEAR);
+    ASSERT_EQ(size, (SensorSize{expected.cols, expected.rows})) << where;
+    const auto floats = rendered<float>(pixels, sensor, options);
+    const auto bytes = rendered<std::uint8_t>(pixels, sensor, options);
+    for (int y = 0; y < expected.rows; ++y) {
+      for (int x = 0; x < expected.cols; ++x) {
+        const auto cell = static_cast<std::size_t>(y * expected.cols + x);
+        ASSERT_NEAR(floats[cell], expected.at<float>(y, x), 3e-4) << where << " at " << x << ", " << y;
+        ASSERT_NEAR(bytes[cell], expected.at<float>(y, x), 0.5006) << where << " at " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(Heatmap, IsResizedAsOpenCvDoesAtEverySmallSize) {
   Random random(11);
+  for (const double factor : {0.2, 0.1, 0.25, 0.5, 1.0 / 3, 1.0 / 7, 1.0}) {
+    for (int width = 1; width <= 36; ++width) {
+      for (int height = 1; height <= 12; ++height) expect_resized_as_opencv_does({width, height}, factor, 19, random);
+    }
+  }
+}
+
+TEST(Heatmap, IsResizedAsOpenCvDoesAtSizesOfSensors) {
+  Random random(12);
   for (const SensorSize sensor : {SensorSize{640, 480},
                                   {346, 260},
-                                  {320, 240},
+                                  {240, 180},
+                                  {128, 128},
                                   {641, 479},
                                   {642, 478},
                                   {643, 477},
@@ -178,61 +155,8 @@ TEST(Heatmap, IsResizedAsOpenCvDoes) {
                                   {645, 475},
                                   {655, 465},
                                   {656, 466},
-                                  {31, 18}}) {
-    // Random counts are a random float32 frame once they are scaled to their maximum.
-    std::vector<Hits> pixels;
-    cv::Mat frame(sensor.height, sensor.width, CV_32F);
-    double largest = 0;
-    for (int y = 0; y < sensor.height; ++y) {
-      for (int x = 0; x < sensor.width; ++x) {
-        const auto count = static_cast<std::uint32_t>(random.below(6));
-        pixels.push_back({x, y, count});
-        frame.at<float>(y, x) = static_cast<float>(count);
-        largest = std::max<double>(largest, count);
-      }
-    }
-    frame *= 255.0 / largest;
-    const SlidingCounts counts = counted(events_of(pixels), sensor);
-    for (const double factor : {0.2, 0.1, 0.25, 0.5, 1.0}) {
-      for (const Resize resize : {Resize::area, Resize::linear}) {
-        const HeatmapOptions options{.history = history, .denoise = Denoise::none, .resize = resize, .factor = factor};
-        cv::Mat expected;
-        cv::resize(frame, expected, {}, factor, factor, resize == Resize::area ? cv::INTER_AREA : cv::INTER_LINEAR);
-        const HeatmapRenderer renderer(sensor, options);
-        ASSERT_EQ(renderer.size(), (SensorSize{expected.cols, expected.rows}))
-            << sensor.width << 'x' << sensor.height << " by " << factor;
-        const auto heatmap = rendered<float>(counts, options);
-        for (int y = 0; y < expected.rows; ++y) {
-          for (int x = 0; x < expected.cols; ++x) {
-            ASSERT_NEAR(heatmap[static_cast<std::size_t>(y * expected.cols + x)], expected.at<float>(y, x), 1e-4)
-                << sensor.width << 'x' << sensor.height << " by " << factor << " at " << x << ", " << y;
-          }
-        }
-      }
-    }
-  }
-}
-
-TEST(Heatmap, DependsOnTheCountsAndNotOnHowTheyCameAbout) {
-  Random random(3);
-  std::vector<Event> events;
-  for (int i = 0; i < 20'000; ++i) {
-    events.push_back({.t = camera_time(i * 5),
-                      .x = static_cast<std::int16_t>(random.below(64)),
-                      .y = static_cast<std::int16_t>(random.below(48))});
-  }
-  HeatmapRenderer renderer({64, 48}, {.history = history});
-  SlidingCounts slid({64, 48}, history);
-  slid.add(events);
-  std::vector<float> from_slid(13 * 10), from_fresh(13 * 10);
-  for (std::int64_t t = 0; t <= 100'000; t += 2'000) {
-    slid.move_to(camera_time(t));
-    SlidingCounts fresh({64, 48}, history);
-    fresh.add(events);
-    fresh.move_to(camera_time(t));
-    renderer.render(slid, std::span(from_slid));
-    renderer.render(fresh, std::span(from_fresh));
-    ASSERT_EQ(from_slid, from_fresh) << t;
+                                  {1280, 720}}) {
+    for (const double factor : {0.2, 0.1, 0.25, 0.5, 1.0 / 20}) expect_resized_as_opencv_does(sensor, factor, 3, random);
   }
 }
 

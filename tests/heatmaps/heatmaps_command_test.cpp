@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string>
 #include <thread>
 
 #include "support/run_command.hpp"
@@ -105,13 +108,48 @@ TEST_F(HeatmapsCommand, WritesPicturesWhosePixelsAreTheHeatmaps) {
   for (const std::uint32_t index : {0U, 100U, 269U}) {
     const Sample& sample = dataset.samples()[index];
     const DatasetRun& run = dataset.runs()[sample.run_index];
-    const fs::path file = folder.path() / "pictures/th_040" / run.object / run.run /
-                          (std::to_string(us_of(sample.t)) + "-" + std::string(name_of(sample.touch)) + ".png");
+    const std::string name =
+        run.object + "-" + run.run + "-" + std::to_string(us_of(sample.t)) + "-" + std::string(name_of(sample.touch)) + ".png";
+    const fs::path file = folder.path() / "pictures/th_040" / run.object / run.run / name;
     const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
     ASSERT_EQ(picture.total(), 8U * 6U) << file;
     const auto heatmap = dataset.read_heatmaps("th_040", std::span(&index, 1));
     EXPECT_TRUE(std::equal(heatmap.begin(), heatmap.end(), picture.begin<std::uint8_t>()));
   }
+}
+
+TEST_F(HeatmapsCommand, ListsItsPicturesAndReplacesNoOtherFiles) {
+  ASSERT_EQ(run_tactile("heatmaps --th 40 --png pictures", folder.path()).exit_code, 0);
+  const fs::path pictures = folder.path() / "pictures/th_040";
+  std::istringstream list(read_text(pictures / "pictures.csv"));
+  std::string line;
+  std::getline(list, line);
+  EXPECT_EQ(line, "file,object,run,t_us,label");
+  const Dataset dataset(folder / "data/dataset.h5");
+  std::string before;
+  for (const Sample& sample : dataset.samples()) {
+    const DatasetRun& run = dataset.runs()[sample.run_index];
+    ASSERT_TRUE(std::getline(list, line));
+    const std::string file = line.substr(0, line.find(','));
+    EXPECT_EQ(line, file + "," + run.object + "," + run.run + "," + std::to_string(us_of(sample.t)) + "," +
+                        std::string(name_of(sample.touch)));
+    EXPECT_TRUE(fs::exists(pictures / file)) << file;
+    const bool same_run = before.starts_with(run.object + "/" + run.run);
+    if (same_run && us_of(sample.t) > 0) {
+      EXPECT_LT(before, file) << "names sort by time";
+    }
+    before = file;
+  }
+  EXPECT_FALSE(std::getline(list, line));
+
+  write_whole(pictures / "fan/01/old.png", "no picture of theirs");
+  const auto refused = run_tactile("heatmaps --th 20,40 --png pictures", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("holds fan/01/old.png"), std::string::npos) << refused.err;
+  EXPECT_FALSE(fs::exists(folder.path() / "pictures/th_020")) << "refused ahead of the work";
+  fs::remove(pictures / "fan/01/old.png");
+  EXPECT_EQ(run_tactile("heatmaps --th 20,40 --png pictures", folder.path()).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder.path() / "pictures/th_020/pictures.csv"));
 }
 
 TEST_F(HeatmapsCommand, LeaveADatasetThatH5pyReads) {

@@ -97,31 +97,65 @@ TEST_F(RenderSamples, RefusesAHistoryThatIsNotStoredAndSamplesThatLieAtNoTick) {
   EXPECT_THROW(render_samples(dataset, {}, std::vector<std::uint32_t>{270}), Error);
 }
 
-TEST_F(RenderSamples, StoresWhatItRenders) {
-  const HeatmapOptions plain{.history = 40ms},
-      linear{.history = 2500us, .tick = 500us, .denoise = Denoise::none, .resize = Resize::linear};
-  for (const HeatmapOptions& options : {plain, linear}) {
-    const Dataset dataset(file());
-    const StoredHistory stored = store_heatmaps(dataset, options, 2);
-    EXPECT_FALSE(stored.kept);
-    EXPECT_EQ(stored.heatmaps.name, stored_name(options));
-  }
+TEST_F(RenderSamples, StoresWhatItRendersOfSeveralHistoriesAtOnce) {
+  const std::vector<HeatmapOptions> histories{
+      {.history = 40ms},
+      {.history = 2500us, .tick = 500us, .denoise = Denoise::none, .resize = Resize::linear},
+      {.history = 40ms},  // again
+      {.history = 10ms, .denoise = Denoise::literal, .factor = 0.1}};
+  const auto first = store_heatmaps(Dataset(file()), std::span(histories).first(1), 2);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_FALSE(first[0].kept);
+  std::uint64_t told = 0;
+  const auto stored = store_heatmaps(Dataset(file()), histories, 2, [&](const Progress& progress) {
+    EXPECT_GT(progress.done, told);
+    told = progress.done;
+  });
   const Dataset dataset(file());
-  ASSERT_EQ(dataset.heatmaps().size(), 2U);
-  for (const HeatmapOptions& options : {plain, linear}) {
-    const auto found = dataset.find_heatmaps(stored_name(options));
+  EXPECT_EQ(told, dataset.samples().size());
+  ASSERT_EQ(stored.size(), histories.size());
+  ASSERT_EQ(dataset.heatmaps().size(), 3U);
+  for (std::size_t i = 0; i < histories.size(); ++i) {
+    EXPECT_EQ(stored[i].heatmaps.name, stored_name(histories[i]));
+    EXPECT_EQ(stored[i].kept, i % 2 == 0) << i;
+    const auto found = dataset.find_heatmaps(stored_name(histories[i]));
     ASSERT_TRUE(found);
-    EXPECT_EQ(found->settings.get<HeatmapOptions>(), options);
-    EXPECT_EQ(dataset.read_heatmaps(found->name, all_of(dataset)), render_samples(dataset, options, all_of(dataset)));
-    EXPECT_TRUE(store_heatmaps(dataset, options).kept);
+    EXPECT_EQ(found->settings.get<HeatmapOptions>(), histories[i]);
+    EXPECT_EQ(dataset.read_heatmaps(found->name, all_of(dataset)), render_samples(dataset, histories[i], all_of(dataset)));
   }
+  for (const StoredHistory& each : store_heatmaps(dataset, histories)) EXPECT_TRUE(each.kept);
+}
+
+TEST_F(RenderSamples, ListsAHistoryNamedTwiceOnce) {
+  const std::vector<HeatmapOptions> twice(2);
+  const auto stored = store_heatmaps(Dataset(file()), twice);
+  EXPECT_FALSE(stored[0].kept);
+  EXPECT_TRUE(stored[1].kept);
+  EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
+}
+
+TEST_F(RenderSamples, StoresNoHistoryIfOneIsRefusedOrTheStepIsEnded) {
+  const std::vector<HeatmapOptions> one_too_long{{.history = 40ms}, {.history = 52ms}}, two{{.history = 40ms}, {.history = 10ms}};
+  EXPECT_THROW(store_heatmaps(Dataset(file()), one_too_long), Error);
+  for (const std::uint64_t most : {0U, 100U}) {
+    for (const unsigned threads : {1U, 2U, 3U}) {
+      const auto end = [&](const Progress& progress) {
+        if (progress.done > most) throw Error("ended");
+      };
+      EXPECT_EQ(message_of([&] { store_heatmaps(Dataset(file()), two, threads, end); }), "ended");
+    }
+  }
+  EXPECT_TRUE(Dataset(file()).heatmaps().empty());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_EQ(entry.path().filename().string().find("th_0"), std::string::npos) << entry.path();
 }
 
 TEST_F(RenderSamples, RendersAHistoryAnewWhoseFileIsGone) {
-  store_heatmaps(Dataset(file()), {});
+  const std::vector<HeatmapOptions> plain(1);
+  store_heatmaps(Dataset(file()), plain);
   std::filesystem::remove(folder / "dataset.th_040.h5");
   EXPECT_THROW(Dataset(file()).heatmaps(), Error);
-  EXPECT_FALSE(store_heatmaps(Dataset(file()), {}).kept);
+  EXPECT_FALSE(store_heatmaps(Dataset(file()), plain)[0].kept);
   EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
 }
 

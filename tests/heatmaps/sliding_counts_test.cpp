@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "heatmaps/dense_reference.hpp"
 #include "tactile/core/error.hpp"
@@ -13,6 +14,31 @@ namespace tactile {
 namespace {
 
 Event event_at(std::int64_t t_us, std::int16_t x = 0, std::int16_t y = 0) { return {.t = camera_time(t_us), .x = x, .y = y}; }
+
+std::vector<std::uint32_t> all_of(const SlidingCounts& counts) {
+  std::vector<std::uint32_t> all;
+  for (int y = 0; y < counts.size().height; ++y) {
+    for (int x = 0; x < counts.size().width; ++x) all.push_back(counts.at(x, y));
+  }
+  return all;
+}
+
+/// The counts that occur, how many pixels have any, and the largest.
+void expect_histogram_of(const SlidingCounts& counts) {
+  std::set<std::uint32_t> occur, told;
+  std::uint32_t active = 0;
+  for (const std::uint32_t count : all_of(counts)) {
+    active += count > 0 ? 1 : 0;
+    if (count > 0) occur.insert(count);
+  }
+  counts.histogram().for_each_count([&](std::uint32_t count) {
+    ASSERT_TRUE(told.empty() || count > *told.rbegin());
+    told.insert(count);
+  });
+  ASSERT_EQ(told, occur);
+  ASSERT_EQ(counts.histogram().active_pixels(), active);
+  ASSERT_EQ(counts.histogram().largest(), occur.empty() ? 0 : *occur.rbegin());
+}
 
 TEST(SlidingCounts, KeepTheBeginOfTheWindowAndLeaveItsEnd) {
   SlidingCounts counts({4, 3}, 10us);
@@ -46,17 +72,34 @@ TEST(SlidingCounts, AreThoseOfEachWindowCountedAlone) {
       given = end;
       counts.move_to(camera_time(tick));
       const auto expected = test::dense_counts(events, sensor, camera_time(tick), history);
-      ASSERT_TRUE(std::equal(expected.begin(), expected.end(), counts.counts().begin())) << tick;
-      std::vector<std::uint32_t> active(counts.active().begin(), counts.active().end()), expected_active;
-      for (std::uint32_t i = 0; i < expected.size(); ++i) {
-        if (expected[i] > 0) expected_active.push_back(i);
-      }
-      std::sort(active.begin(), active.end());
-      ASSERT_EQ(active, expected_active);
+      ASSERT_EQ(all_of(counts), expected) << tick;
+      expect_histogram_of(counts);
       std::uint64_t sum = 0;
       for (const std::uint32_t count : expected) sum += count;
       ASSERT_EQ(counts.events(), sum);
     }
+  }
+}
+
+TEST(SlidingCounts, HoldAnyCount) {
+  // Around the counts up to which one byte, two, and what is kept of small counts would do; up, down, and both in one step.
+  const SensorSize sensor{3, 2};
+  for (const std::int64_t most : {254, 255, 256, 257, 2'046, 2'047, 2'048, 2'049, 65'534, 65'535, 65'536, 65'537, 300'000}) {
+    SlidingCounts counts(sensor, microseconds{most});
+    std::vector<Event> events;
+    for (std::int64_t t = 0; t < 2 * most; ++t) events.push_back(event_at(t, 1, 1));  // one every microsecond
+    events.push_back(event_at(2 * most, 2, 0));
+    counts.add(events);
+    for (const std::int64_t tick : std::set<std::int64_t>{most - 2, most - 1, most, most + 1, 2 * most, 2 * most + 1,
+                                                          3 * most - 2'048, 3 * most - 2'047, 3 * most - 1, 3 * most}) {
+      counts.move_to(camera_time(tick));
+      const std::int64_t last = std::min(tick, 2 * most), first = std::max<std::int64_t>(tick - most, 0);
+      ASSERT_EQ(counts.at(1, 1), static_cast<std::uint32_t>(std::max<std::int64_t>(last - first, 0))) << most << " at " << tick;
+      expect_histogram_of(counts);
+    }
+    counts.move_to(camera_time(4 * most));
+    ASSERT_EQ(counts.events(), 0U);
+    expect_histogram_of(counts);
   }
 }
 
@@ -105,6 +148,7 @@ TEST(SlidingCounts, RefuseToMoveBack) {
 TEST(SlidingCounts, RefuseASensorWithoutAreaOrOfAbsurdSizeAndAHistoryOfNothing) {
   EXPECT_THROW(SlidingCounts({0, 480}, 10us), Error);
   EXPECT_THROW(SlidingCounts({640, -1}, 10us), Error);
+  EXPECT_THROW(SlidingCounts({32'769, 1}, 10us), Error);
   EXPECT_THROW(SlidingCounts({32767, 32767}, 10us), Error);
   EXPECT_THROW(SlidingCounts({640, 480}, 0us), Error);
 }

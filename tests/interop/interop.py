@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Shows, as one table, that files and streams of ours and of other libraries' are read by each other with equal contents.
 
-    interop.py TACTILE FAKE_CONTROLLER TEST_DATA [ROW…]
+    interop.py TACTILE FAKE_CONTROLLER MODEL_LOGITS TEST_DATA [ROW…]
 
 Ends with 0 if every row is equal, 1 if one is not, 77 if a row could not run because its library is missing.
 """
@@ -24,9 +24,10 @@ from pathlib import Path
 import numpy as np
 
 import contents as c
+import networks
 
 HERE = Path(__file__).resolve().parent
-TACTILE, FAKE, DATA = (Path(argument).resolve() for argument in sys.argv[1:4])
+TACTILE, FAKE, MODEL_LOGITS, DATA = (Path(argument).resolve() for argument in sys.argv[1:5])
 COMPRESSIONS = ("none", "lz4", "lz4-high", "zstd", "zstd-high")
 PATIENCE = 60  # seconds that anything may take before it counts as stuck
 ROWS = []
@@ -501,8 +502,95 @@ def bridge(folder):
     expect_equal(c.read_dv(recording), c.read_dv(out / "fan" / "01" / "events.aedat4"), "bridge", ("events", "imu"))
 
 
+HEATMAPS = 1000  # of each kind that a model is asked about
+LOGIT_TOLERANCE = 1e-4
+NETWORKS = [(activation, pool, 0.2) for activation in ("relu", "tanh", "sigmoid") for pool in ("max", "average")] + [("relu", "max", 0.15)]
+
+
+class Model:
+    """One that was trained here for an epoch, exported, and asked about heatmaps of its dataset's and random ones."""
+
+    def __init__(self, folder, data, activation, pool, factor):
+        self.name = f"{activation}-{pool}-{factor}"
+        rendering = ("--th", "40", "--factor", factor)
+        if not (folder / self.name).exists():
+            tactile("train", data, "--epochs", "2", "--activation", activation, "--pool", pool, "--models", folder, "--name", self.name, *rendering)
+        self.onnx, self.safetensors = folder / f"{self.name}.onnx", folder / f"{self.name}.safetensors"
+        tactile("export", "--models", folder, "--model", self.name, "--onnx", self.onnx, "--safetensors", self.safetensors, "--force")
+        real = real_heatmaps(data, rendering)
+        random = np.random.default_rng(1)
+        noise = random.integers(0, 256, (HEATMAPS, *real.shape[1:])) * (random.random((HEATMAPS, *real.shape[1:])) < random.random((HEATMAPS, 1, 1)))
+        self.heatmaps = np.concatenate([real, noise.astype(np.uint8)])
+        self.heatmaps.tofile(folder / "heatmaps")
+        run(MODEL_LOGITS, folder / self.name, folder / "heatmaps", folder / "logits")
+        self.logits = np.fromfile(folder / "logits", np.float32).reshape(-1, 3)
+
+    def expect_same(self, found, whose):
+        if found.shape != self.logits.shape or len(found) < 2 * HEATMAPS:
+            raise Differs(f"{self.name}: {whose} {found.shape} logits, ours {self.logits.shape}; wanted for {2 * HEATMAPS} heatmaps")
+        apart = float(np.abs(found - self.logits).max())
+        # A network of sigmoids that has learned little says nearly the same of all heatmaps: then the logits must be closer still.
+        allowed = min(LOGIT_TOLERANCE, float(np.ptp(self.logits, axis=0).min()) / 20)
+        if not apart <= allowed:  # NaN is apart too
+            raise Differs(f"{self.name}: {whose} logits are up to {apart:.2g} apart from ours, allowed {allowed:.2g}")
+        print(f"    {self.name}: {whose} logits of {len(found)} heatmaps are within {apart:.1g} of ours, which span {np.ptp(self.logits):.3g}", flush=True)
+
+
+def real_heatmaps(data, rendering):
+    """Some of every run's."""
+    import h5py
+    name = json.loads(tactile("heatmaps", data, "--json", *rendering))["histories"][0]["name"]
+    with h5py.File(data / "dataset.h5") as file:
+        heatmaps = file["heatmaps"][name][:]
+    if len(heatmaps) < HEATMAPS:
+        raise Differs(f"{data}: {len(heatmaps)} heatmaps, wanted {HEATMAPS}")
+    return heatmaps[np.linspace(0, len(heatmaps) - 1, HEATMAPS).astype(int)]
+
+
+def models(folder):
+    """Of every activation and pooling, and of another input size; made once."""
+    data, place = folder.parent / "model-data", folder.parent / "models"
+    if not data.exists():
+        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
+        tactile("label", data)
+        tactile("windows", data)
+    for activation, pool, factor in NETWORKS:
+        yield Model(place, data, activation, pool, factor)
+
+
+@row("models exported to ONNX, run by onnxruntime: logits of real and random heatmaps, every activation and pooling", "onnxruntime", "onnx", "h5py")
+def onnx_models(folder):
+    import onnx
+    import onnxruntime
+    onnxruntime.set_default_logger_severity(3)
+    for model in models(folder):
+        onnx.checker.check_model(onnx.load(model.onnx), full_check=True)
+        session = onnxruntime.InferenceSession(str(model.onnx), providers=["CPUExecutionProvider"])
+        x = model.heatmaps[:, np.newaxis].astype(np.float32) / np.float32(255)
+        found = [session.run(["logits", "probabilities"], {"heatmaps": part}) for part in np.array_split(x, 19)]  # batches of two sizes
+        logits, probabilities = (np.concatenate(parts) for parts in zip(*found))
+        model.expect_same(logits, "onnxruntime's")
+        exponentials = np.exp(logits.astype(float) - logits.max(axis=1, keepdims=True))
+        if np.abs(probabilities - exponentials / exponentials.sum(axis=1, keepdims=True)).max() > 1e-5:
+            raise Differs(f"{model.name}: the probabilities are not the softmax of the logits")
+        told = session.get_modelmeta().custom_metadata_map
+        if json.loads(told["classes"]) != ["none", "press", "slip"] or json.loads(told["rendering"])["history_us"] != 40_000:
+            raise Differs(f"{model.name}: onnxruntime reads other metadata: {told}")
+
+
+@row("models exported to safetensors, read by its own library: logits by NumPy, every activation and pooling", "safetensors", "h5py")
+def safetensors_models(folder):
+    import safetensors
+    import safetensors.numpy
+    for model in models(folder):
+        weights = safetensors.numpy.load_file(model.safetensors)
+        with safetensors.safe_open(model.safetensors, "numpy") as file:
+            metadata = file.metadata()
+        model.expect_same(networks.logits_of(weights, metadata, model.heatmaps), "NumPy's")
+
+
 def main():
-    wanted = sys.argv[4:]
+    wanted = sys.argv[5:]
     folder = Path(tempfile.mkdtemp(prefix="tactile-interop-"))
     outcomes = []
     try:

@@ -59,11 +59,11 @@ TEST(FitClock, TakesDriftAsNothingWhereItCannotBeMeasuredAndSaysSo) {
   const ClockFit few = fit_clock(anchors_of(3, 100, 0.0, 300), clock_start_us);
   ASSERT_TRUE(few.clock);
   EXPECT_EQ(few.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(few.clock->method, "IMU (3); drift taken as 0: 3 of 4 anchors");
+  EXPECT_EQ(few.clock->method, "IMU (3); drift taken as 0: 3 anchors tell of it, 4 are needed");
   const ClockFit near = fit_clock(anchors_of(6, 5, 80.0, 300), clock_start_us);
   ASSERT_TRUE(near.clock);
   EXPECT_EQ(near.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(near.clock->method, "IMU (6); drift taken as 0: anchors over 25 of 60 s");
+  EXPECT_EQ(near.clock->method, "IMU (6); drift taken as 0: its anchors span 25 s, 60 s are needed");
   std::vector<ClockAnchor> vague = anchors_of(5, 20, 80.0, 1e5);
   const ClockFit open = fit_clock(vague, clock_start_us);
   ASSERT_TRUE(open.clock);

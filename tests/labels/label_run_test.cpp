@@ -107,6 +107,19 @@ TEST(LabelRun, OfAnArmThatNeverRisesHasNoSlip) {
                           [](const std::string& remark) { return remark == "no slip, and the robot log has no lift"; }));
 }
 
+TEST(LabelRun, SaysThatMotionsAreThoseOfTheTarget) {
+  const test::TemporaryFolder data;
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  std::string text = read_text(run.robot());
+  for (std::size_t at = 0; (at = text.find("actual_TCP", at)) != std::string::npos;) text.replace(at, 6, "target");
+  write_whole(run.robot(), text);
+  const Labels labels = label_run(run);
+  EXPECT_TRUE(std::any_of(labels.remarks.begin(), labels.remarks.end(),
+                          [](const std::string& remark) { return remark.find("target_TCP_speed") != std::string::npos; }));
+  const std::string from = labels.provenance.at("robot_log").at("speeds_from");
+  EXPECT_EQ(from, "target_TCP_speed");
+}
+
 TEST(LabelRun, FlagsAGapInTheRecording) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "support/temporary_folder.hpp"
@@ -62,8 +63,14 @@ TEST(LitRate, KeepsWhatABurstLightsAndATenthOfTheNoise) {
     const double ahead = std::accumulate(first + 200, first + 2'400, 0.0) / 2'200;
     EXPECT_NEAR(ahead, 0.25, 0.06);
     EXPECT_LT(burst.dispersion, 1.7);
+    ASSERT_EQ(burst.places.size(), 1U);
+    EXPECT_EQ(burst.places[0].counts, burst.rate.counts);
+    EXPECT_EQ(burst.places[0].repeats, burst.repeats);
+    EXPECT_DOUBLE_EQ(burst.places[0].quiet_per_bin, burst.quiet_per_bin);
   }
   EXPECT_EQ(us_of(lit[0].rate.begin_of(lit[0].burst_begin)), us_of(rate.begin_of(bursts[0].begin)));
+  // 3 events of 3072 pixels in each of the 4000 read-outs before it.
+  EXPECT_NEAR(lit[0].set_anew, 1.0 - std::exp(-4000 * 3.0 / 3072), 0.01);
 }
 
 TEST(LitRate, TellsAReleaseByTheLightThatItGivesBack) {
@@ -76,6 +83,22 @@ TEST(LitRate, TellsAReleaseByTheLightThatItGivesBack) {
   EXPECT_NEAR(lit[0].undoes, 0.0, 1e-9);
   EXPECT_GT(lit[1].undoes, 0.95);
   EXPECT_LT(lit[2].undoes, 0.5);
+}
+
+TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
+  const test::TemporaryFolder folder;
+  write_touches(folder / "events.aedat4");
+  RecordingReader recording(folder / "events.aedat4");
+  const EventRate rate = event_rate(recording, 0);
+  const auto bursts = bursts_in(rate, quiet_rate(rate));
+  ASSERT_EQ(bursts.size(), 3U);
+  // Told as one burst, the touches light both squares.
+  const std::vector<Burst> one{{bursts.front().begin, bursts.back().end, 0}};
+  const auto lit = lit_rates(recording, 0, rate, one);
+  ASSERT_EQ(lit.size(), 1U);
+  ASSERT_EQ(lit[0].places.size(), 2U);
+  for (std::size_t i = 0; i < lit[0].rate.counts.size(); ++i)
+    ASSERT_EQ(lit[0].places[0].counts[i] + lit[0].places[1].counts[i], lit[0].rate.counts[i]);
 }
 
 TEST(LitRate, OfNoBurstsIsNone) {

@@ -75,6 +75,51 @@ TEST(PressOnset, IsThatOfAWeakContactAheadOfTheStrongOne) {
   EXPECT_GE(found.covered, 90);
 }
 
+/// A marker that the noise of all hides, until another one is touched 20 ms later; told as one, or each place by itself.
+LitRate two_markers(std::uint64_t seed, bool told_apart) {
+  const auto lit_by = [&](double quiet, double from_us, double events, std::uint64_t of) {
+    return test::lit_rate_of(
+        5'000, [=](double t_us) { return quiet + (t_us < 600'000 ? blow(t_us - from_us, events) : 0.0); }, of, 2'030, 3'000,
+        quiet);
+  };
+  const LitRate first = lit_by(0.2, onset_us, 0.8, 2 * seed), second = lit_by(3.0, onset_us + 20'000, 30.0, 2 * seed + 1);
+  LitRate all = second;
+  all.quiet_per_bin = 3.2;
+  all.repeats.assign(5'000, 0);
+  for (std::size_t i = 0; i < 5'000; ++i) all.rate.counts[i] += first.rate.counts[i];
+  for (const LitRate* place : {&second, &first}) {
+    if (told_apart) all.places.push_back({place->rate.counts, all.repeats, place->quiet_per_bin, 1.0});
+  }
+  return all;
+}
+
+TEST(PressOnset, IsThatOfTheFirstMarkerWhoseOwnNoiseDoesNotHideIt) {
+  std::vector<double> together_ms, apart_ms;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const auto error_ms = [&](bool told_apart) {
+      return std::abs(1e-3 * static_cast<double>(between(onset, press_onset(two_markers(seed, told_apart)).time.at).count()));
+    };
+    together_ms.push_back(error_ms(false));
+    apart_ms.push_back(error_ms(true));
+  }
+  std::sort(together_ms.begin(), together_ms.end());
+  std::sort(apart_ms.begin(), apart_ms.end());
+  EXPECT_GT(together_ms[30], 5.0) << "else this asks nothing";
+  EXPECT_LT(apart_ms[20], 2.0);
+  EXPECT_LT(apart_ms[36], 6.0);
+}
+
+TEST(PressOnset, MayLieAsFarAheadAsPixelsThatNoiseHasSetAnewAreBlind) {
+  LitRate lit = test::lit_rate_of(
+      5'000, [](double t_us) { return 0.3 + (t_us < 600'000 ? blow(t_us - onset_us, 10.0) : 0.0); }, 1, 2'030, 3'000, 0.3);
+  lit.repeats.assign(5'000, 0);  // none repeats its event: for how long they were blind is not seen
+  const UncertainTime fresh = press_onset(lit).time;
+  lit.set_anew = 1.0;
+  const UncertainTime anew = press_onset(lit).time;
+  EXPECT_EQ(fresh.at, anew.at);
+  EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 25'000, 500);
+}
+
 TEST(SlipOnset, IsTheJumpBehindTheRingingAndNotTheRinging) {
   const auto ringing_then_jump = [](double u) {
     const double since = u + 10'000;  // the arm starts 10 ms ahead

@@ -115,6 +115,19 @@ TEST(SlipEnd, LeavesOpenWhetherALongFaintTailBelongsToIt) {
   EXPECT_LE(tailed.low, time_of(still_us + 30'000));
 }
 
+TEST(SlipEnd, IsNotAheadOfTheArmsStopNorLongBehindIt) {
+  const LitRate brief = slip_rate(4'000.0, 0.0, 1), rings = slip_rate(4'000.0, 60.0, 1);
+  const auto stop = [](double t_us) { return UncertainTime{time_of(t_us), time_of(t_us - 1'000), time_of(t_us + 1'000)}; };
+  const UncertainTime unseen = slip_end(brief, exactly(onset_us), {}, stop(still_us + 60'000)).time;
+  EXPECT_GE(unseen.at, time_of(still_us + 60'000));
+  EXPECT_LT(unseen.low, time_of(still_us + 60'000));
+  EXPECT_GT(unseen.high, time_of(still_us + 60'000));
+  EXPECT_GT(slip_end(rings, exactly(onset_us)).time.at, time_of(still_us + 100'000)) << "else this asks nothing";
+  const UncertainTime ringing = slip_end(rings, exactly(onset_us), {}, stop(still_us)).time;
+  EXPECT_LE(ringing.at, time_of(still_us + 51'000));
+  EXPECT_LE(ringing.low, time_of(still_us - 1'000));
+}
+
 TEST(SlipEnd, SaysThatTheRecordingEndsBeforeIt) {
   const LitRate lit = test::lit_rate_of(
       2'000, [](double t_us) { return t_us < onset_us ? 0.2 : 40.0; }, 1, 1'000, 2'000, 0.2);

@@ -105,7 +105,7 @@ TEST(TrainModel, IsTheSameFromStoredHeatmapsAndFromRenderedOnes) {
   settings.training.epochs = 1;
   const ModelBundle rendered{folder / "rendered"}, stored{folder / "stored"};
   train_model(Dataset(folder / "data/dataset.h5"), settings, rendered, {.threads = 1});
-  store_heatmaps(Dataset(folder / "data/dataset.h5"), settings.rendering, 1);
+  store_heatmaps(Dataset(folder / "data/dataset.h5"), std::span(&settings.rendering, 1), 1);
   const Dataset dataset(folder / "data/dataset.h5");
   ASSERT_TRUE(dataset.find_heatmaps("th_040").has_value());
   train_model(dataset, settings, stored, {.threads = 1});

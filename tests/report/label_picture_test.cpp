@@ -157,6 +157,66 @@ TEST(LabelPicture, WrapsAndCutsWhatIsLong) {
   draw_label_picture(picture, folder / "labels.png");
 }
 
+TEST(LabelPicture, TellsTimesAsItsAxisDoes) {
+  LabelPicture picture = whole_picture();
+  picture.remarks = {"the press at 1700000001000000 us: its end is doubtful",
+                     "a gap of 21000 us from 1.2 s behind its first event on (1700000001200000 us)"};
+  picture.labels.flags[0].reason = "something at 1700000002500100 us and at -5 us";
+  EXPECT_TRUE(says(picture, "the press at 1.0000 s: its end is doubtful"));
+  EXPECT_TRUE(says(picture, "a gap of 21000 us from 1.2 s behind its first event on (1.2000 s)"));
+  EXPECT_TRUE(says(picture, "something at 2.5001 s and at -1700000000.0000 s"));
+}
+
+/// The values of the table that the plot with this tick name draws, by x.
+std::vector<std::pair<double, double>> table_drawn_in(const Plot& plot, const std::string& panel) {
+  const std::size_t at = plot.script.find("plot $", plot.script.find(panel));
+  const std::string name = plot.script.substr(at + 6, plot.script.find(' ', at + 6) - at - 6);
+  std::vector<std::pair<double, double>> rows;
+  for (const PlotTable& table : plot.tables) {
+    for (std::size_t i = 0; table.name == name && i < table.values.size(); i += 2)
+      rows.emplace_back(table.values[i], table.values[i + 1]);
+  }
+  return rows;
+}
+
+TEST(LabelPicture, EndsAnOutputWhereItsLogEnds) {
+  LabelPicture picture = whole_picture();
+  picture.traces = {{.kind = TraceKind::stage_output,
+                     .name = "digital output 0",
+                     .t = {at_ms(0), at_ms(700), at_ms(2'500)},
+                     .values = {0, 1, 1}}};
+  const auto rows = table_drawn_in(label_plot(picture), "set ytics ('output 0'");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_NEAR(rows.back().first, 2.5, 1e-9);
+}
+
+TEST(LabelPicture, HasOneRowForAnOutputWhoseLogIsInPieces) {
+  LabelPicture picture = whole_picture();
+  picture.traces.clear();
+  const int height = label_plot(picture).height_px;
+  picture.traces = {{.kind = TraceKind::stage_output, .name = "out", .t = {at_ms(0), at_ms(700)}, .values = {0, 1}}};
+  const int with_one = label_plot(picture).height_px;
+  picture.traces.push_back({.kind = TraceKind::stage_output, .name = "out", .t = {at_ms(2'000), at_ms(2'700)}, .values = {1, 0}});
+  EXPECT_EQ(label_plot(picture).height_px, with_one);
+  EXPECT_EQ(count_of(label_plot(picture).script, "with steps"), 2U);
+  EXPECT_TRUE(says(picture, "set yrange [0:1]\nset ytics ('out' 0.5)"));
+  picture.traces.back().name = "other";
+  EXPECT_TRUE(says(picture, "set yrange [0:2]\nset ytics ('out' 1.5, 'other' 0.5)"));
+  EXPECT_GE(with_one, height);
+}
+
+TEST(LabelPicture, WritesWordsWhereNoLineCrossesThem) {
+  LabelPicture picture = whole_picture();
+  const std::string script = label_plot(picture).script;
+  EXPECT_NE(script.find("set style textbox opaque"), std::string::npos);
+  EXPECT_EQ(count_of(script, "front boxed textcolor"), 5U) << "what sources say of two onsets";
+  // A word 33 ms wide and more that stands 30 ms before the onset does not reach over the left edge.
+  picture.labels.intervals[1].evidence.robot = at_ms(1'970);
+  EXPECT_TRUE(says(picture, "set label 'lift start −30.0 ms' at first -28.8,")) << "to the right of its line";
+  picture.labels.intervals[1].evidence.robot = at_ms(1'990);
+  EXPECT_TRUE(says(picture, "set label 'lift start −10.0 ms' at first -11.2,")) << "to the left of its line";
+}
+
 TEST(LabelPicture, EnlargesFourOnsetsWithTheSlipsAndSaysSo) {
   LabelPicture picture = whole_picture();
   picture.labels.intervals.clear();

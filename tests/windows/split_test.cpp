@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <utility>
+
 #include "tactile/core/error.hpp"
 
 namespace tactile {
@@ -59,6 +62,33 @@ TEST(Split, RefusesAHeldOutObjectThatIsNotThereAndEmptySides) {
   const std::vector<RunName> alone{{"box", "01"}};
   EXPECT_THROW(split_runs(alone, {}), Error);
   EXPECT_THROW(split_runs({}, {}), Error);
+}
+
+TEST(UnseenSplit, CanBeAnyOf252AndNeverTestsOnWhatItTrainsOn) {
+  const std::vector<std::string> objects{"3d-printed-object", "fan",          "plastic-container", "small-box",
+                                         "sprayer",           "textured-box", "uhu-glue-stick",    "usb-hub",
+                                         "water-bottle",      "white-box"};
+  std::vector<RunName> runs;
+  for (const std::string& object : objects) {
+    for (const char* run : {"01", "02", "03"}) runs.push_back({object, run});
+  }
+  std::set<std::pair<Indexes, Indexes>> splits;
+  for (unsigned chosen = 0; chosen < 1U << objects.size(); ++chosen) {
+    SplitOptions options{.kind = SplitKind::unseen, .train_run = "02", .held_out = {}};
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      if ((chosen >> i & 1U) != 0) options.held_out.push_back(objects[i]);
+    }
+    if (options.held_out.size() != 5) continue;
+    const Split split = split_runs(runs, options);
+    ASSERT_EQ(split.train_runs.size(), 5U);
+    ASSERT_EQ(split.test_runs.size(), 15U);
+    for (const std::uint32_t trained : split.train_runs) {
+      ASSERT_EQ(runs[trained].run, "02");
+      for (const std::uint32_t tested : split.test_runs) ASSERT_NE(runs[trained].object, runs[tested].object);
+    }
+    splits.emplace(split.train_runs, split.test_runs);
+  }
+  EXPECT_EQ(splits.size(), 252U);
 }
 
 TEST(Split, HasNames) {

@@ -12,6 +12,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/verify_dataset.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile {
@@ -207,6 +208,74 @@ TEST_F(WriteDataset, WithoutLabelsIsAnErrorThatNamesTheCommand) {
   EXPECT_EQ(Dataset(file()).runs().size(), 1U);
 }
 
+TEST_F(WriteDataset, TakesARunWithoutRunJsonAsItsFolderAndItsRecordingSay) {
+  test::make_three_runs(data());
+  const std::string hash = write_dataset(data(), folder / "with/dataset.h5").manifest_hash;
+  fs::remove(data() / "fan/02/run.json");
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_TRUE(mentions(summary.warnings, "runs without run.json"));
+  EXPECT_TRUE(mentions(summary.warnings, "fan/02"));
+  EXPECT_EQ(summary.runs[1].samples, (std::array<std::uint64_t, 3>{30, 30, 30}));
+  EXPECT_EQ(summary.manifest_hash, hash);
+  EXPECT_FALSE(summary.simulated);
+  write_whole(data() / "fan/02/truth.json", "{}");
+  EXPECT_EQ(write_dataset(data(), file()).runs[1].remark, "simulated, and there are real runs");
+}
+
+TEST_F(WriteDataset, LeavesARunOutWhoseRunJsonIsBroken) {
+  test::make_three_runs(data());
+  write_whole(data() / "fan/02/run.json", "{\"object\": \"fan\"");
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_FALSE(summary.runs[1].in_dataset);
+  EXPECT_EQ(summary.runs[1].remark, "its run.json cannot be used");
+  EXPECT_TRUE(mentions(summary.warnings, "fan/02: left out, its run.json cannot be used"));
+  EXPECT_EQ(Dataset(file()).runs().size(), 2U);
+  for (const char* run : {"fan/01", "usb-hub/01"}) write_whole(data() / run / "run.json", "");
+  EXPECT_NE(message_of([&] { write_dataset(data(), folder / "other.h5"); }).find("no run can be used"), std::string::npos);
+}
+
+TEST_F(WriteDataset, TellsOfARunWhoseFolderBearsAnotherName) {
+  test::make_three_runs(data());
+  fs::rename(data() / "usb-hub/01", data() / "usb-hub/02");
+  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: run.json says that it is usb-hub/01"));
+  EXPECT_EQ(Dataset(file()).runs()[2].run, "02");
+}
+
+TEST_F(WriteDataset, NotesWhereItsRunsHaveMovedAndKeepsItsHeatmaps) {
+  test::make_three_runs(data());
+  const fs::path apart = folder / "sets/dataset.h5";
+  write_dataset(data(), apart);
+  {
+    const Dataset dataset(apart);
+    HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
+    heatmaps.append(std::vector<std::uint8_t>(dataset.samples().size(), 7));
+    heatmaps.commit();
+  }
+  const auto events_written = fs::last_write_time(folder / "sets/dataset.events.h5");
+  fs::rename(data(), folder / "a-longer-name-of-a-folder");
+  EXPECT_NE(message_of([&] { check_unchanged(Dataset(apart), 0); }).find("finds runs that have moved"), std::string::npos);
+  EXPECT_EQ(write_dataset(folder / "a-longer-name-of-a-folder", apart).outcome, DatasetSummary::Outcome::moved);
+  const Dataset dataset(apart);
+  EXPECT_NO_THROW(check_unchanged(dataset, 0));
+  EXPECT_EQ(dataset.run_folder(0), fs::canonical(folder / "a-longer-name-of-a-folder/fan/01"));
+  EXPECT_EQ(dataset.heatmaps().size(), 1U);
+  EXPECT_EQ(dataset.read_heatmaps("th_002", std::vector<std::uint32_t>{3}), std::vector<std::uint8_t>{7});
+  EXPECT_EQ(fs::last_write_time(folder / "sets/dataset.events.h5"), events_written);
+  EXPECT_EQ(write_dataset(folder / "a-longer-name-of-a-folder", apart).outcome, DatasetSummary::Outcome::unchanged);
+}
+
+TEST_F(WriteDataset, ReadsAnyPartOfARunsEvents) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const Dataset dataset(file());
+  const std::vector<Event> whole = dataset.events(1);
+  const std::vector<Event> part = dataset.events(1, 100, 50);
+  EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin() + 100, whole.begin() + 150));
+  EXPECT_TRUE(dataset.events(1, whole.size(), 0).empty());
+  EXPECT_THROW(dataset.events(1, 100, whole.size() - 99), Error);
+  EXPECT_THROW(dataset.events(1, whole.size() + 1, 0), Error);
+}
+
 TEST_F(WriteDataset, WithoutRunsIsAnError) {
   fs::create_directories(data());
   EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("no runs"), std::string::npos);
@@ -326,16 +395,16 @@ TEST_F(WriteDataset, IsRefusedWhenItWasTamperedWithOrCut) {
 TEST_F(WriteDataset, IsVerifiedAgainstItsRuns) {
   test::make_three_runs(data());
   write_dataset(data(), file(), {.sampling = {.window = 300ms, .seed = 5}});
-  EXPECT_EQ(verify_dataset(data(), file()), std::vector<std::string>{});
+  EXPECT_EQ(verify_dataset(data(), file()).differences, std::vector<std::string>{});
 
   test::make_run(data(), {.object = "box", .seed = 9});
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "box/01: is among the runs but not in the dataset"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "box/01: is among the runs but not in the dataset"));
   fs::remove_all(data() / "box");
 
   test::LabelledRun moved{.run = "01", .seed = 1};
   moved.intervals[0].start = camera_time(204'000);
   write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
-  const auto differences = verify_dataset(data(), file());
+  const auto differences = verify_dataset(data(), file()).differences;
   EXPECT_TRUE(mentions(differences, "fan/01: labels.json has changed"));
   EXPECT_TRUE(mentions(differences, "fan/01: its intervals are not those of its labels"));
   EXPECT_TRUE(mentions(differences, "fan/01: sample 0 is none at"));
@@ -346,7 +415,7 @@ TEST_F(WriteDataset, IsVerifiedToHoldNoRecordingTwice) {
   test::make_three_runs(data());
   fs::copy(data() / "fan/01", data() / "fan/03", fs::copy_options::recursive);
   write_dataset(data(), file());
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()), "fan/03: holds the same recording as fan/01"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "fan/03: holds the same recording as fan/01"));
 }
 
 TEST_F(WriteDataset, FindsARunThatHasChanged) {

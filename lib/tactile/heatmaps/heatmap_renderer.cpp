@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdio>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/heatmaps/byte_blocks.hpp"
 
 namespace tactile {
 namespace {
-
-constexpr std::size_t small_counts = 1024;  // nearly all counts of a window lie below; larger ones are looked up
-constexpr std::uint32_t no_cell = 0xFFFFFFFF;
 
 const char* name_of(Denoise denoise) {
   switch (denoise) {
@@ -45,16 +44,31 @@ Resize resize_named(const std::string& name) {
 
 int step_of(double factor) { return static_cast<int>(std::lround(1.0 / factor)); }
 
-/// ln(D(count) / D(reference)). What the two logarithms have in common is taken away before it can cost digits: for large counts
-/// the rest is a difference of whole numbers, exact where each logarithm alone would be off by more than 1.
-double log_ratio(double count, double reference, double mean, Denoise denoise) {
-  const double ratio = std::log(count) - std::log(reference);
-  if (denoise == Denoise::none) return ratio;
-  // D = E / (1 + exp(z)), and ln(1 + exp(z)) = max(z, 0) + ln(1 + exp(-|z|))
-  const double shift = denoise == Denoise::mean ? -mean : mean;
-  const double z = count + shift, z_of_reference = reference + shift;
-  const double linear = z > 0 && z_of_reference > 0 ? count - reference : std::max(z, 0.0) - std::max(z_of_reference, 0.0);
-  return ratio - linear - (std::log1p(std::exp(-std::abs(z))) - std::log1p(std::exp(-std::abs(z_of_reference))));
+SensorSize checked_size(SensorSize sensor, const HeatmapOptions& options) {
+  check(options);
+  const SensorSize size = heatmap_size(sensor, options.factor);
+  if (size.width <= 0 || size.height <= 0) {
+    throw Error("a sensor of " + std::to_string(sensor.width) + "x" + std::to_string(sensor.height) +
+                " px gives no heatmap of one pixel; expected a larger factor");
+  }
+  return size;
+}
+
+/// Which pixels cv::resize reads: all of a cell, or by `linear` those amid which its centre lies: one where the step is odd, four
+/// where it is even. Beyond the edge it repeats the last pixel, which then is the mean of those that exist.
+CellGrid grid_of(SensorSize sensor, SensorSize cells, const HeatmapOptions& options) {
+  const int step = step_of(options.factor);
+  const bool all = options.resize == Resize::area;
+  return {.sensor = sensor, .cells = cells, .step = step, .first = all ? 0 : (step - 1) / 2, .read = all ? step : 2 - step % 2};
+}
+
+/// How many pixels a cell is made of along one side, of which the sensor has `pixels`.
+int pixels_read(int pixels, int cell, const CellGrid& grid) {
+  return std::min(grid.read, pixels - cell * grid.step - grid.first);
+}
+
+[[maybe_unused]] std::size_t cells_of(SensorSize size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
 }
 
 }  // namespace
@@ -104,112 +118,113 @@ SensorSize heatmap_size(SensorSize sensor, double factor) {
   return {static_cast<int>(std::lrint(sensor.width * factor)), static_cast<int>(std::lrint(sensor.height * factor))};
 }
 
-HeatmapRenderer::HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options) : sensor_(sensor), options_(options) {
-  check(options);
-  size_ = heatmap_size(sensor, options.factor);
-  if (size_.width <= 0 || size_.height <= 0) {
-    throw Error("a sensor of " + std::to_string(sensor.width) + "x" + std::to_string(sensor.height) +
-                " px gives no heatmap of one pixel; expected a larger factor");
-  }
-  step_ = step_of(options.factor);
-  const auto cells_along = [&](int pixels, int cells) {
-    std::vector<std::uint32_t> cell_of(static_cast<std::size_t>(pixels), no_cell);
-    for (int i = 0; i < pixels && i / step_ < cells; ++i)
-      cell_of[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(i / step_);
-    return cell_of;
-  };
-  cell_of_x_ = cells_along(sensor.width, size_.width);
-  cell_of_y_ = cells_along(sensor.height, size_.height);
-  cell_seen_.resize(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height));
-  small_weights_.resize(small_counts);
-  count_seen_.resize(small_counts);
+HeatmapRenderer::HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options)
+    : options_(options),
+      size_(checked_size(sensor, options)),
+      grid_(grid_of(sensor, size_, options)),
+      counts_(sensor, options.history, grid_),
+      weights_(64),
+      column_shares_(static_cast<std::size_t>(size_.width) + CellCounts<std::uint8_t>::block_cells),
+      with_many_(std::visit([](const auto& cells) { return cells.blocks().size(); }, counts_.cells())) {
+  for (int x = 0; x < size_.width; ++x)
+    column_shares_[static_cast<std::size_t>(x)] = 1.0F / static_cast<float>(pixels_read(sensor.width, x, grid_));
+  for (int y = 0; y < size_.height; ++y)
+    row_scales_.push_back(255.0F / static_cast<float>(pixels_read(sensor.height, y, grid_)) / whole_weight(1.0));
 }
 
-/// Finds the distinct counts of the window, and D of each in units in which max D is `strongest_weight_`.
-void HeatmapRenderer::weigh(const SlidingCounts& counts) {
-  distinct_.clear();
-  for (const std::uint32_t pixel : counts.active()) {
-    const std::uint32_t count = counts.counts()[pixel];
-    if (count < small_counts) {
-      if (count_seen_[count] == renderings_) continue;
-      count_seen_[count] = renderings_;
-    }
-    distinct_.push_back({count, 0.0});
+/// D of each count in the window, relative to the largest. Its exponents are differences of whole numbers, divided once, and
+/// nothing is taken whose range double does not hold: docs/numerics.md.
+void HeatmapRenderer::weigh() {
+  const CountHistogram& histogram = counts_.histogram();
+  const std::uint32_t largest = histogram.largest();
+  if (largest >= weights_.size()) weights_.resize(std::bit_ceil(std::size_t{largest} + 1));
+  if (options_.denoise == Denoise::none) {
+    histogram.for_each_count([&](std::uint32_t count) { weights_[count] = count; });
+    strongest_weight_ = largest;  // whole numbers stay whole until they are divided once
+    return;
   }
-  std::sort(distinct_.begin(), distinct_.end(), [](const CountWeight& a, const CountWeight& b) { return a.count < b.count; });
-  distinct_.erase(std::unique(distinct_.begin(), distinct_.end(),
-                              [](const CountWeight& a, const CountWeight& b) { return a.count == b.count; }),
-                  distinct_.end());
-
-  const double mean = static_cast<double>(counts.events()) / static_cast<double>(counts.active().size());
-  double strongest = distinct_.front().count;
-  for (const CountWeight& each : distinct_) {
-    if (log_ratio(each.count, strongest, mean, options_.denoise) > 0) strongest = each.count;
+  const auto events = static_cast<std::int64_t>(counts_.events());
+  const auto active = static_cast<std::int64_t>(histogram.active_pixels());
+  double strongest = 0;
+  if (options_.denoise == Denoise::mean) {
+    // D = E / (1 + exp(E - b)). Some count is no larger than b, so max D is at least 1/2; where exp is infinite D is 0.
+    histogram.for_each_count([&](std::uint32_t count) {
+      const double over_mean = static_cast<double>(count * active - events) / static_cast<double>(active);
+      weights_[count] = count / (1.0 + std::exp(over_mean));
+      strongest = std::max(strongest, weights_[count]);
+    });
+  } else {
+    // D = E / (1 + exp(E + b)) falls as E grows, b being 1 or more: it is taken relative to that of the smallest count s,
+    // E/s * exp(s - E) * (1 + exp(-s - b)) / (1 + exp(-E - b)).
+    double smallest = 0, of_smallest = 0;
+    histogram.for_each_count([&](std::uint32_t count) {
+      const double below = 1.0 + std::exp(-static_cast<double>(count * active + events) / static_cast<double>(active));
+      if (smallest == 0) smallest = count, of_smallest = below;
+      weights_[count] = count / smallest * std::exp(smallest - count) * (of_smallest / below);
+    });
+    strongest = 1.0;
   }
-  for (CountWeight& each : distinct_) {
-    each.weight =
-        options_.denoise == Denoise::none ? each.count : std::exp(log_ratio(each.count, strongest, mean, options_.denoise));
-    if (each.count < small_counts) small_weights_[each.count] = each.weight;
-  }
-  strongest_weight_ =
-      options_.denoise == Denoise::none ? strongest : 1.0;  // whole numbers stay whole until they are divided once
+  histogram.for_each_count([&](std::uint32_t count) { weights_[count] /= strongest; });
+  strongest_weight_ = 1.0;
 }
 
-double HeatmapRenderer::weight_of(std::uint32_t count) const {
-  if (count < small_counts) return small_weights_[count];  // that of 0 is 0 for ever
-  return std::lower_bound(distinct_.begin(), distinct_.end(), count,
-                          [](const CountWeight& each, std::uint32_t c) { return each.count < c; })
-      ->weight;
-}
-
-/// 255 times the mean D / max D of the pixels that cv::resize reads for a cell, added up in the order of the pixels.
-double HeatmapRenderer::cell_value(std::span<const std::uint32_t> counts, int cell_x, int cell_y) const {
-  const auto weight_at = [&](int x, int y) {
-    return weight_of(counts[static_cast<std::size_t>(y) * static_cast<std::size_t>(sensor_.width) + static_cast<std::size_t>(x)]);
-  };
-  const int left = cell_x * step_, top = cell_y * step_;
-  if (options_.resize == Resize::linear) {
-    // A cell's centre lies on a pixel where the step is odd, amid four where it is even; beyond the edge the last pixel is
-    // repeated.
-    const int x0 = std::min(left + (step_ - 1) / 2, sensor_.width - 1), x1 = std::min(left + step_ / 2, sensor_.width - 1);
-    const int y0 = std::min(top + (step_ - 1) / 2, sensor_.height - 1), y1 = std::min(top + step_ / 2, sensor_.height - 1);
-    return 255.0 * (weight_at(x0, y0) + weight_at(x1, y0) + weight_at(x0, y1) + weight_at(x1, y1)) / (4.0 * strongest_weight_);
-  }
-  const int right = std::min(left + step_, sensor_.width), bottom = std::min(top + step_, sensor_.height);
+/// A cell's value, pixel by pixel.
+double HeatmapRenderer::value_of(int cell_x, int cell_y) const {
+  const int left = cell_x * grid_.step + grid_.first, across = pixels_read(grid_.sensor.width, cell_x, grid_);
+  const int top = cell_y * grid_.step + grid_.first, down = pixels_read(grid_.sensor.height, cell_y, grid_);
   double sum = 0;
-  for (int y = top; y < bottom; ++y) {
-    for (int x = left; x < right; ++x) sum += weight_at(x, y);
+  for (int y = top; y < top + down; ++y) {
+    const std::uint16_t* const row =
+        &counts_.small_counts()[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.sensor.width)];
+    for (int x = left; x < left + across; ++x) sum += weights_[row[x] < SlidingCounts::large ? row[x] : counts_.at(x, y)];
   }
-  return 255.0 * sum / (static_cast<double>(right - left) * (bottom - top) * strongest_weight_);
+  return 255.0 * sum / (static_cast<double>(across) * down * strongest_weight_);
 }
 
-template <class Store>
-void HeatmapRenderer::render_cells(const SlidingCounts& counts, Store store) {
-  assert(counts.size() == sensor_ && "counts and renderer are made for one sensor");
-  if (counts.active().empty()) return;
-  ++renderings_;
-  weigh(counts);
-  const auto width = static_cast<std::uint32_t>(sensor_.width);
-  for (const std::uint32_t pixel : counts.active()) {
-    const std::uint32_t cell_x = cell_of_x_[pixel % width], cell_y = cell_of_y_[pixel / width];
-    if (cell_x == no_cell || cell_y == no_cell) continue;
-    const std::size_t cell = std::size_t{cell_y} * static_cast<std::size_t>(size_.width) + cell_x;
-    if (cell_seen_[cell] == renderings_) continue;
-    cell_seen_[cell] = renderings_;
-    store(cell, cell_value(counts.counts(), static_cast<int>(cell_x), static_cast<int>(cell_y)));
+template <class Number>
+void HeatmapRenderer::render_bytes(CellCounts<Number>& cells, std::span<std::uint8_t> heatmap) {
+  WholeWeights weights{};
+  for (std::size_t count = 1; count < cells.many; ++count)
+    weights[count] =
+        whole_weight(std::min(weights_[count] / strongest_weight_, 1.0));  // of a count that does not occur, anything
+  const std::size_t blocks_with_many = byte_blocks(
+      cells, {.weights = weights, .row = row_scales_.data(), .column = column_shares_.data()}, size_.width, heatmap, with_many_);
+  for (const std::uint32_t index : std::span(with_many_).first(blocks_with_many)) {
+    const auto& block = cells.blocks()[index];
+    for (std::uint32_t lane = 0; lane < cells.block_cells; ++lane) {
+      if (cells.number(index, lane, cells.many) == 0) continue;
+      const double value = value_of(static_cast<int>(block.column + lane), static_cast<int>(block.row));
+      heatmap[block.heatmap_index + lane] = static_cast<std::uint8_t>(value + byte_half);
+    }
   }
 }
 
-void HeatmapRenderer::render(const SlidingCounts& counts, std::span<float> heatmap) {
-  assert(heatmap.size() == cell_seen_.size() && "a heatmap has the renderer's size");
+void HeatmapRenderer::render(std::span<float> heatmap) {
+  assert(heatmap.size() == cells_of(size_) && "a heatmap has the renderer's size");
   std::fill(heatmap.begin(), heatmap.end(), 0.0F);
-  render_cells(counts, [&](std::size_t cell, double value) { heatmap[cell] = static_cast<float>(value); });
+  if (counts_.events() == 0) return;
+  weigh();
+  const auto render_floats = [&](auto& cells) {
+    for (std::uint32_t first = 0; first < cells.blocks().size(); first += cells.together) {
+      const auto [low, high] = cells.active_blocks(first);
+      for (std::uint64_t active = low | high; active != 0; active &= active - 1) {
+        const auto& block = cells.blocks()[first + static_cast<std::uint32_t>(std::countr_zero(active))];
+        const std::uint32_t lanes = std::min(cells.block_cells, static_cast<std::uint32_t>(size_.width) - block.column);
+        for (std::uint32_t lane = 0; lane < lanes; ++lane)
+          heatmap[block.heatmap_index + lane] =
+              static_cast<float>(value_of(static_cast<int>(block.column + lane), static_cast<int>(block.row)));
+      }
+    }
+  };
+  std::visit(render_floats, counts_.cells());
 }
 
-void HeatmapRenderer::render(const SlidingCounts& counts, std::span<std::uint8_t> heatmap) {
-  assert(heatmap.size() == cell_seen_.size() && "a heatmap has the renderer's size");
+void HeatmapRenderer::render(std::span<std::uint8_t> heatmap) {
+  assert(heatmap.size() == cells_of(size_) && "a heatmap has the renderer's size");
   std::fill(heatmap.begin(), heatmap.end(), std::uint8_t{0});
-  render_cells(counts, [&](std::size_t cell, double value) { heatmap[cell] = static_cast<std::uint8_t>(value + 0.5); });
+  if (counts_.events() == 0) return;
+  weigh();
+  std::visit([&](auto& cells) { render_bytes(cells, heatmap); }, counts_.cells());
 }
 
 }  // namespace tactile

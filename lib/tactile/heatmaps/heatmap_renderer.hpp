@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/heatmaps/cell_counts.hpp"
 #include "tactile/heatmaps/sliding_counts.hpp"
 
 namespace tactile {
@@ -42,52 +43,50 @@ std::string stored_name(const HeatmapOptions& options);
 /// What cv::resize(M, {}, factor, factor) gives of a sensor's size.
 SensorSize heatmap_size(SensorSize sensor, double factor);
 
-/// Renders the counts of a window as a heatmap, the paper's equations 2 to 5:
+/// Counts the events of a window that slides along a recording, and renders their heatmap, the paper's equations 2 to 5:
 ///
 ///   b = mean of E over pixels with E > 0;   D = denoised E;   H = resize(255 * D / max D)
 ///
-/// Computed in the log domain, so that D / max D is right where D itself underflows. No events: all 0.
-/// Its cost follows the pixels with events and the output, not the sensor; its result depends on the counts alone, not on the
-/// order in which they came about.
+/// Right for every input: docs/numerics.md tells where the equations as they stand are not. No events: all 0. The one renderer,
+/// of recordings and live: moving on costs as much as there are events that come and go, rendering as much as there are cells
+/// with events. Neither asks for memory, but for a window with more events than ever before. A heatmap depends on the counts
+/// alone, to the last bit, not on how they came about.
 ///
 /// Source: Faris et al., arXiv:2403.10120, equations 2 to 5; cv::resize for the sizes and the two ways of resizing.
 class HeatmapRenderer {
  public:
-  HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check`
+  HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check` and `SlidingCounts`
 
   SensorSize size() const { return size_; }
   const HeatmapOptions& options() const { return options_; }
 
-  /// @param counts  of this renderer's sensor
-  /// @param heatmap [height, width] of `size()`, row by row; in [0, 255], not rounded
-  void render(const SlidingCounts& counts, std::span<float> heatmap);
+  void add(std::span<const Event> events) { counts_.add(events); }  ///< as of `SlidingCounts`, what it throws too
+  void move_to(CameraTime tick) { counts_.move_to(tick); }          ///< likewise
+  const SlidingCounts& counts() const { return counts_; }           ///< E of the window moved to
+  std::uint64_t events() const { return counts_.events(); }         ///< in it
+
+  /// Renders the window moved to.
+  /// @param heatmap  [height, width] of `size()`, row by row; in [0, 255], not rounded
+  void render(std::span<float> heatmap);
 
   /// The same, rounded half up: what is stored, and what the network sees as H / 255.
-  void render(const SlidingCounts& counts, std::span<std::uint8_t> heatmap);
+  void render(std::span<std::uint8_t> heatmap);
 
  private:
-  struct CountWeight {
-    std::uint32_t count;
-    double weight;
-  };
+  void weigh();
+  double value_of(int cell_x, int cell_y) const;
+  template <class Number>
+  void render_bytes(CellCounts<Number>& cells, std::span<std::uint8_t> heatmap);
 
-  void weigh(const SlidingCounts& counts);
-  double weight_of(std::uint32_t count) const;
-  double cell_value(std::span<const std::uint32_t> counts, int cell_x, int cell_y) const;
-  template <class Store>
-  void render_cells(const SlidingCounts& counts, Store store);
-
-  SensorSize sensor_;
   HeatmapOptions options_;
   SensorSize size_;
-  int step_ = 5;                       // sensor pixels to a heatmap pixel, each way
-  std::vector<double> small_weights_;  // of counts below `small_weights_.size()`; only those in `distinct_` are of this window
-  std::vector<CountWeight> distinct_;  // the counts of this window, ascending, each once
+  CellGrid grid_;
+  SlidingCounts counts_;
+  std::vector<double> weights_;  // D by count, of the counts in the window, in units in which max D is `strongest_weight_`
   double strongest_weight_ = 1.0;
-  std::vector<std::uint32_t> cell_of_x_, cell_of_y_;
-  std::vector<std::uint64_t> cell_seen_;  // the last rendering that a cell was part of
-  std::vector<std::uint64_t> count_seen_;
-  std::uint64_t renderings_ = 0;
+  std::vector<float> column_shares_;      // of a cell: 1 / its pixels across
+  std::vector<float> row_scales_;         // of a whole weight: its part of 255, / a cell's pixels down
+  std::vector<std::uint32_t> with_many_;  // blocks, while a heatmap is rendered
 };
 
 }  // namespace tactile

@@ -35,6 +35,25 @@ void check_renders(const Dataset& dataset, const HeatmapOptions& options) {
   }
 }
 
+void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> ways,
+                std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of) {
+  std::vector<HeatmapRenderer> renderers;
+  for (const HeatmapOptions& options : ways) renderers.emplace_back(dataset.sensor(), options);
+  const std::vector<Event> events = dataset.events(run_index);
+  auto given = events.begin();
+  for (std::size_t i = 0; i < sample_indexes.size(); ++i) {
+    const CameraTime t = dataset.samples()[sample_indexes[i]].t;
+    const auto end = std::partition_point(given, events.end(), [&](const Event& event) { return event.t < t; });
+    for (std::size_t way_index = 0; way_index < ways.size(); ++way_index) {
+      HeatmapRenderer& renderer = renderers[way_index];
+      renderer.add(std::span(given, end));  // those ahead of the window too, which are forgotten at once
+      renderer.move_to(t);
+      renderer.render(place_of(way_index, i));
+    }
+    given = end;
+  }
+}
+
 std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOptions& options,
                                          std::span<const std::uint32_t> sample_indexes, unsigned threads,
                                          const ProgressCallback& progress) {
@@ -57,23 +76,13 @@ std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOp
   std::mutex guard;
   std::uint64_t done = 0;
   parallel_for(runs.size(), threads, [&](std::size_t i) {
-    auto& [run_index, wanted] = runs[i];
+    const std::uint32_t run_index = runs[i].first;
+    std::vector<Wanted>& wanted = runs[i].second;
     std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) { return a.sample_index < b.sample_index; });
-    const std::vector<Event> events = dataset.events(run_index);
-    HeatmapRenderer renderer(dataset.sensor(), options);
-    SlidingCounts counts(dataset.sensor(), options.history);
-    std::size_t given = 0;
-    for (const Wanted& each : wanted) {
-      const CameraTime t = samples[each.sample_index].t;
-      // Events ahead of the window are given too, in order, and forgotten at once.
-      const auto end = std::partition_point(events.begin() + static_cast<std::ptrdiff_t>(given), events.end(),
-                                            [&](const Event& event) { return event.t < t; });
-      const auto next = static_cast<std::size_t>(end - events.begin());
-      counts.add(std::span(events).subspan(given, next - given));
-      given = next;
-      counts.move_to(t);
-      renderer.render(counts, std::span(heatmaps).subspan(each.place * length, length));
-    }
+    std::vector<std::uint32_t> of_run;
+    for (const Wanted& each : wanted) of_run.push_back(each.sample_index);
+    render_run(dataset, run_index, std::span(&options, 1), of_run,
+               [&](std::size_t, std::size_t place) { return std::span(heatmaps).subspan(wanted[place].place * length, length); });
     const std::scoped_lock lock(guard);
     done += wanted.size();
     tell(progress, done, sample_indexes.size(), dataset.runs()[run_index].object + "/" + dataset.runs()[run_index].run);

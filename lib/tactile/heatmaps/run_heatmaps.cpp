@@ -16,7 +16,7 @@ constexpr std::size_t chunk = 8192;  // events counted ahead of their tick at th
 class EveryTick {
  public:
   EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use)
-      : options_(options), use_(use), renderer_(sensor, options), counts_(sensor, options.history) {
+      : options_(options), use_(use), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
     range_.tick = options.tick;
   }
@@ -25,7 +25,7 @@ class EveryTick {
     for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
       const std::span<const Event> part = events.first(std::min(chunk, events.size()));
       if (!first_event_) first_event_ = part.front().t;
-      counts_.add(part);
+      renderer_.add(part);
       render_until(part.back().t);
     }
   }
@@ -38,16 +38,15 @@ class EveryTick {
     if (full.count > 0) range_.first = full.first;
     for (; range_.count < full.count; ++range_.count) {
       const CameraTime t = full.at(range_.count);
-      counts_.move_to(t);
-      renderer_.render(counts_, std::span(heatmap_));
-      use_(t, heatmap_, counts_.events());
+      renderer_.move_to(t);
+      renderer_.render(std::span(heatmap_));
+      use_(t, heatmap_, renderer_.events());
     }
   }
 
   HeatmapOptions options_;
   const TickCallback& use_;
   HeatmapRenderer renderer_;
-  SlidingCounts counts_;
   std::vector<std::uint8_t> heatmap_;
   std::optional<CameraTime> first_event_;
   TickRange range_;

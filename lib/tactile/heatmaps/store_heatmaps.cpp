@@ -1,38 +1,113 @@
 #include "tactile/heatmaps/store_heatmaps.hpp"
 
 #include <algorithm>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
 #include <numeric>
-#include <thread>
-#include <vector>
+#include <string>
 
+#include "tactile/core/parallel.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 
 namespace tactile {
+namespace {
 
-StoredHistory store_heatmaps(const Dataset& dataset, const HeatmapOptions& options, unsigned threads,
-                             const ProgressCallback& progress) {
-  check_renders(dataset, options);
-  const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
-  const StoredHeatmaps description{.name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
-  if (const auto stored = dataset.find_heatmaps(description.name); stored && stored->settings == description.settings)
-    return {*stored, true};
-  if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
-  const std::span<const Sample> samples = dataset.samples();
-  HeatmapsWriter writer(dataset, description);
-  for (std::size_t begin = 0; begin < samples.size();) {
-    std::size_t end = begin;  // a batch: as many whole runs as there are threads
-    for (unsigned runs = 0; runs < threads && end < samples.size(); ++runs) {
-      const std::uint32_t run_index = samples[end].run_index;
-      while (end < samples.size() && samples[end].run_index == run_index) ++end;
-    }
-    std::vector<std::uint32_t> indexes(end - begin);
-    std::iota(indexes.begin(), indexes.end(), static_cast<std::uint32_t>(begin));
-    writer.append(render_samples(dataset, options, indexes, threads));
-    tell(progress, end, samples.size(), description.name);
-    begin = end;
+/// The samples of one run, which lie side by side.
+struct RunSamples {
+  std::uint32_t run_index = 0;
+  std::vector<std::uint32_t> sample_indexes;
+};
+
+std::vector<RunSamples> samples_by_run(const Dataset& dataset) {
+  std::vector<RunSamples> runs;
+  for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
+    const std::uint32_t run_index = dataset.samples()[i].run_index;
+    if (runs.empty() || runs.back().run_index != run_index) runs.push_back({run_index, {}});
+    runs.back().sample_indexes.push_back(i);
   }
-  writer.commit();
-  return {description, false};
+  return runs;
+}
+
+/// Lets steps that are made ready in parallel be done one after the other.
+class InTurn {
+ public:
+  /// Calls `step` once those of all lower numbers are done. @throws what `step` throws; those who wait then return
+  template <class Step>
+  void call(std::size_t number, const Step& step) {
+    std::unique_lock lock(guard_);
+    done_.wait(lock, [&] { return failed_ || next_ == number; });
+    if (failed_) return;
+    failed_ = true;
+    step();
+    failed_ = false;
+    ++next_;
+    done_.notify_all();
+  }
+  void fail() {
+    const std::scoped_lock lock(guard_);
+    failed_ = true;
+    done_.notify_all();
+  }
+
+ private:
+  std::mutex guard_;
+  std::condition_variable done_;
+  std::size_t next_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<const HeatmapOptions> histories, unsigned threads,
+                                          const ProgressCallback& progress) {
+  std::vector<StoredHistory> stored;
+  std::vector<HeatmapOptions> ways;    // those that are not there
+  std::deque<HeatmapsWriter> writers;  // of each way
+  for (const HeatmapOptions& options : histories) {
+    check_renders(dataset, options);
+    const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
+    const StoredHeatmaps wanted{.name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
+    const auto found = dataset.find_heatmaps(wanted.name);
+    const bool is_there = found && found->settings == wanted.settings;
+    const bool is_coming = std::find(ways.begin(), ways.end(), options) != ways.end();
+    stored.push_back({wanted, is_there || is_coming});
+    if (!is_there && !is_coming) ways.push_back(options);
+  }
+  for (const StoredHistory& each : stored) {
+    if (!each.kept) writers.emplace_back(dataset, each.heatmaps);
+  }
+  if (ways.empty()) return stored;
+
+  const std::vector<RunSamples> runs = samples_by_run(dataset);
+  InTurn in_turn;
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    const std::uint32_t run_index = runs[i].run_index;
+    const std::span<const std::uint32_t> sample_indexes = runs[i].sample_indexes;
+    try {
+      std::vector<std::vector<std::uint8_t>> heatmaps;
+      for (const HeatmapOptions& options : ways) {
+        const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
+        heatmaps.emplace_back(sample_indexes.size() * static_cast<std::size_t>(size.width) *
+                              static_cast<std::size_t>(size.height));
+      }
+      render_run(dataset, run_index, ways, sample_indexes, [&](std::size_t way_index, std::size_t place) {
+        const std::size_t length = heatmaps[way_index].size() / sample_indexes.size();
+        return std::span(heatmaps[way_index]).subspan(place * length, length);
+      });
+      in_turn.call(i, [&] {
+        for (std::size_t way_index = 0; way_index < ways.size(); ++way_index) writers[way_index].append(heatmaps[way_index]);
+        const DatasetRun& run = dataset.runs()[run_index];
+        tell(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
+      });
+    } catch (...) {
+      in_turn.fail();
+      throw;
+    }
+  });
+  for (HeatmapsWriter& writer : writers) writer.commit();
+  return stored;
 }
 
 }  // namespace tactile

@@ -199,9 +199,11 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
   }
   const double span_us = last_x - first_x, least_span_us = static_cast<double>(options.drift_needs_span.count());
   bool with_slope = telling >= options.drift_needs_anchors && span_us >= least_span_us;
-  std::string why_no_drift = telling < options.drift_needs_anchors
-                                 ? fmt::format("{} of {} anchors", telling, options.drift_needs_anchors)
-                                 : fmt::format("anchors over {:.0f} of {:.0f} s", 1e-6 * span_us, 1e-6 * least_span_us);
+  std::string why_no_drift =
+      telling < options.drift_needs_anchors
+          ? fmt::format("{} {} it, {} are needed", telling, telling == 1 ? "anchor tells of" : "anchors tell of",
+                        options.drift_needs_anchors)
+          : fmt::format("its anchors span {:.0f} s, {:.0f} s are needed", 1e-6 * span_us, 1e-6 * least_span_us);
   Line line;
   double scatter = 1;
   if (with_slope) {

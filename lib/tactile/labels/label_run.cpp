@@ -156,8 +156,8 @@ class Labeller {
   Labels labels() {
     for (const std::string& problem : signals_.problems) flag(problem);
     labels_.remarks = signals_.remarks;
-    // What one anchor leaves open is no matter where another has settled it, or where there is no lift to place.
-    for (const std::string& doubt : clocks_.doubts) moves_.all_placed ? labels_.remarks.push_back(doubt) : flag(doubt);
+    // What one anchor leaves open is no matter where another has settled it, or where there is nothing to place.
+    for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
     if (!signals_.has_robot) {
       flag("no robot log: press and slip are told apart by their order alone");
     } else if (!lifts_are_known() && !moves_.rises) {
@@ -175,6 +175,7 @@ class Labeller {
     name_intervals(labels_.intervals);
     labels_.provenance = {{"made_by", "tactile label"},
                           {"settings", settings_of(options_)},
+                          {"robot_log", robot_log_json()},
                           {"first_event_us", us_of(signals_.rate.begin)},
                           {"hot_pixels", signals_.rate.hot_pixels},
                           {"quiet_events_per_s", signals_.quiet.mean * 1e6 / static_cast<double>(signals_.rate.bin.count())}};
@@ -184,6 +185,22 @@ class Labeller {
  private:
   void flag(std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
     labels_.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
+  }
+
+  /// A piece of the log in which something happens has no clock.
+  bool a_clock_is_refused() const {
+    for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
+      const RobotPiece& piece = signals_.robot[i];
+      if (!clocks_.pieces[i] && !(piece.phases.empty() && piece.log.output_changes.empty())) return true;
+    }
+    return false;
+  }
+
+  /// What the arm's motions were taken from.
+  nlohmann::json robot_log_json() const {
+    if (!signals_.has_robot) return nullptr;
+    return {{"speeds_from", name_of(signals_.speed_from)},
+            {"arm_model", signals_.arm ? nlohmann::json(name_of(*signals_.arm)) : nlohmann::json(nullptr)}};
   }
 
   microseconds recorded() const { return between(signals_.rate.begin, signals_.rate.last); }
@@ -209,7 +226,7 @@ class Labeller {
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
       } else if (kinds[i] == BurstKind::slip) {
         const FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]));
-        add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end));
+        add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end, arm_stop(bursts[i])));
       }
     }
   }
@@ -261,14 +278,27 @@ class Labeller {
                                  .confirmed = false});
   }
 
-  /// The start of the lift that the burst lies in.
+  /// The lift that the burst lies in.
+  const ArmMove* lift_around(const Burst& burst) const {
+    const auto overlaps = [&](const ArmMove& lift) {
+      return signals_.rate.begin_of(burst.begin) < after(lift.end, lift.uncertainty) &&
+             signals_.rate.begin_of(burst.end) > before(lift.start, lift.uncertainty);
+    };
+    const auto lift = std::find_if(moves_.lifts.begin(), moves_.lifts.end(), overlaps);
+    return lift == moves_.lifts.end() ? nullptr : &*lift;
+  }
+
   std::optional<UncertainTime> earliest_slip(const Burst& burst) const {
-    for (const ArmMove& lift : moves_.lifts) {
-      const bool overlaps = signals_.rate.begin_of(burst.begin) < after(lift.end, lift.uncertainty) &&
-                            signals_.rate.begin_of(burst.end) > before(lift.start, lift.uncertainty);
-      if (overlaps) return UncertainTime{lift.start, before(lift.start, lift.uncertainty), after(lift.start, lift.uncertainty)};
-    }
-    return std::nullopt;
+    const ArmMove* lift = lift_around(burst);
+    if (lift == nullptr) return std::nullopt;
+    return UncertainTime{lift->start, before(lift->start, lift->uncertainty), after(lift->start, lift->uncertainty)};
+  }
+
+  /// Where it is known well enough to say more of a slip's end than the events do.
+  std::optional<UncertainTime> arm_stop(const Burst& burst) const {
+    const ArmMove* lift = lift_around(burst);
+    if (lift == nullptr || lift->uncertainty > well_placed) return std::nullopt;
+    return UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
   }
 
   void relate_clocks() {
@@ -287,11 +317,11 @@ class Labeller {
 
   void witness(std::size_t index) {
     LabelledInterval& interval = labels_.intervals[index];
-    // The film sees the stage stop as the press ends, and the arm rise as the slip starts.
+    // The film sees the stage that goes on to touch, and the arm rise as the slip starts.
     std::optional<UncertainTime> filmed;
     if (interval.touch == Touch::press) {
       interval.evidence.robot = stage_command(signals_, clocks_, interval.start.at);
-      filmed = video_end_near(video_motions_, interval.end, options_.longest_disagreement);
+      filmed = filmed_stage(interval.start);
     } else {
       filmed = video_start_near(video_motions_, interval.start, options_.longest_disagreement);
       if (const ArmMove* lift = lift_of(moves_, interval)) {
@@ -307,6 +337,15 @@ class Labeller {
       flag(fmt::format("the film sees nothing rise within {:.0f} ms of this slip's start", ms(options_.longest_disagreement)),
            index);
     }
+  }
+
+  /// When the motion began, in the film, in which the press starts: that of the stage.
+  std::optional<UncertainTime> filmed_stage(const UncertainTime& onset) const {
+    const auto holds = [&](const VideoMotion& motion) {
+      return !motion.start_cut && motion.start.low <= onset.high && motion.end.high >= onset.low;
+    };
+    const auto motion = std::find_if(video_motions_.begin(), video_motions_.end(), holds);
+    return motion == video_motions_.end() ? std::nullopt : std::optional(motion->start);
   }
 
   void compare_with_lift(std::size_t index, const ArmMove& lift) {
@@ -393,27 +432,57 @@ class Labeller {
 nlohmann::json settings_of(const LabelOptions& options) {
   nlohmann::json region;
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
-  return {{"bin_us", options.signals.rate.bin.count()},
-          {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
-          {"flickers", options.signals.rate.flickers},
-          {"smoothing_us", options.signals.activity.smoothing.count()},
-          {"enter", options.signals.activity.enter},
-          {"leave", options.signals.activity.leave},
-          {"merge_us", options.signals.activity.merge.count()},
-          {"shortest_us", options.signals.activity.shortest.count()},
+  const AnchorOptions& anchors = options.clocks.anchors;
+  const ClockFitOptions& fit = options.clocks.fit;
+  return {{"rate",
+           {{"bin_us", options.signals.rate.bin.count()},
+            {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
+            {"flickers", options.signals.rate.flickers}}},
+          {"activity",
+           {{"smoothing_us", options.signals.activity.smoothing.count()},
+            {"enter", options.signals.activity.enter},
+            {"leave", options.signals.activity.leave},
+            {"merge_us", options.signals.activity.merge.count()},
+            {"shortest_us", options.signals.activity.shortest.count()}}},
           {"shortest_gap_us", options.signals.shortest_gap.count()},
-          {"video_region", region},
-          {"releases", options.touches.releases},
-          {"shortest_press_us", options.touches.shortest_press.count()},
-          {"onset_before_us", options.onset.before.count()},
-          {"onset_first_contact_us", options.onset.first_contact.count()},
-          {"onset_latency_us", options.onset.latency.count()},
-          {"press_still_us", options.end.press_still.count()},
-          {"slip_still_us", options.end.slip_still.count()},
-          {"end_too_wide_ms", options.end.too_wide_ms},
-          {"too_wide_ms", options.onset.too_wide_ms},
-          {"ambiguous_below", options.clocks.anchors.ambiguous_below},
-          {"most_drift_ppm", options.clocks.fit.most_drift_ppm},
+          {"video", {{"width", options.signals.video.width}, {"region", region}}},
+          {"touches", {{"releases", options.touches.releases}, {"shortest_press_us", options.touches.shortest_press.count()}}},
+          {"onset",
+           {{"before_us", options.onset.before.count()},
+            {"first_contact_us", options.onset.first_contact.count()},
+            {"rise_us", options.onset.rise.count()},
+            {"first_drag_us", options.onset.first_drag.count()},
+            {"latency_us", options.onset.latency.count()},
+            {"longest_blind_us", options.onset.longest_blind.count()},
+            {"blind_anew_us", options.onset.blind_anew.count()},
+            {"too_wide_ms", options.onset.too_wide_ms}}},
+          {"end",
+           {{"still_share", options.end.still_share},
+            {"press_still_us", options.end.press_still.count()},
+            {"slip_still_us", options.end.slip_still.count()},
+            {"rung_out_us", options.end.rung_out.count()},
+            {"stick_phase_us", options.end.stick_phase.count()},
+            {"least_error_us", options.end.least_error.count()},
+            {"too_wide_ms", options.end.too_wide_ms}}},
+          {"anchors",
+           {{"grid_us", anchors.grid.count()},
+            {"ambiguous_below", anchors.ambiguous_below},
+            {"least_likeness", anchors.least_likeness},
+            {"most_slack_m", anchors.most_slack_m},
+            {"stage_delay_us", anchors.stage_delay.count()}}},
+          {"clock_fit",
+           {{"most_drift_ppm", fit.most_drift_ppm},
+            {"usual_drift_ppm", fit.usual_drift_ppm},
+            {"drift_needs_anchors", fit.drift_needs_anchors},
+            {"drift_needs_span_us", fit.drift_needs_span.count()},
+            {"reject_beyond", fit.reject_beyond}}},
+          {"video_clock",
+           {{"coarse_offset_us", options.video_clock.coarse_offset_us ? nlohmann::json(*options.video_clock.coarse_offset_us)
+                                                                      : nlohmann::json(nullptr)},
+            {"search_us", options.video_clock.search.count()},
+            {"least_likeness", options.video_clock.least_likeness},
+            {"least_ambiguity", options.video_clock.least_ambiguity},
+            {"most_disagreement_us", options.video_clock.most_disagreement_us}}},
           {"longest_disagreement_us", options.longest_disagreement.count()},
           {"latest_slip_us", options.latest_slip.count()},
           {"earliest_slip_us", options.earliest_slip.count()}};

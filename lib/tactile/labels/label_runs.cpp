@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Counts up with every change of what labels the same files otherwise.
-constexpr int method_version = 4;
+constexpr int method_version = 5;
 
 /// Runs that are labelled together, since they share their clocks: those of a session, or one alone.
 struct Group {

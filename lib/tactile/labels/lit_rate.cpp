@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tactile {
 namespace {
@@ -29,6 +30,8 @@ class Cells {
  public:
   Cells(SensorSize size, int cell_px)
       : cell_px_(cell_px), columns_((size.width + cell_px - 1) / cell_px), rows_((size.height + cell_px - 1) / cell_px) {}
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
   std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
   std::size_t at(const Event& event) const {
     return static_cast<std::size_t>(event.y / cell_px_) * static_cast<std::size_t>(columns_) +
@@ -57,6 +60,56 @@ std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const Ce
     lit[cell] = burst[cell] > noise + stands_out * std::sqrt(noise) + 4.0;
   }
   return lit;
+}
+
+constexpr int no_place = -1;
+
+/// By cell the place that it belongs to: those of the lit cells that hang together and have at least `least` events above the
+/// noise together, the strongest first.
+struct Places {
+  std::vector<int> of_cell;
+  std::size_t count = 0;
+};
+
+Places places_of(const Cells& cells, const std::vector<bool>& lit, const CellCounts& burst, double burst_bins,
+                 const CellCounts& quiet, double quiet_bins, const LitRateOptions& options) {
+  constexpr double least = 40.0;
+  std::vector<int> group(cells.count(), no_place);
+  std::vector<std::pair<double, int>> events;  // above the noise, of each group
+  std::vector<std::size_t> open;
+  for (std::size_t seed = 0; seed < lit.size(); ++seed) {
+    if (!lit[seed] || group[seed] != no_place) continue;
+    const int here = static_cast<int>(events.size());
+    double sum = 0;
+    group[seed] = here;
+    open.push_back(seed);
+    while (!open.empty()) {
+      const std::size_t cell = open.back();
+      open.pop_back();
+      sum += burst[cell] - (quiet_bins > 0 ? quiet[cell] * burst_bins / quiet_bins : 0.0);
+      const int column = static_cast<int>(cell) % cells.columns(), row = static_cast<int>(cell) / cells.columns();
+      const int reach = options.joined_cells;
+      for (int v = std::max(0, row - reach); v <= std::min(cells.rows() - 1, row + reach); ++v) {
+        for (int u = std::max(0, column - reach); u <= std::min(cells.columns() - 1, column + reach); ++u) {
+          const auto next = static_cast<std::size_t>(v * cells.columns() + u);
+          if (!lit[next] || group[next] != no_place) continue;
+          group[next] = here;
+          open.push_back(next);
+        }
+      }
+    }
+    events.emplace_back(-sum, here);
+  }
+  std::sort(events.begin(), events.end());
+  std::vector<int> place_of_group(events.size(), no_place);
+  Places places;
+  for (const auto& [less, which] : events) {
+    if (-less < least || places.count >= options.most_places) break;
+    place_of_group[static_cast<std::size_t>(which)] = static_cast<int>(places.count++);
+  }
+  for (int& cell : group) cell = cell == no_place ? no_place : place_of_group[static_cast<std::size_t>(cell)];
+  places.of_cell = std::move(group);
+  return places;
 }
 
 /// Variance per mean of sums over `width` bins ahead of the burst, from successive differences: a slow change is no clump.
@@ -119,12 +172,14 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
   });
   Brightening so_far(cells.count());
   std::vector<std::vector<bool>> lit;
+  std::vector<Places> places;
   std::vector<LitRate> rates;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     const auto burst_bins = static_cast<double>(bursts[i].end - bursts[i].begin);
     lit.push_back(lit_cells(of_burst[i], burst_bins, quiet, quiet_bins, options.stands_out));
     // A burst that no place of the image explains, such as a flicker, is taken whole.
     if (std::none_of(lit[i].begin(), lit[i].end(), [](bool is_lit) { return is_lit; })) lit[i].assign(cells.count(), true);
+    places.push_back(places_of(cells, lit[i], of_burst[i], burst_bins, quiet, quiet_bins, options));
     LitRate found;
     found.rate = {.begin = rate.begin_of(windows[i].begin),
                   .bin = rate.bin,
@@ -137,13 +192,23 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
     found.repeats.resize(found.rate.counts.size());
     found.burst_begin = bursts[i].begin - windows[i].begin;
     found.burst_end = bursts[i].end - windows[i].begin;
+    found.places.resize(places[i].count);
+    for (LitPlace& place : found.places) {
+      place.counts.resize(found.rate.counts.size());
+      place.repeats.resize(found.rate.counts.size());
+    }
     double quiet_events = 0, lit_count = 0;
     for (std::size_t cell = 0; cell < cells.count(); ++cell) {
+      if (const int place = places[i].of_cell[cell]; place != no_place && quiet_bins > 0)
+        found.places[static_cast<std::size_t>(place)].quiet_per_bin += quiet[cell] / quiet_bins;
       if (!lit[i][cell]) continue;
       quiet_events += quiet[cell];
       lit_count += 1;
     }
     found.quiet_per_bin = quiet_bins > 0 ? quiet_events / quiet_bins : 0.0;
+    const std::size_t still_from = i > 0 ? std::min(bursts[i - 1].end, bursts[i].begin) : 0;
+    const double pixels = std::max(1.0, lit_count * options.cell_px * options.cell_px);
+    found.set_anew = 1.0 - std::exp(-found.quiet_per_bin * static_cast<double>(bursts[i].begin - still_from) / pixels);
     found.lit_share = lit_count / static_cast<double>(cells.count());
     found.undoes = -correlation_of(brighter[i], so_far);
     for (std::size_t cell = 0; cell < cells.count(); ++cell) so_far[cell] += brighter[i][cell];
@@ -159,9 +224,16 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
     const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
     last = now;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!windows[i].holds(bin) || !lit[i][cells.at(event)]) continue;
-      ++rates[i].rate.counts[bin - windows[i].begin];
-      if (repeats) ++rates[i].repeats[bin - windows[i].begin];
+      const std::size_t cell = cells.at(event);
+      if (!windows[i].holds(bin) || !lit[i][cell]) continue;
+      const std::size_t at = bin - windows[i].begin;
+      ++rates[i].rate.counts[at];
+      if (repeats) ++rates[i].repeats[at];
+      const int which = places[i].of_cell[cell];
+      if (which == no_place) continue;
+      LitPlace& place = rates[i].places[static_cast<std::size_t>(which)];
+      ++place.counts[at];
+      if (repeats) ++place.repeats[at];
     }
   });
   for (std::size_t i = 0; i < bursts.size(); ++i) {
@@ -169,9 +241,12 @@ std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_i
     const auto loud = static_cast<std::ptrdiff_t>(bursts[i].begin - std::min(bursts[i].begin, bins(options.quiet_margin)));
     auto from = loud;
     while (from > static_cast<std::ptrdiff_t>(windows[i].begin) && is_quiet[static_cast<std::size_t>(from - 1)]) --from;
-    const auto ahead = std::span(rates[i].rate.counts)
-                           .subspan(static_cast<std::size_t>(from) - windows[i].begin, static_cast<std::size_t>(loud - from));
-    rates[i].dispersion = dispersion_of(ahead, std::max<std::size_t>(1, bins(5ms)));
+    const auto dispersion_ahead = [&](std::span<const std::uint32_t> counts) {
+      const auto ahead = counts.subspan(static_cast<std::size_t>(from) - windows[i].begin, static_cast<std::size_t>(loud - from));
+      return dispersion_of(ahead, std::max<std::size_t>(1, bins(5ms)));
+    };
+    rates[i].dispersion = dispersion_ahead(rates[i].rate.counts);
+    for (LitPlace& place : rates[i].places) place.dispersion = dispersion_ahead(place.counts);
   }
   return rates;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace tactile {
@@ -31,6 +32,26 @@ class Sums {
 /// sum of n ln(rate) - rate, without the terms of the counts alone.
 double log_likelihood_of(double events, double bins, double rate) { return events * std::log(rate) - rate * bins; }
 
+/// A bin that holds events; the others need no more than their number.
+struct Filled {
+  double at = 0, count = 0;
+};
+
+std::vector<Filled> filled_bins(Counts counts) {
+  std::vector<Filled> filled;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] > 0) filled.push_back({static_cast<double>(i), static_cast<double>(counts[i])});
+  }
+  return filled;
+}
+
+/// Those from bin `from` on.
+std::span<const Filled> filled_from(const std::vector<Filled>& filled, std::size_t from) {
+  const auto first = std::partition_point(filled.begin(), filled.end(),
+                                          [from](const Filled& bin) { return bin.at < static_cast<double>(from); });
+  return {first, filled.end()};
+}
+
 /// The best b, c >= 0 of rate = base + b + c x, x in bins from the stretch's begin, and its log-likelihood. Newton's method on a
 /// concave function, kept inside b, c >= 0.
 struct Rise {
@@ -38,10 +59,12 @@ struct Rise {
   double log_likelihood = minus_infinity;
 };
 
-Rise best_rise(Counts counts, double base) {
-  const auto n = static_cast<double>(counts.size());
+/// @param filled  of the bins [from, to)
+Rise best_rise(std::span<const Filled> filled, std::size_t from, std::size_t to, double base) {
+  const auto n = static_cast<double>(to - from);
+  const double first = static_cast<double>(from) - 0.5;
   double events = 0;
-  for (const std::uint32_t count : counts) events += count;
+  for (const Filled& bin : filled) events += bin.count;
   const double x_sum = 0.5 * n * n;
   const auto fit = [&](bool with_b, bool with_c) {
     // Start from what a flat or an even rise would need.
@@ -49,10 +72,9 @@ Rise best_rise(Counts counts, double base) {
               .c = with_c ? std::max(1e-3 / n, (events - base * n) / x_sum * (with_b ? 0.5 : 1.0)) : 0.0};
     for (int step = 0; step < 30; ++step) {
       double gb = -n, gc = -x_sum, hbb = 1e-12, hbc = 0, hcc = 1e-12;
-      for (std::size_t i = 0; i < counts.size(); ++i) {
-        if (counts[i] == 0) continue;
-        const double x = static_cast<double>(i) + 0.5;
-        const double w = 1.0 / (base + rise.b + rise.c * x), cw = counts[i] * w;
+      for (const Filled& bin : filled) {
+        const double x = bin.at - first;
+        const double w = 1.0 / (base + rise.b + rise.c * x), cw = bin.count * w;
         gb += cw;
         gc += cw * x;
         hbb += cw * w;
@@ -79,12 +101,8 @@ Rise best_rise(Counts counts, double base) {
       rise.c = c;
       if (moved < 1e-4 * (base + b + n * c)) break;
     }
-    double likelihood = 0;
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-      const double rate = base + rise.b + rise.c * (static_cast<double>(i) + 0.5);
-      likelihood += (counts[i] > 0 ? counts[i] * std::log(rate) : 0.0) - rate;
-    }
-    rise.log_likelihood = likelihood;
+    rise.log_likelihood = -(base + rise.b) * n - rise.c * x_sum;
+    for (const Filled& bin : filled) rise.log_likelihood += bin.count * std::log(base + rise.b + rise.c * (bin.at - first));
     return rise;
   };
   const Rise flat = fit(true, false), even = fit(false, true), both = fit(true, true);
@@ -112,19 +130,31 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
 
 /// A pixel that has to undo its last change is blind for a while: for as long as the first ones take, once they fire, from one
 /// event to the next. By so much a marker may have moved ahead of its first events.
-microseconds blind_ahead_of(const LitRate& lit, std::size_t onset, const OnsetOptions& options) {
-  constexpr std::uint32_t enough = 3;  // not one pixel alone, which might be noise
-  const auto most = static_cast<std::size_t>(options.longest_blind / lit.rate.bin);
-  std::uint32_t repeats = 0;
+microseconds blind_ahead_of(microseconds bin, Counts counts, Counts repeats, std::size_t onset, microseconds longest) {
+  if (repeats.size() != counts.size()) return 0us;  // nobody has counted them
+  constexpr double enough = 3.0;  // not one pixel alone, which might be noise
+  const auto most = static_cast<std::size_t>(longest / bin);
+  // So many events follow one of their pixel's noise by chance.
+  const auto sum = [onset](Counts of) {
+    return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(std::min(onset, of.size())), 0.0);
+  };
+  const double by_chance = sum(repeats) / std::max(1.0, sum(counts));
+  double so_far = 0, expected = 0;
   std::size_t i = onset;
-  for (; i < lit.repeats.size() && i < onset + most && repeats < enough; ++i) repeats += lit.repeats[i];
-  return lit.rate.bin * static_cast<std::int64_t>(i - onset);
+  for (; i < repeats.size() && i < onset + most && so_far < expected + enough + 2.0 * std::sqrt(expected); ++i) {
+    so_far += repeats[i];
+    expected += by_chance * counts[i];
+  }
+  return bin * static_cast<std::int64_t>(i - onset);
 }
 
 /// A bin's events were caused since the read-out before it.
-FoundTime found(const LitRate& lit, const Scan& scan, const OnsetOptions& options) {
+/// @param counts, repeats  of the place that it begins at
+FoundTime found(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, const OnsetOptions& options) {
   const EventRate& rate = lit.rate;
-  const microseconds blind = std::max(options.latency, blind_ahead_of(lit, scan.best, options));
+  const auto more = static_cast<double>((options.blind_anew - options.longest_blind).count());
+  const microseconds longest = options.longest_blind + microseconds{std::llround(lit.set_anew * more)};
+  const microseconds blind = std::max(options.latency, blind_ahead_of(rate.bin, counts, repeats, scan.best, longest));
   FoundTime result{.time = {.at = before(rate.begin_of(scan.best), rate.bin / 2),
                             .low = before(rate.begin_of(scan.low), rate.bin + blind),
                             .high = after(rate.begin_of(scan.high), rate.bin / 2)},
@@ -183,6 +213,47 @@ std::size_t slip_begin(const LitRate& lit) {
   return pieces.empty() ? lit.burst_begin : pieces.back().begin;
 }
 
+/// Up to where the events above the quiet rate stand out beyond doubt (Page's cumulative sum). What a burst does later says
+/// nothing about its begin, but would bend the fit, for its counts are the largest.
+/// @param from  the first bin in which it may be sure
+std::size_t surely_by(Counts counts, double quiet, double dispersion, std::size_t from) {
+  constexpr double sure = 40.0;  // events
+  const double allowance = quiet + 0.5 * std::sqrt(dispersion * quiet);
+  double excess = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    excess = std::max(0.0, excess + counts[i] - allowance);
+    if (excess >= sure * dispersion && i >= from) return i + 1;
+  }
+  return counts.size();
+}
+
+/// What is asked whether a contact came ahead of the one that was found: a place, or all of them.
+struct Asked {
+  Counts counts;
+  double quiet = 0, dispersion = 1;
+  Sums sums;
+};
+
+/// A step of the rate ahead of bin `until`, and by how much it is likelier than none.
+struct Step {
+  Scan scan;
+  double gain = 0;
+};
+
+/// @param from  not earlier than this
+Step step_ahead(const Asked& asked, std::size_t from, std::size_t until) {
+  // What a place did just before is what it does untouched, where that is more.
+  double quiet = asked.quiet;
+  if (from > 0) quiet = std::max(quiet, asked.sums.of(0, from) / static_cast<double>(from));
+  std::vector<double> gain(until, minus_infinity);
+  for (std::size_t tau = from; tau < until; ++tau) {
+    const double events = asked.sums.of(tau, until), expected = quiet * static_cast<double>(until - tau);
+    gain[tau] = events > expected ? events * std::log(events / expected) - (events - expected) : 0.0;
+  }
+  const Scan scan = scan_of(gain, asked.dispersion);
+  return {.scan = scan, .gain = gain[scan.best] / asked.dispersion};
+}
+
 }  // namespace
 
 FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
@@ -190,57 +261,67 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.first_contact + options.before));
   const Counts all = Counts(rate.counts).subspan(begin);
-  const Sums sums(all);
   const double floor = 0.5 / static_cast<double>(all.size());
   const double quiet = std::max(lit.quiet_per_bin, floor);
-
-  // Up to where the events above the quiet rate stand out beyond doubt (Page's cumulative sum). What a burst does later says
-  // nothing about its begin, but would bend the fit, for its counts are the largest.
-  std::size_t end = all.size();
-  {
-    const double allowance = quiet + 0.5 * std::sqrt(lit.dispersion * quiet);
-    double excess = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      excess = std::max(0.0, excess + all[i] - allowance);
-      if (excess >= 40.0 * lit.dispersion &&
-          i >= lit.burst_begin - begin - std::min(lit.burst_begin - begin, bins(options.first_contact))) {
-        end = i + 1;
-        break;
-      }
-    }
-  }
+  const std::size_t ahead = lit.burst_begin - begin;
+  const std::size_t end = surely_by(all, quiet, lit.dispersion, ahead - std::min(ahead, bins(options.first_contact)));
   const std::size_t from = end - std::min(end, bins(options.before) * 2);
   const Counts telling = all.subspan(from, end - from);
   const Sums told(telling);
+  const std::vector<Filled> filled = filled_bins(telling);
   std::vector<double> likelihood(telling.size());
   for (std::size_t tau = 0; tau < telling.size(); ++tau) {
     likelihood[tau] = log_likelihood_of(told.of(0, tau), static_cast<double>(tau), quiet) +
-                      best_rise(telling.subspan(tau), quiet).log_likelihood;
+                      best_rise(filled_from(filled, tau), tau, telling.size(), quiet).log_likelihood;
   }
   Scan scan = scan_of(likelihood, lit.dispersion);
   scan.best += from;
   scan.low += from;
   scan.high += from;
 
-  // Did a weaker contact come first?
-  constexpr double sure = 7.0, likely = 4.0;
-  for (int earlier = 0; earlier < 4; ++earlier) {
+  // Did a weaker contact come first? One marker that is touched is hidden by the noise of all of them, but not by its own.
+  std::vector<Asked> asked;
+  asked.push_back({all, quiet, lit.dispersion, Sums(all)});
+  for (const LitPlace& place : lit.places) {
+    const Counts counts = Counts(place.counts).subspan(begin);
+    asked.push_back({counts, std::max(place.quiet_per_bin, floor), place.dispersion, Sums(counts)});
+  }
+  // Of many places one shows a clump by chance more easily.
+  const double among = std::log(static_cast<double>(asked.size()));
+  const double sure = 7.0 + among, likely = 4.0 + among;
+  for (int earlier = 0; earlier < 8; ++earlier) {
     const std::size_t until = scan.low;
     if (until < 2) break;
-    std::vector<double> gain(until);
-    for (std::size_t tau = 0; tau < until; ++tau) {
-      const double events = sums.of(tau, until), expected = quiet * static_cast<double>(until - tau);
-      gain[tau] = events > expected ? events * std::log(events / expected) - (events - expected) : 0.0;
+    std::optional<std::size_t> surest;
+    Step most;
+    std::size_t low = until;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const Step step = step_ahead(asked[i], i == 0 ? 0 : until - std::min(until, bins(options.before)), until);
+      if (step.gain < likely) continue;
+      low = std::min(low, step.scan.low);
+      if (step.gain < sure || step.gain <= most.gain) continue;
+      surest = i;
+      most = step;
     }
-    const Scan step = scan_of(gain, lit.dispersion);
-    const double best = gain[step.best] / lit.dispersion;
-    if (best < likely) break;
-    scan.low = step.low;
-    if (best < sure) break;
-    scan.best = step.best;
-    scan.high = step.high;
+    if (!surest) {
+      scan.low = low;
+      break;
+    }
+    scan = most.scan;
   }
-  return found(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, options);
+  // The place whose first events these are tells for how long its pixels were blind.
+  Counts counts = rate.counts, repeats = lit.repeats;
+  double most = 0;
+  for (std::size_t i = 0; i < lit.places.size(); ++i) {
+    const Asked& place = asked[i + 1];
+    const double events = place.sums.of(scan.best, end), expected = place.quiet * static_cast<double>(end - scan.best);
+    const double gain = events > expected ? events * std::log(events / expected) - (events - expected) : 0.0;
+    if (gain <= most) continue;
+    most = gain;
+    counts = lit.places[i].counts;
+    repeats = lit.places[i].repeats;
+  }
+  return found(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, counts, repeats, options);
 }
 
 FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<UncertainTime>& lift_start) {
@@ -281,12 +362,13 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   const double quiet = std::max(lit.quiet_per_bin, floor);
   const double dragged = 0.3 * most / static_cast<double>(width);
 
+  const std::vector<Filled> filled = filled_bins(counts);
   std::vector<double> plain(n), ringing(n, minus_infinity);
   std::vector<std::size_t> rung_from(n);
   const std::size_t step = width;
   for (std::size_t tau = 0; tau < n; ++tau) {
     const double ahead = log_likelihood_of(sums.of(0, tau), static_cast<double>(tau), quiet);
-    plain[tau] = ahead + best_rise(counts.subspan(tau), quiet).log_likelihood;
+    plain[tau] = ahead + best_rise(filled_from(filled, tau), tau, n, quiet).log_likelihood;
     // The ringing that suits what is ahead of tau best.
     double best_ahead = minus_infinity, level = 0;
     // From so many milliseconds ago on.
@@ -308,7 +390,7 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
         level = slope * m;
       }
     }
-    if (best_ahead > ahead) ringing[tau] = best_ahead + best_rise(counts.subspan(tau), quiet + level).log_likelihood;
+    if (best_ahead > ahead) ringing[tau] = best_ahead + best_rise(filled_from(filled, tau), tau, n, quiet + level).log_likelihood;
   }
   constexpr double price = 4.0;  // of two more free numbers
   const Scan scan = scan_of(plain, lit.dispersion);
@@ -330,7 +412,7 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
     const double behind = mean(at + 3 * width, at + 5 * width) - quiet;
     if (ahead > 0.05 * behind) chosen.low = std::min(chosen.low, rung_from[rung.best]);
   }
-  FoundTime onset = found(lit, {begin + chosen.best, begin + chosen.low, begin + chosen.high}, options);
+  FoundTime onset = found(lit, {begin + chosen.best, begin + chosen.low, begin + chosen.high}, rate.counts, lit.repeats, options);
   if (const auto jump = sharper_jump(lit, begin + chosen.best, width, bins(options.first_drag))) {
     onset.time.high = std::max(onset.time.high, after(rate.begin_of(*jump), rate.bin));
     onset.doubt = "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon";

@@ -139,6 +139,20 @@ std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const Robot
 void read_robot(RunSignals& signals) {
   signals.has_robot = true;
   RobotLogFile file = read_robot_log(signals.run.robot());
+  signals.speed_from = file.speed_from;
+  signals.arm = file.arm;
+  if (is_target(file.speed_from)) {
+    signals.remarks.push_back(fmt::format("the robot log has no actual_ column: motions are those of {}, where the arm was sent",
+                                          name_of(file.speed_from)));
+  }
+  if (file.arm)
+    signals.remarks.push_back(fmt::format("poses were made of the robot's joints by the kinematics of a {}", name_of(*file.arm)));
+  std::size_t mixed_rows = 0;
+  for (const RobotLog& log : file.pieces) mixed_rows += log.mixed_rows;
+  if (mixed_rows > 0) {
+    signals.remarks.push_back(fmt::format("{} of the robot log's rows {} two packages, and {} left out or mended", mixed_rows,
+                                          mixed_rows == 1 ? "mixes" : "mix", mixed_rows == 1 ? "was" : "were"));
+  }
   for (RobotLog& log : file.pieces) {
     if (!log.gaps.empty()) {
       const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
@@ -183,6 +197,8 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
       signals.video = motion_energy(run.video(), times, options.video);
       if (const std::size_t lost = signals.video->rows_without_frame; lost > 0)
         signals.problems.push_back(fmt::format("the film lacks {} of the {} frames of video.csv", lost, times.size()));
+    } catch (const OutsideFilm&) {
+      throw;  // it was asked for a part of the film that there is none of
     } catch (const Error& e) {
       std::string why = e.what();
       if (const std::string folder = run.folder.string() + "/"; why.starts_with(folder)) why.erase(0, folder.size());

@@ -46,6 +46,8 @@ struct RunSignals {
   std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
   bool has_robot = false;        ///< there is a log, be it empty
   std::vector<RobotPiece> robot;
+  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;  ///< of the log
+  std::optional<ArmModel> arm;                                       ///< whose kinematics made the poses of joints, if any did
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where a host told when both devices' data came
   std::vector<CameraArrival> host_from_camera;              ///< of run.json: when the camera's data came to the host
   std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none
@@ -56,6 +58,7 @@ struct RunSignals {
 
 /// Reads events, IMU, robot log, film and run.json; never truth.json.
 /// @throws Error  if the events or the robot log cannot be read; a film that cannot be is a problem
+/// @throws OutsideFilm  if the film does not hold the region that it is asked for
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
 
 /// SHA-256 of each file that `read_run_signals` reads, by its name.

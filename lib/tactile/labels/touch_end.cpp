@@ -199,7 +199,8 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
   return end;
 }
 
-FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
+FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options,
+                   const std::optional<UncertainTime>& arm_stop) {
   const Steps steps = steps_from(lit, onset.at, 400us);
   const std::vector<double> rates = smoothed(steps.events, steps.in(3ms));
   const CameraTime burst_end = lit.rate.begin_of(lit.burst_end);
@@ -230,6 +231,16 @@ FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOpti
   std::size_t strong = seen;
   while (strong > 1 && rates[strong - 1] < steps.quiet + std::max(0.1 * peak, visible)) --strong;
   if (seen - strong > steps.in(60ms)) end.time.low = std::min(end.time.low, steps.time_of(static_cast<double>(strong)));
+  if (arm_stop) {
+    end.time.high = std::max(end.time.high, after(arm_stop->high, options.rung_out / 2));
+    if (end.time.at < arm_stop->at) end.time.at = arm_stop->at;
+    const CameraTime rung_out = after(arm_stop->at, options.rung_out);
+    if (end.time.at > after(arm_stop->high, options.rung_out)) {
+      end.time.at = rung_out;
+      end.time.low = std::min(end.time.low, before(arm_stop->low, options.stick_phase));
+    }
+    end.time.low = std::min(end.time.low, end.time.at);
+  }
   if (seen >= rates.size()) end.doubt = "the recording ends before it does";
   end.time.low = std::max(end.time.low, onset.low);
   end.time.at = std::max(end.time.at, onset.at);

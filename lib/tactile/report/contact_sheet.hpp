@@ -1,21 +1,25 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
+#include "tactile/report/moments.hpp"
 
 namespace tactile {
 
-/// One small picture of a contact sheet.
+/// A moment on a contact sheet: three pictures one below the other, and two lines of text under them.
 struct SheetTile {
-  cv::Mat heatmap;      ///< [height, width] uint8, not empty; all tiles of a sheet have one size
-  std::string caption;  ///< under it, in two lines
+  cv::Mat counts;    ///< [height, width] uint16, events per pixel
+  cv::Mat denoised;  ///< [height, width] uint8, 255 D / max D
+  cv::Mat heatmap;   ///< [height, width] uint8; all tiles of a sheet have one size
+  std::string caption;
   std::string second_caption;
-  std::optional<Touch> touch;  ///< colours its frame
+  std::optional<Touch> touch;  ///< colours its frames
 };
 
 /// Tiles that belong together, laid out in rows under a title.
@@ -24,18 +28,29 @@ struct SheetGroup {
   std::vector<SheetTile> tiles;
 };
 
-struct SheetOptions {
-  std::vector<std::string> header;  ///< lines at the top; the first is the title
-  int columns = 6;                  ///< >= 1
-  int brightest = 255;              ///< heatmap value shown in the brightest colour, as are those above it; 1 to 255
-  int scale = 0;                    ///< screen pixels to a heatmap pixel; 0: so that a tile is about 200 wide
+/// What is drawn between header and tiles: a picture of its own, as wide as it is told.
+struct SheetBanner {
+  int height = 0;  ///< [px]
+  std::function<void(cv::Mat& picture, const cv::Rect& place)> draw = {};
 };
 
-/// Lays heatmaps out as one picture: black 0 to white 255 over red and yellow, each pixel enlarged without smoothing. Text that
-/// is too long for its place is shortened in its middle, so nothing is clipped; characters other than ASCII are shown as '?'.
+struct SheetOptions {
+  std::vector<std::string> header = {};  ///< lines at the top; the first is the title
+  int columns = 6;                       ///< >= 1
+  Brightness brightness{};               ///< shown in the brightest colour, as is what lies above: counts >= 1, heatmap 1 to 255
+  SheetBanner banner{};                  ///< may be empty
+};
+
+/// The tile of a moment, its pictures no larger than they are shown, so that many of them are little memory.
+SheetTile sheet_tile(const Moment& moment);
+
+/// Lays moments out as one picture: the events per pixel (by the root of their number), the denoised picture and the heatmap,
+/// each in false colours without smoothing and with its scale. A tile is about 256 px wide. Text that is too long for its place
+/// is shortened in its middle, so nothing is clipped; characters other than ASCII are shown as '?'.
 ///
 /// @return  [height, width] BGR of 8 bits
-/// @throws Error  if there is no tile, the tiles differ in size or type, or an option is out of its range
+/// @throws Error  if there is no tile, a tile's pictures lack or differ in size or type, an option is out of its range, or the
+///                sheet would have more than 2^28 pixels
 cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions& options = {});
 
 /// Writes a picture as PNG, whole or not at all. @throws Error if it cannot be written

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -20,12 +21,13 @@ namespace tactile {
 namespace {
 
 // All in pixels of the picture.
-constexpr int picture_width = 1600, left = 90, right = 30, top = 62, between_panels = 16, axis_height = 46;
+constexpr int picture_width = 1600, left = 90, right = 30, top = 84, between_panels = 16, axis_height = 46;
 constexpr int zoom_left = 1210, panels_right_beside_zooms = 1070;
 constexpr int zoom_title = 34, zoom_axis = 46, least_zoom_height = 150, tallest_zoom = 400;
 constexpr int line_height = 19;
 constexpr std::size_t line_characters = 215, most_lines = 40, most_zooms = 4;
 constexpr double zoom_ms = 60;
+constexpr double zoom_character = 6.6;  // of what is written over an enlarged onset
 
 constexpr std::string_view ink = "#303030", faint_ink = "#707070";
 constexpr std::string_view robot_colour = "#1B7F3B", height_colour = "#8A6D00", video_colour = "#8E24AA", imu_colour = "#00838F";
@@ -88,6 +90,7 @@ class PictureScript {
     add("set tics nomirror scale 0.5 textcolor rgb '{}'", ink);
     add("set grid x y lt 1 lc rgb '#E6E6E6' lw 0.6");
     add("set style data lines");
+    add("set style textbox opaque noborder margins 0.4,0.2 fillcolor rgb 'white'");
     text(picture_.title, left, 28, "font ',14' left", ink);
     for (std::size_t i = 0; i < lines.size(); ++i)
       text(lines[i].words, left - 60, top + height + 30 + static_cast<int>(i) * line_height, "left", lines[i].colour);
@@ -221,8 +224,7 @@ class PictureScript {
     panels_ = {{std::nullopt, 240, &PictureScript::draw_events}};
     const std::array<std::tuple<TraceKind, int, void (PictureScript::*)(const Frame&)>, 4> others{
         {{TraceKind::tcp_speed, 170, &PictureScript::draw_robot},
-         {TraceKind::stage_output, 16 + 26 * std::max(1, static_cast<int>(traces_of(TraceKind::stage_output).size())),
-          &PictureScript::draw_outputs},
+         {TraceKind::stage_output, 16 + 26 * std::max(1, static_cast<int>(outputs().size())), &PictureScript::draw_outputs},
          {TraceKind::acceleration, 130, &PictureScript::draw_imu},
          {TraceKind::video_energy, 130, &PictureScript::draw_video}}};
     for (const auto& [kind, height, draw] : others) {
@@ -313,7 +315,7 @@ class PictureScript {
   void draw_events(const Frame& frame) {
     const double zero_us = static_cast<double>(between(picture_.rate.begin, picture_.begin).count());
     const std::vector<PlotPoint> points = rate_in(microseconds(2'000), zero_us, zero_us + 1e6 * seconds_, 1e6, zero_us);
-    const double highest = 1.2 * highest_of(points);
+    const double highest = 1.05 * highest_of(points);
     add("set yrange [0:{:.9g}]", highest);
     square_tics(highest);
     add("set ylabel 'events per ms' textcolor rgb '{}'", ink);
@@ -322,7 +324,7 @@ class PictureScript {
         table(thinned(points, 0, seconds_, static_cast<std::size_t>(frame.right - frame.left))), ink);
   }
 
-  /// Names stand above their intervals, in as many rows as keep them apart.
+  /// Names stand above the panel, where nothing crosses them, in as many rows as keep them apart.
   void name_intervals_over(const Frame& frame) {
     constexpr double character = 8;
     std::vector<double> row_ends;
@@ -334,7 +336,7 @@ class PictureScript {
       if (free == row_ends.end()) row_ends.push_back(0);
       row_ends[static_cast<std::size_t>(row)] = at + width;
       if (row < 3)
-        text(interval.id, static_cast<int>(at) + 4, frame.top + 9 + 15 * static_cast<int>(row), "left",
+        text(interval.id, static_cast<int>(at), frame.top - 9 - 15 * static_cast<int>(row), "left",
              colours_of(interval.touch).onset);
     }
   }
@@ -348,7 +350,7 @@ class PictureScript {
     };
     for (const Trace* trace : traces_of(TraceKind::tcp_height)) curve(*trace, heights, "x1y2", height_colour);
     if (!curves.empty()) {
-      add("set y2tics\nset border 11\nset y2label 'TCP height [mm]' offset -1,0 textcolor rgb '{}'", height_colour);
+      add("set y2tics\nset border 11\nset y2label 'TCP height [mm]' offset 0.5,0 textcolor rgb '{}'", height_colour);
       set_range("y2", heights, 5);
     }
     for (const Trace* trace : traces_of(TraceKind::tcp_speed)) curve(*trace, speeds, "x1y1", robot_colour);
@@ -357,27 +359,37 @@ class PictureScript {
     add("plot {}", curves);
   }
 
+  /// Names of the outputs, each once: a log in several pieces has a trace of it in each.
+  std::vector<std::string> outputs() const {
+    std::vector<std::string> names;
+    for (const Trace* trace : traces_of(TraceKind::stage_output)) {
+      if (std::find(names.begin(), names.end(), trace->name) == names.end()) names.push_back(trace->name);
+    }
+    return names;
+  }
+
   void draw_outputs(const Frame&) {
-    const std::vector<const Trace*> traces = traces_of(TraceKind::stage_output);
+    const std::vector<std::string> names = outputs();
     std::string curves, tics;
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      // Each within its row, whatever its values are; the last one holds until the picture's end.
-      Trace whole = *traces[i];
-      if (whole.t.back() < picture_.end && whole.values.size() == whole.t.size()) {
-        whole.t.push_back(picture_.end);
-        whole.values.push_back(whole.values.back());
-      }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      // Each within its row, whatever its values are; where its log ends nobody knows them.
       ValueRange range;
-      std::vector<PlotPoint> points = points_of(whole, range);
-      const double row = static_cast<double>(traces.size() - 1 - i);
+      std::vector<std::vector<PlotPoint>> pieces;
+      for (const Trace* trace : traces_of(TraceKind::stage_output)) {
+        if (trace->name == names[i]) pieces.push_back(points_of(*trace, range));
+      }
+      const double row = static_cast<double>(names.size() - 1 - i);
       // One that never changes lies low where it is 0, else high.
       const double low = range.high > range.low ? range.low : std::min(0.0, range.low);
       const double span = range.high > low ? range.high - low : 1;
-      for (PlotPoint& point : points) point.y = row + 0.15 + 0.7 * (point.y - low) / span;
-      curves += fmt::format("{}{} with steps lc rgb '{}' lw 1.5 notitle", i > 0 ? ", " : "", table(points), robot_colour);
-      tics += fmt::format("{}{} {}", i > 0 ? ", " : "", plot_text(short_name(traces[i]->name)), row + 0.5);
+      for (std::vector<PlotPoint>& points : pieces) {
+        for (PlotPoint& point : points) point.y = row + 0.15 + 0.7 * (point.y - low) / span;
+        curves +=
+            fmt::format("{}{} with steps lc rgb '{}' lw 1.5 notitle", curves.empty() ? "" : ", ", table(points), robot_colour);
+      }
+      tics += fmt::format("{}{} {}", i > 0 ? ", " : "", plot_text(short_name(names[i])), row + 0.5);
     }
-    add("set yrange [0:{}]\nset ytics ({}) scale 0", traces.size(), tics);
+    add("set yrange [0:{}]\nset ytics ({}) scale 0", names.size(), tics);
     add("plot {}", curves);
     add("set tics scale 0.5");
   }
@@ -453,7 +465,7 @@ class PictureScript {
     band(0, held(ms_from_onset(interval.end.at)), colours.area);
     const double low = ms_from_onset(interval.start.low), high = ms_from_onset(interval.start.high);
     band(std::min(held(low), -pixel_ / 2), std::max(held(high), pixel_ / 2), colours.border);
-    upright(0, fmt::format("front lc rgb '{}' lw 1.2", colours.onset));
+    upright(0, fmt::format("back lc rgb '{}' lw 1.2", colours.onset));
     double row_px = 10;
     for (const SourceEvidence& source : evidence) {
       if (!source.at) continue;
@@ -474,24 +486,22 @@ class PictureScript {
 
   void mark_evidence(const SourceEvidence& source, double ms, double row_px, const Frame& frame) {
     const auto graph_y = [&](double px) { return 1 - px / (frame.bottom - frame.top); };
-    // Written away from the onset's line, where there is room for some 33 ms of words.
-    constexpr double room_ms = 33;
     const bool inside = std::abs(ms) <= zoom_ms;
-    std::string words;
+    std::string words = fmt::format("{} {} ms", source.name, signed_ms(ms));
+    // Written away from the onset's line where there is room, on a ground of its own: other sources' lines pass behind it.
+    const double room_ms = (zoom_character * static_cast<double>(characters_in(words)) + 8) * pixel_;
     double x = ms + 1.2;
     bool to_left = ms < 0 ? ms - room_ms > -zoom_ms : ms + room_ms > zoom_ms;
     if (inside) {
-      upright(ms, fmt::format("front lc rgb '{}' dt (4,3) lw 1.3", source.colour));
+      upright(ms, fmt::format("back lc rgb '{}' dt (4,3) lw 1.3", source.colour));
       if (to_left) x = ms - 1.2;
-      words = fmt::format("{} {} ms", source.name, signed_ms(ms));
     } else {
       to_left = ms > 0;
       x = to_left ? zoom_ms - 1 : -zoom_ms + 1;
-      words =
-          to_left ? fmt::format("{} {} ms →", source.name, signed_ms(ms)) : fmt::format("← {} {} ms", source.name, signed_ms(ms));
+      words = to_left ? words + " →" : "← " + words;
     }
-    add("set label {} at first {:.9g}, graph {:.6f} {} font ',9' front textcolor rgb '{}'", plot_text(words), x, graph_y(row_px),
-        to_left ? "right" : "left", source.colour);
+    add("set label {} at first {:.9g}, graph {:.6f} {} font ',9' front boxed textcolor rgb '{}'", plot_text(words), x,
+        graph_y(row_px), to_left ? "right" : "left", source.colour);
     if (source.clock == nullptr || !inside) return;
     // Its clock may be off by so much.
     const auto offset = static_cast<double>(source.clock->relation.offset_us);
@@ -510,12 +520,25 @@ class PictureScript {
                        signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), 1e-3 * clock.residual_us);
   }
 
+  /// A sentence of labels.json with its camera times as the axis counts them: "at 1706024628624000 us" is "at 1.2275 s".
+  std::string as_seen_here(const std::string& sentence) const {
+    static const std::regex time(R"((\bat |\()(-?[0-9]{1,18}) us\b)");
+    std::string seen;
+    auto rest = sentence.begin();
+    for (std::sregex_iterator found(sentence.begin(), sentence.end(), time), end; found != end; ++found) {
+      seen.append(rest, (*found)[0].first);
+      rest = (*found)[0].second;
+      seen += (*found)[1].str() + fmt::format("{:.4f} s", seconds_from_begin(camera_time(std::stoll((*found)[2].str()))));
+    }
+    return seen.append(rest, sentence.end());
+  }
+
   /// What stands under the panels.
   std::vector<Line> words() const {
     const Labels& labels = picture_.labels;
     std::vector<Line> lines;
     const auto say = [&](const std::string& sentence, std::string_view colour) {
-      const std::string broken = wrapped(sentence, 4, line_characters);
+      const std::string broken = wrapped(as_seen_here(sentence), 4, line_characters);
       for (std::size_t begin = 0; begin < broken.size();) {
         const std::size_t end = std::min(broken.find('\n', begin), broken.size());
         std::string line = broken.substr(begin, end - begin);

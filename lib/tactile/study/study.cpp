@@ -299,8 +299,9 @@ class Study {
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       for (const microseconds history : options_.histories)
-                         store_heatmaps(Dataset(dataset_file()), {.history = history}, threads_, progress);
+                       std::vector<HeatmapOptions> histories;
+                       for (const microseconds history : options_.histories) histories.push_back({.history = history});
+                       store_heatmaps(Dataset(dataset_file()), histories, threads_, progress);
                      }});
   }
 

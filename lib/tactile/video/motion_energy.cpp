@@ -434,12 +434,10 @@ class Differences {
 cv::Rect scaled_region(const std::optional<cv::Rect>& region, const AVFrame& frame, const Picture& picture,
                        const std::string& file) {
   if (!region) return {0, 0, picture.width, picture.height};
-  const std::int64_t left = std::max(region->x, 0), top = std::max(region->y, 0);
-  const std::int64_t right = std::min<std::int64_t>(std::int64_t{region->x} + region->width, frame.width);
-  const std::int64_t bottom = std::min<std::int64_t>(std::int64_t{region->y} + region->height, frame.height);
-  if (left >= right || top >= bottom) {
-    throw Error(fmt::format("{}: the region {},{} {} x {} px is outside its frames; expected a part of {} x {} px", file,
-                            region->x, region->y, region->width, region->height, frame.width, frame.height));
+  const std::int64_t left = region->x, top = region->y, right = left + region->width, bottom = top + region->height;
+  if (left < 0 || top < 0 || left >= right || top >= bottom || right > frame.width || bottom > frame.height) {
+    throw OutsideFilm(fmt::format("{}: the region {},{} {} x {} px is not inside its frames; expected a part of {} x {} px", file,
+                                  region->x, region->y, region->width, region->height, frame.width, frame.height));
   }
   const auto scaled = [](std::int64_t at, int from, int to, bool up) {
     return static_cast<int>((at * to + (up ? from - 1 : 0)) / from);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/time.hpp"
 
 namespace tactile {
@@ -14,6 +15,12 @@ namespace tactile {
 struct MotionEnergyOptions {
   int width = 320;                      ///< [px] wider films are looked at in this width, > 0
   std::optional<cv::Rect> region = {};  ///< of the film's own pixels: only what moves there counts; nothing: the whole picture
+};
+
+/// A region was asked for that the film's frames do not hold.
+class OutsideFilm : public Error {
+ public:
+  using Error::Error;
 };
 
 /// From one frame to the next that differs from it.
@@ -65,7 +72,7 @@ struct MotionEnergy {
 ///               times, shifted. Empty: the container's own times, the first decoded frame being at 0
 /// @return       no steps if fewer than two frames can be decoded
 /// @throws Error if the file holds no video, its frames are larger than 8192 x 4320 px, there are more than a million of them,
-///               they lie more than an hour apart, or the region is outside the picture
+///               they lie more than an hour apart, of an OutsideFilm if the region is not inside the picture
 ///
 /// Source: frame differencing; times as FFmpeg's demuxers give them.
 MotionEnergy motion_energy(const std::filesystem::path& film, std::span<const VideoTime> times = {},

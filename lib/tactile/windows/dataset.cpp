@@ -12,8 +12,8 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/windows/dataset_layout.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
+#include "tactile/windows/dataset_layout.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -224,15 +224,23 @@ fs::path Dataset::run_folder(std::uint32_t run_index) const {
 }
 
 std::vector<Event> Dataset::events(std::uint32_t run_index) const {
+  return events(run_index, 0, state_->runs.at(run_index).events);
+}
+
+std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const {
   const h5::Session session;
   const DatasetRun& run = state_->runs.at(run_index);
+  if (first > run.events || count > run.events - first) {
+    throw Error(state_->file.string() + ": " + run.object + "/" + run.run + " has " + std::to_string(run.events) +
+                " events; expected at least " + std::to_string(count) + " from " + std::to_string(first) + " on");
+  }
   const std::string where = state_->file.string() + ": /events";
   state_->check_events(state_->file.string());  // the file beside it may have been replaced since
-  std::vector<Event> events(run.events);
+  std::vector<Event> events(count);
   const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
-    std::vector<T> values(run.events);
+    std::vector<T> values(count);
     h5::read_rows(h5::open_table(state_->id, std::string("events/") + name, where), h5::memory_type<T>(), values.data(),
-                  run.first_event, run.events, where + "/" + name);
+                  run.first_event + first, count, where + "/" + name);
     for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
   };
   const SensorSize sensor = state_->sensor;
@@ -297,7 +305,8 @@ void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
        {std::pair(folder.events(), run.events_sha256), std::pair(folder.labels(), run.labels_sha256)}) {
     if (!fs::exists(file)) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " is gone; expected the file that " +
-                  dataset.file().string() + " was made from");
+                  dataset.file().string() + " was made from, 'tactile windows DATA --out " + dataset.file().string() +
+                  "' finds runs that have moved");
     }
     if (sha256_of_file(file) != hash) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " has changed since " + dataset.file().string() +
@@ -333,6 +342,8 @@ HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& des
   state_->description = description;
   state_->samples = dataset.samples().size();
   state_->target = dataset_layout::file_beside(dataset.file(), description.name);
+  remove_leftovers(state_->target);
+  remove_leftovers(state_->dataset);
   state_->whole.emplace(state_->target);
   const std::string where = state_->target.string();
   state_->file = h5::create_file(state_->whole->path());

@@ -59,7 +59,9 @@ class Dataset {
   std::filesystem::path run_folder(std::uint32_t run_index) const;
 
   std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
-  std::vector<StoredHeatmaps> heatmaps() const;              ///< every history that is listed
+  /// `count` of the run's events from the one with number `first` on. @throws Error also if it has not so many
+  std::vector<Event> events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const;
+  std::vector<StoredHeatmaps> heatmaps() const;  ///< every history that is listed
 
   /// That history; nothing if it is not listed, or its file is missing, damaged or of another dataset, so that it is rendered
   /// anew.

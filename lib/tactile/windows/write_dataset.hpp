@@ -27,7 +27,7 @@ struct WindowedRun {
 };
 
 struct DatasetSummary {
-  enum class Outcome { written, replaced, unchanged };
+  enum class Outcome { written, replaced, moved, unchanged };  ///< moved: the same, but its runs lie elsewhere now
   Outcome outcome = Outcome::written;
   std::vector<WindowedRun> runs;      ///< every run found, by object, then run
   std::vector<std::string> warnings;  ///< what a person should know, a sentence each
@@ -40,25 +40,18 @@ struct DatasetSummary {
 /// Draws balanced samples from the labelled runs below `data` and writes them, with the events of their histories, to `file` and
 /// to the file of its events beside it.
 ///
-/// A dataset that is there with the same manifest is kept as it is. One with another is replaced whole: at every moment `file` is
-/// either the old dataset or the new one, with the events that belong to it; the old one's histories are removed last.
+/// A dataset that is there with the same manifest is kept with its histories; where its runs have moved it is told so. One with
+/// another manifest is replaced whole: at every moment `file` is either the old dataset or the new one, with the events that
+/// belong to it; the old one's histories are removed last.
 ///
-/// Runs without labels, flagged runs, and simulated ones where real ones are too, are left out and named; a run that lacks a
-/// class is in the dataset but gives no samples.
+/// Runs without labels or with an unreadable run.json, flagged runs, and simulated ones where real ones are too, are left out and
+/// named; a run that lacks a class is in the dataset but gives no samples. Without run.json a run is what its folder and its
+/// recording say.
 ///
 /// @param threads  0: as many as the machine has cores; the bytes do not depend on it
 /// @throws Error  if no run has labels or samples, a file cannot be read, recordings go back in time or differ in sensor size, or
 ///                `file` is there and no dataset
 DatasetSummary write_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
                              const WindowsOptions& options = {}, unsigned threads = 0, const ProgressCallback& progress = {});
-
-/// Derives the dataset again from the runs below `data`, by the settings it was made with, and compares: runs, sensor, intervals,
-/// samples and events. Splits are by run, so no event of a training window lies in a test window if no two runs hold the same
-/// recording: that is shown too, by the hashes of their files and of their events.
-///
-/// @return  what differs, a sentence each; none if the dataset holds
-/// @throws Error  if the dataset or a run cannot be read at all
-std::vector<std::string> verify_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
-                                        unsigned threads = 0, const ProgressCallback& progress = {});
 
 }  // namespace tactile

@@ -1,0 +1,140 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "quantity_text.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/onnx_model.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportArguments {
+  std::string model, models = "models";
+  std::string onnx, safetensors;
+  bool force = false;
+};
+
+struct ExportedFile {
+  std::string format;
+  fs::path file;
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
+
+ModelBundle model_to_export(const ExportArguments& args) {
+  if (!args.model.empty()) {
+    const fs::path given(args.model);
+    if (fs::is_directory(given)) return {given.filename().empty() ? given.parent_path() : given};
+    return {fs::path(args.models) / given};
+  }
+  const auto newest = newest_bundle(args.models, [](const ModelDescription&) { return true; });
+  if (newest) return *newest;
+  throw Error(args.models + ": no model; expected one, run 'tactile train' first, or name it by --model");
+}
+
+/// Everything that could be refused is refused before the first file is written.
+void check_places(const ExportArguments& args) {
+  if (args.onnx.empty() && args.safetensors.empty()) {
+    throw Error("nothing to export to; expected --onnx FILE, --safetensors FILE, or both");
+  }
+  const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
+  if (!args.onnx.empty() && !args.safetensors.empty() && place(args.onnx) == place(args.safetensors)) {
+    throw Error(args.onnx + ": named for both formats; expected a file for each");
+  }
+  for (const std::string& file : {args.onnx, args.safetensors}) {
+    if (file.empty() || !fs::exists(fs::symlink_status(file))) continue;
+    if (fs::is_directory(file)) throw Error(file + ": is a folder; expected the name of a file");
+    if (!args.force) throw Error(file + ": is there; expected a new name, or --force to replace it");
+  }
+}
+
+nlohmann::json json_of(const std::vector<ExportedFile>& files) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const ExportedFile& file : files)
+    json.push_back({{"format", file.format}, {"file", file.file.string()}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  return json;
+}
+
+void export_model(const ExportArguments& args, const CommonArguments& common) {
+  check_places(args);
+  const ModelBundle bundle = model_to_export(args);
+  const ModelDescription model = read_description(bundle);
+  if (args.model.empty()) spdlog::info("exporting {}, the model trained last", bundle.folder.string());
+  const Weights weights = read_bundle_weights(bundle, model);
+  const auto metadata = weights_metadata(model);
+
+  std::optional<WholeFile> onnx, safetensors;
+  std::vector<ExportedFile> files;
+  const auto written = [&](const std::string& format, const fs::path& file, const WholeFile& whole) {
+    files.push_back({format, file, fs::file_size(whole.path()), sha256_of_file(whole.path())});
+  };
+  if (!args.onnx.empty()) {
+    auto about = metadata;
+    about.erase("format");  // of safetensors alone
+    about["weights_sha256"] = model.weights_sha256;
+    remove_leftovers(args.onnx);
+    onnx.emplace(args.onnx);
+    write_whole(onnx->path(), onnx_model(lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
+    written("onnx", args.onnx, *onnx);
+  }
+  if (!args.safetensors.empty()) {
+    remove_leftovers(args.safetensors);
+    safetensors.emplace(args.safetensors);
+    write_weights(safetensors->path(), weights, metadata);
+    written("safetensors", args.safetensors, *safetensors);
+  }
+  stop_if_interrupted();
+  if (onnx) onnx->commit();
+  if (safetensors) safetensors->commit();
+
+  nlohmann::json json = {{"model", bundle.folder.string()},
+                         {"name", bundle.name()},
+                         {"simulated", model.simulated},
+                         {"weights_sha256", model.weights_sha256},
+                         {"classes", nlohmann::json::parse(metadata.at("classes"))},
+                         {"input", nlohmann::json::parse(metadata.at("input"))},
+                         {"settings", {{"rendering", model.settings.rendering}, {"network", model.settings.network}}},
+                         {"parameters", lenet_layers(model.input).parameter_count()},
+                         {"files", json_of(files)}};
+  json["onnx"] = !onnx ? nlohmann::json()
+                       : nlohmann::json{{"ir_version", onnx_ir_version},
+                                        {"opset", onnx_opset},
+                                        {"input", "heatmaps"},
+                                        {"outputs", {"logits", "probabilities"}}};
+  std::vector<std::vector<std::string>> rows;
+  for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
+  std::string text = text_table({"file", "format", "size"}, rows) + "\n";
+  text += wrapped(fmt::format("{}: learned from {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
+                              "none, press, slip",
+                              bundle.folder.string(), model.simulated ? "simulated" : "real", model.input.height,
+                              model.input.width)) +
+          "\n";
+  print_result(common, json, text);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app) {
+  auto args = std::make_shared<ExportArguments>();
+  CLI::App* command = add_command(app, "export", "Write a model in formats that other software reads",
+                                  [args](const CommonArguments& common) { export_model(*args, common); });
+  command->add_option("--model", args->model, "Model, a folder or a name below --models; the one trained last if not given");
+  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
+  command->add_option("--onnx", args->onnx, "Write an ONNX model: network and weights")->type_name("FILE");
+  command->add_option("--safetensors", args->safetensors, "Write the weights alone, as safetensors")->type_name("FILE");
+  command->add_flag("--force", args->force, "Replace files that are there");
+}
+
+}  // namespace tactile

@@ -1,0 +1,143 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/report/json_view.hpp"
+#include "tactile/report/report.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  std::string what;
+  std::string out;
+  std::string models = "models";
+};
+
+bool is_file(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored);
+}
+
+/// A model that a report may tell of.
+struct FoundModel {
+  fs::path folder;
+  bool single_run = false, evaluated = false;
+  std::string trained_at;
+};
+
+/// Models of the dataset, the one to be told whole first: of single runs, evaluated, trained last. Those with objects held out
+/// are told through the comparison that lies in the model they are compared with.
+std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path& models) {
+  std::vector<FoundModel> found;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(models, none)) {
+    const fs::path file = entry.path() / "model.json";
+    if (!is_file(file)) continue;
+    try {
+      const nlohmann::json document = read_json(file);
+      const JsonView model(document, file.string());
+      if (model["dataset"]["manifest_hash"].text() != manifest_hash) continue;
+      found.push_back({.folder = entry.path(),
+                       .single_run = model["split"]["kind"].text() == "single-run",
+                       .evaluated = is_file(entry.path() / "eval.json"),
+                       .trained_at = model["trained_at"].text()});
+    } catch (const Error& e) {
+      spdlog::warn("passed over: {}", e.what());
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const FoundModel& a, const FoundModel& b) {
+    return std::tuple(a.single_run, a.evaluated, a.trained_at, b.folder) >
+           std::tuple(b.single_run, b.evaluated, b.trained_at, a.folder);
+  });
+  std::vector<fs::path> folders;
+  for (const FoundModel& model : found) {
+    if (model.single_run || folders.empty()) folders.push_back(model.folder);
+  }
+  return folders;
+}
+
+/// The folder of the dataset that a model was trained on, as it was given then; empty where it is not there from here.
+fs::path data_of(const fs::path& model) {
+  const nlohmann::json document = read_json(model / "model.json");
+  const fs::path file = JsonView(document, (model / "model.json").string())["dataset"]["file"].text();
+  return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
+}
+
+/// What is to be reported, and the folder that the report goes into.
+std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
+  const fs::path what = !args.what.empty()            ? fs::path(args.what)
+                        : is_file("study/study.json") ? fs::path("study")
+                                                      : fs::path("data");
+  if (what.filename() == "study.json" && is_file(what)) return {read_study(what.parent_path()), what.parent_path() / "report"};
+  if (is_file(what / "study.json")) return {read_study(what), what / "report"};
+  if (is_file(what / "model.json")) return {read_models({what}, data_of(what)), what / "report"};
+  const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
+  if (!is_file(dataset)) {
+    throw Error(fmt::format(
+        "{}: holds neither a study, a model nor a dataset; expected what 'tactile reproduce', 'train' or 'windows' wrote",
+        what.string()));
+  }
+  const std::vector<fs::path> folders = models_of(Dataset(dataset).manifest_hash(), args.models);
+  if (folders.empty()) {
+    throw Error(fmt::format("{}: no model of {}; expected one, run 'tactile train' and 'tactile eval' first", args.models,
+                            dataset.string()));
+  }
+  return {read_models(folders, is_file(what) ? what.parent_path() : what), "report"};
+}
+
+void report(const ReportArguments& args, const CommonArguments& common) {
+  const auto [input, place] = input_of(args);
+  const ReportSummary summary = write_report(input, args.out.empty() ? place : fs::path(args.out), [](std::string_view figure) {
+    stop_if_interrupted();
+    spdlog::info("drawing {}", figure);
+  });
+  std::string text = summary.title + "\n\n";
+  if (summary.claims > 0) {
+    text += fmt::format("Of the paper's {} claims {} hold, {} do not, and of {} one cannot tell.\n\n", summary.claims,
+                        summary.hold, summary.do_not, summary.claims - summary.hold - summary.do_not);
+  }
+  if (!summary.missing.empty()) {
+    text += "Not in it:\n";
+    for (const std::string& missing : summary.missing) text += wrapped("- " + missing, 2) + "\n";
+    text += "\n";
+  }
+  text += fmt::format("{}: written, with {} figures; needs nothing beside it\n", summary.page.string(), summary.figures.size());
+  print_result(common,
+               {{"title", summary.title},
+                {"simulated", summary.simulated},
+                {"page", summary.page.string()},
+                {"figures", summary.figures},
+                {"missing", summary.missing},
+                {"claims", {{"count", summary.claims}, {"hold", summary.hold}, {"do_not", summary.do_not}}}},
+               text);
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app) {
+  auto args = std::make_shared<ReportArguments>();
+  CLI::App* command = add_command(app, "report", "Write figures and one self-contained page from results",
+                                  [args](const CommonArguments& common) { report(*args, common); });
+  command
+      ->add_option("what", args->what, "Study, model's folder, or data whose models are told; study/ if it is there, else data")
+      ->type_name("STUDY|MODEL|DATA");
+  command->add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given")->type_name("DIR");
+  command->add_option("--models", args->models, "Folder of models, for DATA")->type_name("DIR")->capture_default_str();
+}
+
+}  // namespace tactile

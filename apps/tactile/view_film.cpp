@@ -1,0 +1,179 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/report/event_film.hpp"
+#include "tactile/report/picture_folder.hpp"
+#include "tactile/video/video_writer.hpp"
+#include "view_outputs.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr microseconds around_labels = 250ms;  ///< shown before the first onset and behind the last end
+constexpr microseconds most_unasked = 10s;     ///< of a recording without labels
+constexpr std::size_t most_pictures = 1'000'000, metered_moments = 200;
+constexpr int quality = 20;
+
+double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
+
+/// What is shown where nobody says it: all touches, or the recording's begin.
+TickRange range_for(const ViewedRecording& recording, const ViewRequest& request) {
+  std::optional<double> from_ms = request.from_ms, to_ms = request.to_ms;
+  if (!recording.intervals().empty() && !from_ms && !to_ms) {
+    CameraTime end = recording.first();
+    for (const TouchInterval& interval : recording.intervals()) end = std::max(end, interval.end);
+    from_ms = recording.ms_from_first(before(recording.intervals().front().start, around_labels));
+    to_ms = recording.ms_from_first(after(end, around_labels));
+  }
+  TickRange range = recording.ticks_between(request.options, from_ms, to_ms);
+  if (!to_ms) range.count = std::min(range.count, most_unasked / range.tick + 1);
+  return range;
+}
+
+/// The tick at each of a film's pictures: the last one there then.
+std::vector<CameraTime> picture_times(const TickRange& range, const ViewRequest& request, FilmForm form) {
+  const double step_us = 1e6 * request.speed / request.fps,
+               length_us = static_cast<double>((range.count - 1) * range.tick.count());
+  const double count = std::floor(length_us / step_us + 1e-9) + 1;
+  if (count > static_cast<double>(most_pictures)) {
+    throw Error(fmt::format("{:.0f} pictures; expected {} at most, by a shorter stretch, a larger --speed or a smaller --fps",
+                            count, most_pictures));
+  }
+  std::vector<CameraTime> times;
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(count); ++i) {
+    const std::int64_t index = static_cast<std::int64_t>(static_cast<double>(i) * step_us + 0.5) / range.tick.count();
+    const CameraTime t = range.at(std::min(index, range.count - 1));
+    // A film stands still where ticks are further apart than its pictures; in a folder each has one.
+    if (form == FilmForm::mp4 || times.empty() || times.back() < t) times.push_back(t);
+  }
+  return times;
+}
+
+Brightness brightness_of(ViewedRecording& recording, const HeatmapOptions& options, const std::vector<CameraTime>& times,
+                         const ProgressCallback& progress) {
+  std::vector<CameraTime> some;
+  const std::size_t count = std::min(times.size(), metered_moments);
+  for (std::size_t i = 0; i < count; ++i) some.push_back(times[i * times.size() / count]);
+  BrightnessMeter meter;
+  std::uint64_t done = 0;
+  for_moments(recording.reader(), recording.stream_id(), options, some, MomentDetail::heatmap, [&](const Moment& moment) {
+    meter.add(moment);
+    tell(progress, ++done, some.size(), "brightness");
+  });
+  return meter.result();
+}
+
+/// The whole recording's curve where it tells enough of a stretch, else one of its own.
+EventCurve curve_of(ViewedRecording& recording, CameraTime begin, CameraTime end) {
+  constexpr std::int64_t fine = 500;  // bins
+  if (recording.curve().bin() * fine <= between(begin, end)) return recording.curve();
+  EventCurve curve(begin);
+  for_events_between(recording.reader(), recording.stream_id(), begin, end, [&](std::span<const Event> events) {
+    stop_if_interrupted();
+    curve.add(events);
+  });
+  return curve;
+}
+
+std::string speed_text(double speed) {
+  if (speed == 1) return "as fast as it was";
+  return speed < 1 ? fmt::format("{:.6g} times slower", 1 / speed) : fmt::format("{:.6g} times faster", speed);
+}
+
+}  // namespace
+
+void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmForm form, const CommonArguments& common) {
+  const TickRange range = range_for(recording, request);
+  const std::vector<CameraTime> times = picture_times(range, request, form);
+  if (form == FilmForm::folder) check_picture_folder(request.out);
+  const ProgressCallback progress = progress_line(common);
+  const CameraTime begin = before(times.front(), request.options.history);
+  const CameraTime end = std::max(times.back(), after(begin, microseconds{1}));
+  const Brightness brightness = brightness_of(recording, request.options, times, progress);
+  const std::string remark =
+      fmt::format("{}t_h {:g} ms", form == FilmForm::mp4 ? speed_text(request.speed) + ", " : "", ms_of(request.options.history));
+  const EventFilm film({.title = recording.title(),
+                        .remark = remark,
+                        .sensor = recording.sensor(),
+                        .rendering = request.options,
+                        .brightness = brightness,
+                        .begin = begin,
+                        .end = end,
+                        .zero = recording.first(),
+                        .intervals = recording.intervals(),
+                        .is_labelled = recording.labelled()},
+                       curve_of(recording, begin, end));
+
+  std::uint64_t drawn = 0;
+  const auto draw_all = [&](const auto& write) {
+    for_moments(recording.reader(), recording.stream_id(), request.options, times, MomentDetail::heatmap,
+                [&](const Moment& moment) {
+                  tell(progress, drawn, times.size(), fmt::format("{:.1f} ms", recording.ms_from_first(moment.t)));
+                  write(moment, film.picture_of(moment));
+                  ++drawn;
+                });
+  };
+  if (form == FilmForm::mp4) {
+    remove_leftovers(request.out);
+    WholeFile whole(request.out);
+    VideoWriter writer(whole.path(), {.width = film.size().width,
+                                      .height = film.size().height,
+                                      .quality = quality,
+                                      .frames_per_fragment = 50,
+                                      .fast = false,
+                                      .fragment_span = microseconds{0}});
+    draw_all([&](const Moment&, const cv::Mat& picture) {
+      writer.write(picture, VideoTime{microseconds{std::llround(1e6 * static_cast<double>(drawn) / request.fps)}});
+    });
+    writer.close();
+    stop_if_interrupted();
+    whole.commit();
+  } else {
+    PictureFolder folder(request.out, "t_us,since_first_event_ms,events,label");
+    draw_all([&](const Moment& moment, const cv::Mat& picture) {
+      const std::string name = fmt::format("picture-{:06}.png", drawn);
+      const std::optional<Touch> touch = film.touch_at(moment.t);
+      folder.write(name, picture);
+      folder.list(name, fmt::format("{},{:.3f},{},{}", us_of(moment.t), recording.ms_from_first(moment.t), moment.events,
+                                    touch ? name_of(*touch) : std::string_view()));
+    });
+    stop_if_interrupted();
+    folder.commit();
+  }
+
+  const double from_ms = recording.ms_from_first(times.front()), to_ms = recording.ms_from_first(times.back());
+  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
+  nlohmann::json result = recording.json();
+  result.update({{"out", request.out.string()},
+                 {"form", form == FilmForm::mp4 ? "film" : "folder"},
+                 {"heatmap", {{"width", size.width}, {"height", size.height}}},
+                 {"settings", request.options},
+                 {"brightest", {{"events_per_pixel", brightness.counts}, {"heatmap", brightness.heatmap}}},
+                 {"width", film.size().width},
+                 {"height", film.size().height},
+                 {"pictures", drawn},
+                 {"from_ms", from_ms},
+                 {"to_ms", to_ms}});
+  std::string text = fmt::format("{}: {} picture{}", request.out.string(), drawn, drawn == 1 ? "" : "s");
+  if (form == FilmForm::mp4) {
+    const double seconds = static_cast<double>(drawn) / request.fps;
+    result.update({{"fps", request.fps}, {"speed", request.speed}, {"seconds", seconds}});
+    text += fmt::format(", {:.1f} s at {:g} a second, {}", seconds, request.fps, speed_text(request.speed));
+  }
+  text += fmt::format("; {:.1f} to {:.1f} of {:.1f} ms of {}\n", from_ms, to_ms, recording.ms_from_first(recording.last()),
+                      recording.name());
+  print_result(common, result, text);
+}
+
+}  // namespace tactile

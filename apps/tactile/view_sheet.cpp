@@ -1,0 +1,151 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/report/contact_sheet.hpp"
+#include "tactile/report/rate_strip.hpp"
+#include "view_outputs.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr int columns = 6, usual_tiles = 12;
+constexpr std::size_t most_intervals = 12;
+constexpr std::array<std::chrono::milliseconds, columns> around_onset{-20ms, 10ms, 30ms, 60ms, 150ms, 400ms};
+
+double ms_between(CameraTime begin, CameraTime end) { return static_cast<double>(between(begin, end).count()) / 1000; }
+
+/// Ticks to show under one title.
+struct TickGroup {
+  std::string title;
+  std::vector<CameraTime> ticks;
+  std::optional<CameraTime> onset;
+};
+
+/// `count` ticks from the first to the last, evenly spaced.
+TickGroup evenly_spaced(const TickRange& range, std::int64_t count) {
+  TickGroup group;
+  count = std::min(count, range.count);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
+    group.ticks.push_back(range.at(std::llround(share * static_cast<double>(range.count - 1))));
+  }
+  return group;
+}
+
+std::vector<TickGroup> around_onsets(const TickRange& range, const ViewedRecording& recording) {
+  std::vector<TickGroup> groups;
+  for (const TouchInterval& interval : recording.intervals()) {
+    if (groups.size() == most_intervals) break;
+    TickGroup group{.title = fmt::format("{}: onset {:.1f} ms, end {:.1f} ms", name_of(interval.touch),
+                                         recording.ms_from_first(interval.start), recording.ms_from_first(interval.end)),
+                    .ticks = {},
+                    .onset = interval.start};
+    for (const auto offset : around_onset) {
+      const CameraTime t = first_tick_from(after(interval.start, offset), range.tick);
+      if (t >= range.first && t <= range.at(range.count - 1)) group.ticks.push_back(t);
+    }
+    if (!group.ticks.empty()) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Each moment's tile, and what JSON says of it.
+struct DrawnTick {
+  CameraTime t{};
+  SheetTile tile;
+  nlohmann::json json;
+};
+
+}  // namespace
+
+void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const CommonArguments& common) {
+  const TickRange range = recording.ticks_between(request.options, request.from_ms, request.to_ms);
+  std::vector<TickGroup> groups;
+  if (!request.tiles && !request.from_ms && !request.to_ms) groups = around_onsets(range, recording);
+  const bool shows_onsets = !groups.empty();
+  if (!shows_onsets) groups.push_back(evenly_spaced(range, request.tiles.value_or(usual_tiles)));
+
+  // Intervals may follow each other so closely that a tick is shown twice, or ticks stand in another order: each is rendered
+  // once.
+  std::set<CameraTime> wanted;
+  for (const TickGroup& group : groups) wanted.insert(group.ticks.begin(), group.ticks.end());
+  const std::vector<CameraTime> times(wanted.begin(), wanted.end());
+  const ProgressCallback progress = progress_line(common);
+  std::vector<DrawnTick> drawn;
+  BrightnessMeter meter;
+  for_moments(recording.reader(), recording.stream_id(), request.options, times, MomentDetail::all, [&](const Moment& moment) {
+    tell(progress, drawn.size() + 1, times.size(), recording.name());
+    meter.add(moment);
+    double most = 0;
+    cv::minMaxLoc(moment.counts, nullptr, &most);
+    SheetTile tile = sheet_tile(moment);
+    tile.touch = recording.touch_at(moment.t);
+    tile.second_caption = fmt::format("{}{} events", tile.touch ? std::string(name_of(*tile.touch)) + ", " : "", moment.events);
+    nlohmann::json json = {{"t_us", us_of(moment.t)},
+                           {"since_first_event_ms", recording.ms_from_first(moment.t)},
+                           {"events", moment.events},
+                           {"most_per_pixel", static_cast<std::int64_t>(most)},
+                           {"label", tile.touch ? nlohmann::json(name_of(*tile.touch)) : nlohmann::json(nullptr)}};
+    drawn.push_back({moment.t, std::move(tile), std::move(json)});
+  });
+
+  nlohmann::json tiles = nlohmann::json::array();
+  std::vector<SheetGroup> sheet;
+  for (const TickGroup& group : groups) {
+    sheet.push_back({.title = group.title, .tiles = {}});
+    for (const CameraTime t : group.ticks) {
+      const auto found =
+          std::lower_bound(drawn.begin(), drawn.end(), t, [](const DrawnTick& a, CameraTime b) { return a.t < b; });
+      SheetTile tile = found->tile;  // its pictures are shared
+      tile.caption = fmt::format("{:.1f} ms", recording.ms_from_first(t));
+      if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", ms_between(*group.onset, t));
+      sheet.back().tiles.push_back(std::move(tile));
+      tiles.push_back(found->json);
+    }
+  }
+
+  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
+  const nlohmann::json settings = request.options;
+  SheetOptions layout{.header = {}, .columns = columns, .brightness = meter.result(), .banner = {}};
+  layout.header.push_back(fmt::format("{}: the last {:g} ms before each moment", recording.title(),
+                                      static_cast<double>(request.options.history.count()) / 1000));
+  layout.header.push_back(fmt::format("{}: {} events in {:.1f} ms", recording.camera(), recording.events(),
+                                      recording.ms_from_first(recording.last())));
+  layout.header.push_back(fmt::format("heatmaps {}x{}, denoise {}, resize {}", size.width, size.height,
+                                      settings.at("denoise").get<std::string>(), settings.at("resize").get<std::string>()));
+  std::string times_line = shows_onsets ? "times from the first event, and from the onset" : "times from the first event";
+  if (shows_onsets && recording.intervals().size() > groups.size())
+    times_line += fmt::format("; {} of {} intervals are shown", groups.size(), recording.intervals().size());
+  layout.header.push_back(times_line);
+  layout.banner = {.height = RateStrip::height, .draw = [&](cv::Mat& picture, const cv::Rect& place) {
+                     const RateStrip strip(recording.first(), recording.last(), recording.first(), place);
+                     strip.draw(picture, recording.curve(), recording.intervals());
+                     strip.draw_marks(picture, times);
+                   }};
+  write_png(request.out, contact_sheet(sheet, layout));
+
+  nlohmann::json result = recording.json();
+  result.update({{"out", request.out.string()},
+                 {"form", "sheet"},
+                 {"heatmap", {{"width", size.width}, {"height", size.height}}},
+                 {"settings", settings},
+                 {"brightest", {{"events_per_pixel", layout.brightness.counts}, {"heatmap", layout.brightness.heatmap}}},
+                 {"tiles", tiles}});
+  print_result(
+      common, result,
+      fmt::format("{}: {} moment{} of {}{}\n", request.out.string(), tiles.size(), tiles.size() == 1 ? "" : "s", recording.name(),
+                  shows_onsets ? fmt::format(" around {} onset{}", groups.size(), groups.size() == 1 ? "" : "s") : ""));
+}
+
+}  // namespace tactile

@@ -1,0 +1,110 @@
+#include "viewed_recording.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
+
+/// Whether the run that holds the recording was simulated; a recording that is no run's never was, as far as anybody can tell.
+bool is_simulated(const RunFolder& run, const fs::path& recording) {
+  return recording.filename() == run.events().filename() && fs::exists(run.info()) && read_run_info(run).simulated;
+}
+
+}  // namespace
+
+ViewedRecording::ViewedRecording(const std::string& what, const std::string& stream, const CommonArguments& common)
+    : run_(fs::is_directory(what) ? std::optional(run_folder_at(what)) : std::nullopt),
+      reader_(run_ ? recording_in(what) : fs::path(what), common.threads) {
+  const Stream& chosen = event_stream(reader_, stream);
+  const std::string file = reader_.file().string();
+  if (!chosen.size) throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", file, chosen.id));
+  stream_id_ = chosen.id;
+  source_ = chosen.source;
+  sensor_ = *chosen.size;
+  name_ = run_ ? run_->name() : reader_.file().filename().string();
+  simulated_ = is_simulated(run_ ? *run_ : run_folder_at(fs::absolute(reader_.file()).parent_path()), reader_.file());
+  if (run_ && fs::exists(run_->labels())) {
+    labelled_ = true;
+    for (const LabelledInterval& interval : read_labels(run_->labels()).intervals) intervals_.push_back(interval.interval());
+  }
+  const ProgressCallback progress = progress_line(common);
+  const std::uint64_t all = reader_.packets().size();
+  std::uint64_t packets = 0;
+  for_all_events(reader_, stream_id_, [&](std::span<const Event> packet) {
+    tell(progress, ++packets, all, "reading " + name_);
+    if (!curve_) {
+      first_ = packet.front().t;
+      curve_.emplace(first_);
+    }
+    last_ = packet.back().t;
+    events_ += packet.size();
+    curve_->add(packet);
+  });
+  if (!curve_) throw Error(file + ": holds no event; expected a recording with events");
+}
+
+std::string ViewedRecording::camera() const {
+  return fmt::format("{}, {}x{} px", source_.empty() ? "events" : source_, sensor_.width, sensor_.height);
+}
+
+std::string ViewedRecording::file_stem() const { return run_ ? run_->object + "-" + run_->run : reader_.file().stem().string(); }
+
+double ViewedRecording::ms_from_first(CameraTime t) const { return ms_of(between(first_, t)); }
+
+std::optional<Touch> ViewedRecording::touch_at(CameraTime t) const {
+  if (!labelled_) return std::nullopt;
+  const auto contains = [&](const TouchInterval& interval) { return interval.contains(t); };
+  const auto current = std::find_if(intervals_.begin(), intervals_.end(), contains);
+  return current == intervals_.end() ? Touch::none : current->touch;
+}
+
+TickRange ViewedRecording::ticks(const HeatmapOptions& options) const {
+  const TickRange range = full_ticks(first_, last_, options.history, options.tick);
+  if (range.count == 0) {
+    throw Error(
+        fmt::format("{}: {:.1f} ms long, which holds no full history of {:g} ms; expected a longer recording or a smaller --th",
+                    reader_.file().string(), ms_from_first(last_), ms_of(options.history)));
+  }
+  return range;
+}
+
+TickRange ViewedRecording::ticks_between(const HeatmapOptions& options, std::optional<double> from_ms,
+                                         std::optional<double> to_ms) const {
+  TickRange range = ticks(options);
+  const CameraTime last_tick = range.at(range.count - 1);
+  const auto behind_first = [&](double ms) { return after(first_, microseconds{std::llround(ms * 1000)}); };
+  if (from_ms && to_ms && *from_ms > *to_ms)
+    throw Error(fmt::format("--from-ms {:g}: lies behind --to-ms {:g}; expected it before", *from_ms, *to_ms));
+  const CameraTime begin = std::max(range.first, first_tick_from(from_ms ? behind_first(*from_ms) : range.first, options.tick));
+  const CameraTime end = std::min(last_tick, last_tick_until(to_ms ? behind_first(*to_ms) : last_tick, options.tick));
+  if (begin > end) {
+    const std::string option = from_ms && begin > last_tick ? fmt::format("--from-ms {:g}", *from_ms)
+                               : to_ms && end < range.first ? fmt::format("--to-ms {:g}", *to_ms)
+                                                            : fmt::format("--from-ms {:g} --to-ms {:g}", *from_ms, *to_ms);
+    throw Error(fmt::format("{}: there is no tick with a full history; expected times between {:.1f} and {:.1f} ms", option,
+                            ms_from_first(range.first), ms_from_first(last_tick)));
+  }
+  range.first = begin;
+  range.count = between(begin, end) / options.tick + 1;
+  return range;
+}
+
+nlohmann::json ViewedRecording::json() const {
+  return {{"file", reader_.file().string()},
+          {"simulated", simulated_},
+          {"sensor", {{"width", sensor_.width}, {"height", sensor_.height}}},
+          {"labelled", labelled_}};
+}
+
+}  // namespace tactile

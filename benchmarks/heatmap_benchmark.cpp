@@ -1,0 +1,231 @@
+// What a heatmap costs a tick, beside the same steps by dense OpenCV calls, in one process: against the event rate and against
+// the history. `scripts/bench --heatmaps` runs this and makes the table and the picture of docs/performance.md from it.
+//
+//   heatmap_benchmark RECORDING… [--benchmark_…]
+//
+// Events are those of the recordings while the skin moves, one after the other, or lie anywhere on the sensor; they come at an
+// even rate.
+
+#include <benchmark/benchmark.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr SensorSize sensor{640, 480};
+constexpr std::size_t pieces = 10;          // of the events, spread evenly over them
+constexpr std::size_t ticks_of_piece = 20;  // measured, behind a full history
+
+/// The steps as one writes them down: every tick the count image of its window, the mean of what is not zero, exp, multiply,
+/// minMaxLoc, resize.
+cv::Mat1b plain_heatmap(std::span<const Event> window) {
+  cv::Mat1f counts = cv::Mat1f::zeros(sensor.height, sensor.width);
+  for (const Event& event : window) counts(event.y, event.x) += 1;
+  const double mean = cv::mean(counts, counts > 0)[0];
+  cv::Mat1f exponential;
+  cv::exp(counts - mean, exponential);
+  const cv::Mat1f denoised = counts.mul(1 / (1 + exponential));
+  double largest = 0;
+  cv::minMaxLoc(denoised, nullptr, &largest);
+  cv::Mat1f resized;
+  cv::resize(denoised * (largest > 0 ? 255 / largest : 0.0), resized, {}, 0.2, 0.2, cv::INTER_AREA);
+  cv::Mat1b heatmap;
+  resized.convertTo(heatmap, CV_8U);
+  return heatmap;
+}
+
+/// The steps as fast as they go over every pixel: images that are kept, a count image that takes the events that come and go, and
+/// no call that another can do without.
+class KeptImages {
+ public:
+  void add(std::span<const Event> events) {
+    for (const Event& event : events) counts_(event.y, event.x) += 1;
+  }
+  void forget(std::span<const Event> events) {
+    for (const Event& event : events) counts_(event.y, event.x) -= 1;
+  }
+  void render() {
+    const double mean = cv::sum(counts_)[0] / std::max(cv::countNonZero(counts_), 1);
+    cv::subtract(counts_, mean, denoised_);
+    cv::exp(denoised_, denoised_);
+    cv::add(denoised_, 1.0, denoised_);
+    cv::divide(counts_, denoised_, denoised_);
+    double largest = 0;
+    cv::minMaxLoc(denoised_, nullptr, &largest);
+    cv::resize(denoised_, resized_, {}, 0.2, 0.2, cv::INTER_AREA);
+    resized_.convertTo(heatmap_, CV_8U, largest > 0 ? 255.0 / largest : 0.0);
+  }
+  const cv::Mat1b& heatmap() const { return heatmap_; }
+
+ private:
+  cv::Mat1f counts_ = cv::Mat1f::zeros(sensor.height, sensor.width);
+  cv::Mat1f denoised_, resized_;
+  cv::Mat1b heatmap_;
+};
+
+/// Those of the milliseconds in which the skin moves, which have 100 and more.
+std::vector<Event> events_of(const std::vector<std::filesystem::path>& recordings) {
+  std::vector<Event> all;
+  for (const auto& file : recordings) {
+    std::vector<Event> of_recording;
+    RecordingReader recording(file);
+    for_all_events(recording, event_stream(recording).id,
+                   [&](std::span<const Event> events) { of_recording.insert(of_recording.end(), events.begin(), events.end()); });
+    for (auto begin = of_recording.begin(); begin != of_recording.end();) {
+      const CameraTime end_of_ms = after(begin->t, 1ms);
+      const auto end = std::find_if(begin, of_recording.end(), [&](const Event& event) { return event.t >= end_of_ms; });
+      if (end - begin >= 100) all.insert(all.end(), begin, end);
+      begin = end;
+    }
+  }
+  if (all.empty()) throw Error("heatmap_benchmark: no events to work with; expected recordings in which something moves");
+  return all;
+}
+
+std::vector<Event> events_anywhere(std::size_t count) {
+  Random random(1);
+  std::vector<Event> events(count);
+  for (Event& event : events) {
+    event.x = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(sensor.width)));
+    event.y = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(sensor.height)));
+  }
+  return events;
+}
+
+/// Each tick's shortest time by one way, which other programs have not lengthened.
+class Shortest {
+ public:
+  void take(std::size_t tick, const auto& step) {
+    const auto begin = std::chrono::steady_clock::now();
+    step();
+    us_[tick] = std::min(us_[tick], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+  }
+  double mean() const { return std::accumulate(us_.begin(), us_.end(), 0.0) / static_cast<double>(us_.size()); }
+  double largest() const { return *std::max_element(us_.begin(), us_.end()); }
+
+ private:
+  std::vector<double> us_ = std::vector<double>(pieces * ticks_of_piece, std::numeric_limits<double>::infinity());
+};
+
+void expect_alike(std::span<const std::uint8_t> ours, const cv::Mat1b& dense) {
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (std::abs(ours[i] - dense.data[i]) > 1) throw Error("heatmap_benchmark: the ways do not give the same");
+  }
+}
+
+/// Every tick of every piece by one way and then by the others, again and again.
+void compare(benchmark::State& state, const std::vector<Event>& source, double events_per_s, const HeatmapOptions& options) {
+  const auto events_until = [&](std::size_t tick) {
+    return static_cast<std::size_t>(events_per_s * 1e-6 * static_cast<double>(options.tick.count()) * static_cast<double>(tick));
+  };
+  const auto history = static_cast<std::size_t>(options.history / options.tick);
+  std::vector<Event> events(events_until(history + ticks_of_piece));
+  const auto events_between = [&](std::size_t tick, std::size_t later_tick) {
+    return std::span<const Event>(events).subspan(events_until(tick), events_until(later_tick) - events_until(tick));
+  };
+  const auto time_of = [&](std::size_t tick) { return camera_time(options.tick.count() * static_cast<std::int64_t>(tick)); };
+  Shortest ours_us, kept_us, plain_us;
+  double active = 0;
+  for (auto _ : state) {
+    static_cast<void>(_);
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      for (std::size_t i = 0, tick = 1; i < events.size(); ++i) {
+        while (i >= events_until(tick)) ++tick;
+        events[i] = source[(source.size() * piece / pieces + i) % source.size()];
+        events[i].t = before(time_of(tick), 1us);
+      }
+      HeatmapRenderer ours(sensor, options);
+      const std::size_t size = static_cast<std::size_t>(ours.size().width) * static_cast<std::size_t>(ours.size().height);
+      std::vector<std::uint8_t> heatmaps(ticks_of_piece * size);
+      const auto heatmap = [&](std::size_t i) { return std::span(heatmaps).subspan(i * size, size); };
+      for (std::size_t tick = 1; tick <= history; ++tick) {
+        ours.add(events_between(tick - 1, tick));
+        ours.move_to(time_of(tick));
+        ours.render(heatmap(0));
+      }
+      for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
+        ours_us.take(piece * ticks_of_piece + i, [&] {
+          ours.add(events_between(tick - 1, tick));
+          ours.move_to(time_of(tick));
+          ours.render(heatmap(i));
+        });
+        active += ours.counts().histogram().active_pixels();
+      }
+      KeptImages kept;
+      kept.add(events_between(0, history));
+      kept.render();
+      for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
+        kept_us.take(piece * ticks_of_piece + i, [&] {
+          kept.add(events_between(tick - 1, tick));
+          kept.forget(events_between(tick - history - 1, tick - history));
+          kept.render();
+        });
+        expect_alike(heatmap(i), kept.heatmap());
+      }
+      cv::Mat1b plain;
+      for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
+        plain_us.take(piece * ticks_of_piece + i, [&] { plain = plain_heatmap(events_between(tick - history, tick)); });
+        expect_alike(heatmap(i), plain);
+      }
+    }
+  }
+  state.counters["events_per_s"] = events_per_s;
+  state.counters["history_ms"] = static_cast<double>(options.history.count()) / 1000;
+  state.counters["active_pixels"] =
+      active / static_cast<double>(pieces * ticks_of_piece) / static_cast<double>(state.iterations());
+  state.counters["ours_us"] = ours_us.mean();
+  state.counters["ours_longest_us"] = ours_us.largest();
+  state.counters["kept_us"] = kept_us.mean();
+  state.counters["plain_us"] = plain_us.mean();
+}
+
+}  // namespace
+}  // namespace tactile
+
+int main(int count, char** texts) {
+  using namespace tactile;
+  try {
+    cv::setNumThreads(1);
+    benchmark::Initialize(&count, texts);
+    const std::vector<Event> simulated = events_of({texts + 1, texts + count});
+    const std::vector<Event> anywhere = events_anywhere(4'000'000);
+    const auto measure = [&](const std::string& curve, const std::vector<Event>& source, double events_per_s,
+                             std::chrono::milliseconds history) {
+      benchmark::RegisterBenchmark(fmt::format("{}/{:.0f}/{}", curve, events_per_s, history.count()).c_str(),
+                                   [&source, events_per_s, history](benchmark::State& state) {
+                                     compare(state, source, events_per_s, {.history = history});
+                                   })
+          ->Iterations(15);
+    };
+    for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) {
+      measure("rate/simulated", simulated, rate, 40ms);
+      measure("rate/anywhere", anywhere, rate, 40ms);
+    }
+    for (const auto history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms, 500ms, 1000ms}) {
+      measure("history/simulated", simulated, 3e5, history);
+      measure("history/anywhere", anywhere, 3e5, history);
+    }
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,181 @@
+#include "tactile/report/html_page.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <iterator>
+
+namespace tactile {
+namespace {
+
+constexpr std::string_view style = R"css(
+:root { color-scheme: light dark; --paper: #fff; --ink: #1d1d1f; --faint: #5f6368; --line: #d9dbe0; --field: #f4f5f7;
+  --good: #00614a; --good-field: #d9f2e8; --bad: #8f2d00; --bad-field: #fde5d8; --open: #4a4a4a; --open-field: #e9e9ec; --link: #0050b3; }
+@media (prefers-color-scheme: dark) { :root { --paper: #16181c; --ink: #e8e8ea; --faint: #a6abb3; --line: #3a3e46; --field: #1f2228;
+  --good: #8fe3c4; --good-field: #0f3a2d; --bad: #ffb693; --bad-field: #4a2110; --open: #d0d0d4; --open-field: #33363d; --link: #8ab8ff; } }
+* { box-sizing: border-box; }
+html { -webkit-text-size-adjust: 100%; }
+body { margin: 0 auto; padding: 1rem 1rem 4rem; max-width: 66rem; background: var(--paper); color: var(--ink);
+  font: 1rem/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; overflow-wrap: break-word; }
+h1 { font-size: 1.6rem; line-height: 1.25; margin: 1rem 0 .5rem; }
+h2 { font-size: 1.3rem; margin: 2.5rem 0 .5rem; padding-top: .5rem; border-top: 1px solid var(--line); }
+h3 { font-size: 1.05rem; margin: 1.5rem 0 .5rem; }
+p { max-width: 46rem; margin: .5rem 0; }
+li { max-width: 46rem; }
+a { color: var(--link); }
+nav ul { columns: 2 16rem; padding-left: 1.2rem; margin: .5rem 0; }
+.warning { border-left: .35rem solid var(--bad); background: var(--bad-field); padding: .6rem .9rem; margin: 1rem 0; max-width: none; }
+.scroll { overflow-x: auto; max-width: 100%; }
+table { border-collapse: collapse; margin: .75rem 0; font-size: .92rem; min-width: min(100%, 26rem); }
+caption { text-align: left; color: var(--faint); padding: .25rem 0; }
+th, td { text-align: left; vertical-align: top; padding: .35rem .7rem .35rem 0; border-bottom: 1px solid var(--line); }
+thead th { border-bottom: 2px solid var(--line); white-space: nowrap; }
+tbody th { font-weight: 600; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+tbody th, td { min-width: 7.5rem; }
+td.number { min-width: 5rem; }
+small { display: block; color: var(--faint); font-weight: 400; }
+.good, .bad, .open { display: inline-block; padding: .05rem .5rem; border-radius: .6rem; white-space: nowrap; font-weight: 600; }
+.good { color: var(--good); background: var(--good-field); }
+.bad { color: var(--bad); background: var(--bad-field); }
+.open { color: var(--open); background: var(--open-field); }
+figure { margin: 1.25rem 0; }
+figure img { display: block; height: auto; width: 100%; background: #fff; border: 1px solid var(--line); border-radius: .3rem; }
+figcaption { color: var(--faint); font-size: .92rem; margin-top: .4rem; max-width: 46rem; }
+@media print { .scroll { overflow: visible; } nav { display: none; } figure, tr { break-inside: avoid; } }
+)css";
+
+/// How many bytes the UTF-8 character at the text's begin has; 0 if there is none.
+std::size_t character_at(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80                   ? 1
+                             : lead >= 0xC2 && lead < 0xE0 ? 2
+                             : lead >= 0xE0 && lead < 0xF0 ? 3
+                             : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                           : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80U) return 0;
+  }
+  const bool too_long = (lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xF0 && byte(1) < 0x90);
+  const bool no_character = (lead == 0xED && byte(1) >= 0xA0) || (lead == 0xF4 && byte(1) >= 0x90);
+  return too_long || no_character ? 0 : length;
+}
+
+std::string words_of(const HtmlCell& cell) {
+  const std::string text = html_text(cell.text);
+  std::string words = text;
+  // A mark besides the colour: not everybody sees that, and print may have none.
+  if (cell.tone == HtmlTone::good) words = "<span class=\"good\">✓ " + text + "</span>";
+  if (cell.tone == HtmlTone::bad) words = "<span class=\"bad\">✗ " + text + "</span>";
+  if (cell.tone == HtmlTone::open) words = "<span class=\"open\">? " + text + "</span>";
+  if (!cell.second_line.empty()) words += "<small>" + html_text(cell.second_line) + "</small>";
+  return words;
+}
+
+}  // namespace
+
+std::string html_text(std::string_view text) {
+  std::string escaped;
+  while (!text.empty()) {
+    const std::size_t length = character_at(text);
+    const auto first = static_cast<unsigned char>(text[0]);
+    if (length == 0)
+      escaped += "\uFFFD";
+    else if (first == '&')
+      escaped += "&amp;";
+    else if (first == '<')
+      escaped += "&lt;";
+    else if (first == '>')
+      escaped += "&gt;";
+    else if (first == '"')
+      escaped += "&quot;";
+    else if (first == '\'')
+      escaped += "&#39;";
+    else if (first < 0x20 || first == 0x7F)
+      escaped += ' ';
+    else
+      escaped += text.substr(0, length);
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return escaped;
+}
+
+std::string base64_of(std::string_view bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t there = bytes.size() - i < 3 ? bytes.size() - i : 3;
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8U | (k < there ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? digits[bits >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
+void HtmlPage::section(std::string_view id, std::string_view heading) {
+  sections_.emplace_back(html_text(id), html_text(heading));
+  body_ += fmt::format("<h2 id=\"{}\">{}</h2>\n", sections_.back().first, sections_.back().second);
+}
+
+void HtmlPage::heading(std::string_view text) { here() += fmt::format("<h3>{}</h3>\n", html_text(text)); }
+
+void HtmlPage::paragraph(std::string_view text) { here() += fmt::format("<p>{}</p>\n", html_text(text)); }
+
+void HtmlPage::warning(std::string_view text) { here() += fmt::format("<p class=\"warning\">{}</p>\n", html_text(text)); }
+
+void HtmlPage::list(const std::vector<std::string>& items) {
+  here() += "<ul>\n";
+  for (const std::string& item : items) here() += fmt::format("<li>{}</li>\n", html_text(item));
+  here() += "</ul>\n";
+}
+
+void HtmlPage::table(const HtmlTable& table) {
+  if (table.rows.empty()) return;
+  std::string& page = here();
+  // What scrolls must be reachable without a mouse.
+  page += fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
+      html_text(table.caption));
+  for (const std::string& name : table.head) page += fmt::format("<th scope=\"col\">{}</th>", html_text(name));
+  page += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<HtmlCell>& row : table.rows) {
+    page += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i == 0)
+        page += fmt::format("<th scope=\"row\">{}</th>", words_of(row[i]));
+      else
+        page += fmt::format("<td{}>{}</td>", row[i].tone == HtmlTone::number ? " class=\"number\"" : "", words_of(row[i]));
+    }
+    page += "</tr>\n";
+  }
+  page += "</tbody>\n</table></div>\n";
+}
+
+void HtmlPage::figure(const HtmlFigure& figure) {
+  // As an image of its own a figure's ids meet no other's, and nothing in it can run. On a narrow screen it keeps a width at
+  // which its words can be read, and scrolls.
+  here() += fmt::format(
+      "<figure id=\"{0}\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{1}\">"
+      "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px\" alt=\"{1}\" src=\"data:image/svg+xml;base64,{5}\"></div>\n"
+      "<figcaption>{6}</figcaption></figure>\n",
+      html_text(figure.id), html_text(figure.in_words), figure.width_px, figure.height_px,
+      figure.width_px < 680 ? figure.width_px : 680, base64_of(figure.svg), html_text(figure.caption));
+}
+
+std::string HtmlPage::text() const {
+  std::string contents;
+  for (const auto& [id, heading] : sections_) contents += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, heading);
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}<nav "
+      "aria-label=\"Contents\"><ul>\n{3}</ul></nav>\n"
+      "{4}</main>\n</body>\n</html>\n",
+      html_text(title_), style, before_, contents, body_);
+}
+
+}  // namespace tactile

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactile {
+
+/// `text` as HTML that shows just that: whatever means something to HTML stands for itself, in attributes too. Control characters
+/// become blanks, bytes that are no UTF-8 U+FFFD.
+std::string html_text(std::string_view text);
+
+/// Source: RFC 4648, section 4.
+std::string base64_of(std::string_view bytes);
+
+/// What a table's field says, beyond its words.
+enum class HtmlTone : std::uint8_t { plain, number, good, bad, open };
+
+struct HtmlCell {
+  std::string text;
+  HtmlTone tone = HtmlTone::plain;
+  std::string second_line{};  ///< smaller, below; may be empty
+};
+
+struct HtmlTable {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<std::vector<HtmlCell>> rows;  ///< as long as `head`; the first cell names the row
+};
+
+struct HtmlFigure {
+  std::string id;   ///< lower-case letters, digits and hyphens
+  std::string svg;  ///< a whole SVG file
+  int width_px = 0, height_px = 0;
+  std::string in_words;  ///< for those who cannot see it
+  std::string caption;
+};
+
+/// One self-contained page: styles and figures lie in it, nothing is loaded from anywhere and no script runs; a policy in its
+/// head forbids both. Readable on a phone, in print, in light and dark. Whatever it is given is text, and escaped.
+class HtmlPage {
+ public:
+  explicit HtmlPage(std::string title) : title_(std::move(title)) {}
+
+  void section(std::string_view id, std::string_view heading);  ///< begins one; listed in the page's contents
+  void heading(std::string_view text);                          ///< within a section
+  void paragraph(std::string_view text);
+  void warning(std::string_view text);  ///< framed
+  void list(const std::vector<std::string>& items);
+  void table(const HtmlTable& table);  ///< scrolls in itself where it is wider than the page; one without rows is left out
+  void figure(const HtmlFigure& figure);
+
+  std::string text() const;  ///< the whole page
+
+ private:
+  std::string title_;
+  std::string before_;  // what stands above the contents
+  std::string body_;
+  std::vector<std::pair<std::string, std::string>> sections_;  // id and heading
+
+  std::string& here() { return sections_.empty() ? before_ : body_; }
+};
+
+}  // namespace tactile

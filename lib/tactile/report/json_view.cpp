@@ -1,0 +1,89 @@
+#include "tactile/report/json_view.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+
+void JsonView::refuse(std::string_view expected) const {
+  throw Error(fmt::format("{} is {}; expected {}", where_, json_->type_name(), expected));
+}
+
+JsonView JsonView::operator[](std::string_view key) const {
+  std::string where = fmt::format("{}: '{}'", where_, key);
+  if (json_ == nullptr) return {nullptr, std::move(where)};
+  if (!json_->is_object()) refuse("an object");
+  const auto found = json_->find(std::string(key));
+  return {found == json_->end() || found->is_null() ? nullptr : &*found, std::move(where)};
+}
+
+std::vector<JsonView> JsonView::items() const {
+  std::vector<JsonView> items;
+  if (json_ == nullptr) return items;
+  if (!json_->is_array()) refuse("a list");
+  for (const nlohmann::json& item : *json_) items.push_back({item.is_null() ? nullptr : &item, where_});
+  return items;
+}
+
+std::vector<std::pair<std::string, JsonView>> JsonView::members() const {
+  std::vector<std::pair<std::string, JsonView>> members;
+  if (json_ == nullptr) return members;
+  if (!json_->is_object()) refuse("an object");
+  for (auto it = json_->begin(); it != json_->end(); ++it) members.emplace_back(it.key(), (*this)[it.key()]);
+  return members;
+}
+
+double JsonView::number() const {
+  if (json_ == nullptr) return std::numeric_limits<double>::quiet_NaN();
+  if (!json_->is_number()) refuse("a number");
+  return json_->get<double>();
+}
+
+std::uint64_t JsonView::count() const {
+  if (json_ == nullptr) return 0;
+  if (!json_->is_number_unsigned()) refuse("a whole number from 0");
+  return json_->get<std::uint64_t>();
+}
+
+bool JsonView::truth() const {
+  if (json_ == nullptr) return false;
+  if (!json_->is_boolean()) refuse("true or false");
+  return json_->get<bool>();
+}
+
+std::string JsonView::text() const {
+  if (json_ == nullptr) return {};
+  if (!json_->is_string()) refuse("text");
+  return json_->get<std::string>();
+}
+
+std::vector<std::string> JsonView::texts() const {
+  std::vector<std::string> texts;
+  for (const JsonView& item : items()) texts.push_back(item.text());
+  return texts;
+}
+
+Measured JsonView::measured() const {
+  if (json_ == nullptr) return {};
+  if (json_->is_number()) return {.value = json_->get<double>()};
+  const JsonView& view = *this;
+  return {.value = view["value"].number(), .low = view["low"].number(), .high = view["high"].number(), .n = view["n"].count()};
+}
+
+std::string JsonView::words() const {
+  if (json_ == nullptr) return "-";
+  if (json_->is_string()) return json_->get<std::string>();
+  if (json_->is_number_float()) return fmt::format("{:.6g}", json_->get<double>());
+  if (json_->is_boolean()) return json_->get<bool>() ? "yes" : "no";
+  if (json_->is_array()) {
+    std::string words;
+    for (const JsonView& item : items()) words += (words.empty() ? "" : ", ") + item.words();
+    return words.empty() ? "none" : words;
+  }
+  return json_->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace tactile

@@ -1,0 +1,543 @@
+#include "tactile/report/report.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/report/frames_picture.hpp"
+#include "tactile/report/html_page.hpp"
+#include "tactile/report/prediction_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_runs_over_time = 6;
+
+HtmlCell number(const std::string& text, const std::string& second_line = {}) {
+  return {.text = text, .tone = HtmlTone::number, .second_line = second_line};
+}
+
+/// "95.12", below it "93.10 to 97.00"; of shares in percent.
+HtmlCell cell_of(const Measured& measured, double factor, std::string_view unit = {}) {
+  if (!std::isfinite(measured.value)) return number("-");
+  const std::string interval = std::isfinite(measured.low) && std::isfinite(measured.high)
+                                   ? fmt::format("{:.2f} to {:.2f}", factor * measured.low, factor * measured.high)
+                                   : std::string();
+  return number(fmt::format("{:.2f}{}", factor * measured.value, unit), interval);
+}
+
+HtmlCell percent_cell(const Measured& measured) { return cell_of(measured, 100); }
+
+HtmlCell plain_number(double value, int digits = 2) {
+  return number(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-"));
+}
+
+HtmlTable table_of(const ReportedTable& table) {
+  HtmlTable html{.caption = table.caption, .head = table.head, .rows = {}};
+  for (const std::vector<std::string>& row : table.rows) {
+    html.rows.emplace_back();
+    for (const std::string& text : row) html.rows.back().push_back({.text = text});
+  }
+  return html;
+}
+
+std::string with_unit(const Measured& measured, const std::string& unit) {
+  if (!std::isfinite(measured.value)) return "not measured";
+  std::string text = fmt::format("{:.4g} {}", measured.value, unit);
+  const auto bound = [](double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("unknown"); };
+  text += std::isfinite(measured.low) || std::isfinite(measured.high)
+              ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
+              : std::string(" (no interval)");
+  return text;
+}
+
+HtmlTone tone_of(std::string_view verdict) {
+  return verdict == "holds" ? HtmlTone::good : verdict == "does not" ? HtmlTone::bad : HtmlTone::open;
+}
+
+std::string summary_of(const HistoryCurve& curve) {
+  const auto best = best_of(curve);
+  if (best == curve.points.end()) return "no accuracy";
+  return fmt::format("{:.1f} % at {:g} ms", 100 * best->accuracy.value, best->history_ms);
+}
+
+/// Of an id from a file what a figure's name may hold.
+std::string name_part(std::string_view id) {
+  std::string name;
+  for (const char c : id) {
+    const bool fits = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (fits)
+      name += c;
+    else if (!name.empty() && name.back() != '-')
+      name += '-';
+  }
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  return name.substr(0, 40);
+}
+
+class Report {
+ public:
+  Report(const ReportInput& input, fs::path out, const FigureCallback& tell)
+      : input_(input), out_(std::move(out)), tell_(tell), page_(title()), missing_(input.missing) {}
+
+  ReportSummary write() {
+    begin();
+    claims();
+    frames();
+    histories();
+    for (const ReportedEvaluation& evaluation : input_.evaluations) this->evaluation(evaluation);
+    runs();
+    unseen();
+    trainings();
+    settings();
+    return finish();
+  }
+
+ private:
+  std::string title() const { return input_.title.empty() ? "Report of results" : input_.title; }
+  std::string titled(const std::string& words) const { return input_.simulated ? words + " (simulated runs)" : words; }
+
+  /// Draws a figure and puts it onto the page.
+  void figure(const std::string& wanted_name, const Plot& plot, const std::string& in_words, const std::string& caption) {
+    std::string name = wanted_name;
+    for (int i = 2; std::find(drawn_.begin(), drawn_.end(), name) != drawn_.end(); ++i)
+      name = fmt::format("{}-{}", wanted_name, i);
+    if (tell_) tell_(name);
+    const fs::path svg = out_ / "figures" / (name + ".svg");
+    draw(plot, svg);
+    draw(plot, out_ / "figures" / (name + ".png"));
+    page_.figure({.id = "figure-" + name,
+                  .svg = read_text(svg),
+                  .width_px = plot.width_px,
+                  .height_px = plot.height_px,
+                  .in_words = in_words,
+                  .caption = caption});
+    drawn_.push_back(name);
+  }
+
+  void begin() {
+    if (input_.simulated) {
+      page_.warning(
+          "The data is simulated. Every figure on this page was measured on runs that never happened; none of it says anything "
+          "about a real "
+          "sensor, and where it differs from the paper, the simulation may be the reason as well as the method.");
+    }
+    if (!input_.summary.empty()) page_.paragraph(input_.summary);
+    page_.paragraph(
+        "The yardstick is Faris et al., arXiv:2403.10120; its figures are called \"paper\" here. Intervals are 95 % bootstrap "
+        "intervals over "
+        "runs and objects; where fewer than three could be drawn there is none.");
+    if (!input_.remarks.empty()) page_.list(input_.remarks);
+  }
+
+  void claims() {
+    if (input_.claims.empty()) return;
+    page_.section("claims", "The paper's claims");
+    page_.paragraph(
+        "A claim holds, or does not, only where the whole interval lies on one side of the limit; else one cannot tell. Measured "
+        "on the runs "
+        "reported on, which no setting was chosen on; beside it the paper's own way, on all test runs.");
+    HtmlTable table{.caption = "The paper's claims, one by one",
+                    .head = {"claim", "paper", "measured", "verdict", "the paper's way", "verdict"},
+                    .rows = {}};
+    const auto measured_cell = [](const ReportedClaim& claim, const ReportedClaim::Side& side) {
+      return HtmlCell{.text = with_unit(side.measured, claim.unit), .second_line = side.note};
+    };
+    for (const ReportedClaim& claim : input_.claims) {
+      const std::string asked =
+          std::isfinite(claim.limit) ? fmt::format("asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
+      std::vector<HtmlCell> row{{.text = claim.claim, .second_line = asked},
+                                {.text = claim.paper},
+                                measured_cell(claim, claim.reported),
+                                {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict)}};
+      if (claim.all_test) {
+        row.push_back(measured_cell(claim, *claim.all_test));
+        row.push_back({.text = claim.all_test->verdict, .tone = tone_of(claim.all_test->verdict)});
+      } else {
+        row.insert(row.end(), 2, {.text = "-"});
+      }
+      table.rows.push_back(std::move(row));
+    }
+    page_.table(table);
+    for (const ReportedClaim& claim : input_.claims) {
+      if (claim.reported.objects.empty()) continue;
+      HtmlTable objects{
+          .caption = fmt::format("{} By object, on the runs reported on [{}].", claim.claim, claim.unit), .head = {}, .rows = {}};
+      objects.head = {"object", "measured", "95 % interval", "runs"};
+      for (const auto& [object, value] : claim.reported.objects) {
+        objects.rows.push_back(
+            {{.text = object},
+             plain_number(value.value),
+             number(std::isfinite(value.low) && std::isfinite(value.high) ? fmt::format("{:.2f} to {:.2f}", value.low, value.high)
+                                                                          : "-"),
+             number(fmt::format("{}", value.n))});
+      }
+      page_.table(objects);
+    }
+  }
+
+  void frames() {
+    std::optional<RunFolder> run;
+    std::error_code ignored;
+    if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) {
+      for (const RunFolder& candidate : find_runs(input_.data)) {
+        // The paper's own example, else the first labelled run.
+        if (!fs::exists(candidate.labels(), ignored)) continue;
+        if (!run || (candidate.object == "water-bottle" && run->object != "water-bottle")) run = candidate;
+      }
+    }
+    const HeatmapOptions options{.history = microseconds{std::llround(1000 * input_.history_ms)}};
+    std::vector<TouchFrame> frames;
+    if (run) frames = frames_of(*run, options);
+    if (frames.empty()) {
+      missing_.push_back("Frames of a press and a slip need a folder of labelled runs; none was found.");
+      return;
+    }
+    page_.section("frames", "What the sensor sees");
+    figure("frames", frames_plot(titled(fmt::format("{}: {:g} ms of events", run->name(), input_.history_ms)), frames),
+           "Six moments around a press and a slip: event counts above, noise-reduced heatmaps below.",
+           fmt::format("Raw and noise-reduced frames of {}: before the press, in it, before the slip, in it. Above, the events "
+                       "of the last {:g} ms "
+                       "per pixel; below, the heatmap that the network is shown. Bright is much, by its square root.",
+                       run->name(), input_.history_ms));
+  }
+
+  void histories() {
+    if (input_.histories.empty()) return;
+    page_.section("history", "Effect of longer histories");
+    bool first = true;
+    for (const ReportedHistories& histories : input_.histories) {
+      figure(first ? "accuracy-by-history" : "accuracy-by-history-" + name_part(histories.runs),
+             accuracy_by_history_plot(titled("Accuracy by history, " + histories.runs), histories.curves),
+             fmt::format("Accuracy against history for each object; the mean is highest with {}.",
+                         summary_of(histories.curves.front())),
+             fmt::format("Accuracy by event history t_h, as in the paper's figure 6, on {}. Mean over objects: best with {}.",
+                         histories.runs, summary_of(histories.curves.front())));
+      std::set<double> columns;
+      for (const HistoryCurve& curve : histories.curves) {
+        for (const HistoryCurve::Point& point : curve.points) columns.insert(point.history_ms);
+      }
+      HtmlTable table{.caption = fmt::format("Accuracy [%] by history t_h, on {}; below each its 95 % interval", histories.runs),
+                      .head = {"object"},
+                      .rows = {}};
+      for (const double history : columns) table.head.push_back(fmt::format("{:g} ms", history));
+      table.head.emplace_back("best");
+      for (const HistoryCurve& curve : histories.curves) {
+        std::vector<HtmlCell> row{{.text = curve.name}};
+        for (const double history : columns) {
+          const auto point = std::find_if(curve.points.begin(), curve.points.end(),
+                                          [history](const HistoryCurve::Point& p) { return p.history_ms == history; });
+          row.push_back(point == curve.points.end() ? number("-") : percent_cell(point->accuracy));
+        }
+        const auto best = best_of(curve);
+        row.push_back(number(best == curve.points.end() ? std::string("-") : fmt::format("{:g} ms", best->history_ms)));
+        table.rows.push_back(std::move(row));
+      }
+      page_.table(table);
+      first = false;
+    }
+    for (const ReportedTable& table : input_.choice) page_.table(table_of(table));
+  }
+
+  static std::vector<std::string> objects_of(const ReportedDelays& press, const ReportedDelays& slip) {
+    std::set<std::string> names;
+    for (const ReportedDelays* delays : {&press, &slip}) {
+      for (const DelayBar& bar : delays->objects) names.insert(bar.object);
+    }
+    return {names.begin(), names.end()};
+  }
+
+  void delay_table(const std::string& caption, const std::vector<std::pair<std::string, const ReportedDelays*>>& classes) {
+    HtmlTable table{.caption = caption,
+                    .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"},
+                    .rows = {}};
+    const auto add = [&](const std::string& object, const std::string& touch, const DelayBar& bar) {
+      table.rows.push_back({{.text = object},
+                            {.text = touch},
+                            plain_number(bar.mean_ms),
+                            plain_number(bar.sem_ms),
+                            number(fmt::format("{}", bar.intervals)),
+                            number(fmt::format("{}", bar.misses)),
+                            number(fmt::format("{}", bar.early))});
+    };
+    for (const auto& [touch, delays] : classes) {
+      if (delays == nullptr || delays->all.intervals == 0) continue;
+      add("all objects", touch, delays->all);
+      for (const DelayBar& bar : delays->objects) add(bar.object, touch, bar);
+    }
+    page_.table(table);
+  }
+
+  void evaluation(const ReportedEvaluation& evaluation) {
+    const std::string suffix =
+        evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
+    const std::string where = evaluation.runs.size() > 60 ? std::string("its test runs") : evaluation.runs;
+    const std::string what =
+        fmt::format("{} ({:g} ms){}", evaluation.model, evaluation.history_ms, where.empty() ? "" : ", " + where);
+    page_.section("evaluation" + suffix, "Detection: " + what);
+    page_.paragraph(fmt::format("Model {}, history {:g} ms, a tick every {:g} ms, confirmed {}. Runs: {}.", evaluation.model,
+                                evaluation.history_ms, evaluation.tick_ms,
+                                evaluation.confirm.empty() ? "1/1" : evaluation.confirm,
+                                evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+
+    if (!evaluation.accuracies.empty()) {
+      page_.heading("Accuracy");
+      HtmlTable table{
+          .caption =
+              "Accuracy [%] on balanced samples; below each its 95 % interval. Guard: how far samples of none keep from every "
+              "interval; the paper keeps 0 ms. Baselines are simpler methods on the same samples.",
+          .head = {"object"},
+          .rows = {}};
+      for (const std::string& name : evaluation.accuracy_of) table.head.push_back(name);
+      for (const ReportedAccuracy& row : evaluation.accuracies) {
+        table.rows.push_back({{.text = row.object}});
+        for (const Measured& value : row.values) table.rows.back().push_back(percent_cell(value));
+      }
+      page_.table(table);
+    }
+
+    page_.heading("Detection delay");
+    const std::vector<std::string> objects = objects_of(evaluation.press, evaluation.slip);
+    if (objects.empty()) {
+      missing_.push_back("Detection delays (the paper's figure 7) of " + evaluation.model + ".");
+    } else {
+      figure(
+          "delays" + suffix,
+          delay_plot(titled("Detection delay, " + evaluation.model), objects, evaluation.press.objects, evaluation.slip.objects),
+          fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.",
+                      evaluation.press.mean.value, evaluation.slip.mean.value),
+          fmt::format("Detection delay of press and slip with standard errors, as in the paper's figure 7. One tick, {:g} ms, "
+                      "is the best "
+                      "possible. Means leave out what was missed or said early, which is told beside the bars.",
+                      evaluation.tick_ms));
+      delay_table("Detection delay against the labels", {{"press", &evaluation.press}, {"slip", &evaluation.slip}});
+    }
+    const auto pointer = [](const std::optional<ReportedDelays>& delays) { return delays ? &*delays : nullptr; };
+    delay_table(
+        "Detection delay against the truth of the simulation; gross: against the first motion between object and tip, negative "
+        "where slip was "
+        "told before it",
+        {{"press", pointer(evaluation.true_press)},
+         {"slip", pointer(evaluation.true_slip)},
+         {"slip, gross", pointer(evaluation.gross_slip)}});
+
+    if (!evaluation.false_alarms.empty()) {
+      page_.heading("False alarms");
+      HtmlTable table{.caption = "False alarms over every tick of the runs, beside trivial detectors, which know nothing",
+                      .head = {"detector", "false alarms per minute", "mean delay of press [ms]", "mean delay of slip [ms]"},
+                      .rows = {}};
+      for (const ReportedFalseAlarms& row : evaluation.false_alarms)
+        table.rows.push_back({{.text = row.of}, cell_of(row.per_min, 1), plain_number(row.press_ms), plain_number(row.slip_ms)});
+      page_.table(table);
+    }
+    if (!evaluation.operating_curve.empty()) {
+      figure("operating-curve" + suffix,
+             operating_curve_plot(titled("Delay against false alarms, " + evaluation.model), evaluation.operating_curve),
+             "Mean detection delay, and the share of missed intervals, against false alarms per minute.",
+             "What waiting for more certainty costs: mean detection delay of press and slip, and the share of intervals missed, "
+             "against false "
+             "alarms per minute, where press or slip is said from a probability on.");
+    } else {
+      missing_.push_back("Delay against false alarms of " + evaluation.model + ".");
+    }
+    if (evaluation.confusion) {
+      page_.heading("Confusion");
+      figure("confusion" + suffix, confusion_plot(titled("Confusion, " + evaluation.model), *evaluation.confusion),
+             "Table of three true classes by three said classes.",
+             "What was said of balanced samples of each class: the share of the class, and samples.");
+      HtmlTable table{.caption = "Samples by their true class (rows) and what was said of them",
+                      .head = {"true", "said none", "said press", "said slip"},
+                      .rows = {}};
+      for (std::size_t i = 0; i < touch_count; ++i) {
+        table.rows.push_back({{.text = std::string(name_of(all_touches[i]))}});
+        for (const std::uint64_t count : (*evaluation.confusion)[i])
+          table.rows.back().push_back(number(fmt::format("{}", count)));
+      }
+      page_.table(table);
+    } else {
+      missing_.push_back("The confusion of " + evaluation.model + ".");
+    }
+    HtmlTable scores{
+        .caption = "Scores of each class [%], on balanced samples", .head = {"class", "precision", "recall", "F1"}, .rows = {}};
+    for (const auto& [touch, values] : evaluation.per_class)
+      scores.rows.push_back({{.text = touch}, percent_cell(values[0]), percent_cell(values[1]), percent_cell(values[2])});
+    page_.table(scores);
+
+    const bool has_bins = std::any_of(evaluation.reliability.begin(), evaluation.reliability.end(),
+                                      [](const ReliabilityBin& bin) { return bin.samples > 0; });
+    if (has_bins) {
+      page_.heading("Calibration");
+      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.reliability),
+             "Share said right against the largest probability, with the number of samples below.",
+             fmt::format("Reliability: how often the network is right, by how sure it is. Expected calibration error: {:.2f} %.",
+                         100 * evaluation.ece.value));
+    } else {
+      missing_.push_back("The reliability of " + evaluation.model + ".");
+    }
+    if (evaluation.press_over_time && evaluation.slip_over_time) {
+      page_.heading("Within intervals");
+      figure("over-time" + suffix,
+             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), *evaluation.press_over_time,
+                            *evaluation.slip_over_time),
+             "Share of ticks said right since the onset and before the end of presses and slips.",
+             "Verdicts over the whole of each interval, however long: since its onset, and before its end, where the paper sees "
+             "them get worse. "
+             "Training knows the first 500 ms alone.");
+    }
+    HtmlTable over_time{.caption =
+                            "Share of ticks said right [%]: in the first 500 ms of intervals, later, in their last 200 ms, and "
+                            "the last less the first",
+                        .head = {"class", "first", "later", "last", "last less first"},
+                        .rows = {}};
+    for (const auto& [touch, values] : evaluation.over_time)
+      over_time.rows.push_back(
+          {{.text = touch}, percent_cell(values[0]), percent_cell(values[1]), percent_cell(values[2]), percent_cell(values[3])});
+    page_.table(over_time);
+  }
+
+  void runs() {
+    if (input_.runs.empty()) return;
+    page_.section("runs", "Whole runs over time");
+    for (std::size_t i = 0; i < std::min(input_.runs.size(), most_runs_over_time); ++i) {
+      const ReportedRun& run = input_.runs[i];
+      PredictionPicture picture = read_prediction(run.csv, run.history_ms);
+      picture.title = titled(fmt::format("{} as {} sees it", run.run, run.model));
+      picture.remarks.push_back(fmt::format("History t_h {:g} ms.", run.history_ms));
+      figure("run-" + name_part(run.run), prediction_plot(picture),
+             fmt::format("What {} says over the whole of {}.", run.model, run.run),
+             fmt::format("A whole run, as in the paper's figure 8: {} by {}. Event rate, probabilities of press and slip, and "
+                         "what was said beside "
+                         "what was labelled{}.",
+                         run.run, run.model, picture.has_truth ? " and what truly happened" : ""));
+    }
+    if (input_.runs.size() > most_runs_over_time)
+      page_.paragraph(fmt::format("{} more runs over time lie in the study's folder.", input_.runs.size() - most_runs_over_time));
+  }
+
+  void unseen() {
+    if (input_.unseen.empty()) return;
+    page_.section("unseen", "Unseen objects");
+    bool first = true;
+    for (const ReportedUnseen& unseen : input_.unseen) {
+      const std::string where = unseen.runs.size() > 60 ? std::string("runs that neither model learned from") : unseen.runs;
+      figure(first ? "unseen" : "unseen-" + name_part(where),
+             unseen_plot(titled("Seen and unseen objects, " + where), unseen.objects),
+             fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
+                         unseen.objects.size(), 100 * unseen.mean.seen.value, 100 * unseen.mean.held_out.value),
+             fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 9, on {}, "
+                         "which neither model "
+                         "learned from.",
+                         unseen.seen_model, unseen.held_out_model, where));
+      HtmlTable table{
+          .caption =
+              "Accuracy [%] on held-out objects, and what not having seen them changes [points]; below each its 95 % interval",
+          .head = {"object", "seen", "held out", "difference"},
+          .rows = {}};
+      table.rows.push_back({{.text = unseen.mean.object},
+                            percent_cell(unseen.mean.seen),
+                            percent_cell(unseen.mean.held_out),
+                            percent_cell(unseen.mean_difference)});
+      for (std::size_t i = 0; i < unseen.objects.size(); ++i) {
+        table.rows.push_back({{.text = unseen.objects[i].object},
+                              percent_cell(unseen.objects[i].seen),
+                              percent_cell(unseen.objects[i].held_out),
+                              percent_cell(unseen.differences[i])});
+      }
+      page_.table(table);
+      first = false;
+    }
+    for (const ReportedTable& table : input_.splits) page_.table(table_of(table));
+  }
+
+  void trainings() {
+    if (input_.trainings.empty()) return;
+    page_.section("training", "Training");
+    figure("training", training_plot(titled("Training"), input_.trainings), "Loss and accuracy of each training, epoch by epoch.",
+           "Loss and accuracy on the training samples, epoch by epoch.");
+    HtmlTable table{
+        .caption = "The last epoch of each training", .head = {"model", "epoch", "loss", "accuracy in training [%]"}, .rows = {}};
+    for (const TrainingCurve& curve : input_.trainings) {
+      if (curve.epochs.empty()) continue;
+      const TrainingCurve::Epoch& last = curve.epochs.back();
+      table.rows.push_back(
+          {{.text = curve.name}, plain_number(last.epoch, 0), plain_number(last.loss, 4), plain_number(100 * last.accuracy)});
+    }
+    page_.table(table);
+  }
+
+  void settings() {
+    page_.section("missing", "What was not measured");
+    if (missing_.empty())
+      page_.paragraph("Everything that this report has a place for was measured.");
+    else
+      page_.list(missing_);
+    page_.section("settings", "Settings, seeds, software, machine and times");
+    for (const ReportedTable& table : input_.settings) page_.table(table_of(table));
+    page_.paragraph(
+        fmt::format("This page was written by tactile {} ({}). Its figures lie beside it as SVG and PNG, in figures/.", version(),
+                    revision()));
+  }
+
+  ReportSummary finish() {
+    ReportSummary summary{.title = title(),
+                          .simulated = input_.simulated,
+                          .page = out_ / "report.html",
+                          .figures = drawn_,
+                          .missing = missing_,
+                          .claims = input_.claims.size()};
+    for (const ReportedClaim& claim : input_.claims) {
+      summary.hold += claim.reported.verdict == "holds" ? 1U : 0U;
+      summary.do_not += claim.reported.verdict == "does not" ? 1U : 0U;
+    }
+    write_whole(summary.page, page_.text());
+    remove_old_figures();
+    return summary;
+  }
+
+  /// Those that an earlier report drew, and this one did not; what else lies there stays.
+  void remove_old_figures() const {
+    static constexpr std::array<std::string_view, 11> ours{
+        "frames",      "accuracy-by-history", "delays", "operating-curve", "confusion",
+        "reliability", "over-time",           "run-",   "unseen",          "training",
+        "figure-"};
+    std::error_code ignored;
+    std::vector<fs::path> old;
+    for (const auto& entry : fs::directory_iterator(out_ / "figures", ignored)) {
+      const fs::path& file = entry.path();
+      const std::string stem = file.stem().string();
+      const bool is_picture = file.extension() == ".svg" || file.extension() == ".png";
+      const bool is_ours = std::any_of(ours.begin(), ours.end(), [&](std::string_view name) { return stem.starts_with(name); });
+      if (is_picture && is_ours && std::find(drawn_.begin(), drawn_.end(), stem) == drawn_.end()) old.push_back(file);
+    }
+    for (const fs::path& file : old) fs::remove(file, ignored);
+  }
+
+  const ReportInput& input_;
+  fs::path out_;
+  const FigureCallback& tell_;
+  HtmlPage page_;
+  std::vector<std::string> missing_;
+  std::vector<std::string> drawn_;
+};
+
+}  // namespace
+
+ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& tell) {
+  return Report(input, out, tell).write();
+}
+
+ReportSummary write_report(const fs::path& study, const fs::path& out, const FigureCallback& tell) {
+  return write_report(read_study(study), out, tell);
+}
+
+}  // namespace tactile

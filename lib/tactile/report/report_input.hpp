@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tactile/report/result_plots.hpp"
+
+namespace tactile {
+
+/// One of the paper's claims beside what was measured.
+struct ReportedClaim {
+  struct Side {
+    Measured measured;
+    std::string verdict;  ///< "holds", "does not", "cannot tell"
+    std::string note;     ///< may be empty
+    std::vector<std::pair<std::string, Measured>> objects;
+  };
+  std::string claim, paper, asked, unit;
+  double limit = std::numeric_limits<double>::quiet_NaN();
+  Side reported;
+  std::optional<Side> all_test;  ///< chosen on the runs reported on, as in the paper
+};
+
+/// Delays of one class, of all objects together and of each.
+struct ReportedDelays {
+  DelayBar all;
+  Measured mean, median;
+  std::vector<DelayBar> objects;
+};
+
+struct ReportedFalseAlarms {
+  std::string of;  ///< "network", "always_press"
+  Measured per_min;
+  double press_ms = std::numeric_limits<double>::quiet_NaN(), slip_ms = press_ms;  ///< mean delays
+};
+
+/// Accuracy on one object, or the mean over all, in several ways.
+struct ReportedAccuracy {
+  std::string object;
+  std::vector<Measured> values;  ///< one for each of `ReportedEvaluation::accuracy_of`
+};
+
+/// An `eval.json`.
+struct ReportedEvaluation {
+  std::string id;     ///< "reported", "all_test"; names its figures
+  std::string model;  ///< name
+  std::string runs;   ///< on which runs, in words; may be empty
+  double history_ms = std::numeric_limits<double>::quiet_NaN(), tick_ms = history_ms, guard_ms = history_ms;
+  std::string confirm;
+  std::vector<std::string> accuracy_of;      ///< "network", "guard 0 ms", "baseline event_count", "by the truth"
+  std::vector<ReportedAccuracy> accuracies;  ///< the mean over objects first
+  std::optional<std::array<std::array<std::uint64_t, touch_count>, touch_count>> confusion;
+  std::vector<std::pair<std::string, std::array<Measured, 3>>> per_class;  ///< precision, recall, F1
+  ReportedDelays press, slip;
+  std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
+  std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
+  std::vector<OperatingPoint> operating_curve;
+  std::vector<ReliabilityBin> reliability;
+  Measured ece;
+  std::optional<OverTime> press_over_time, slip_over_time;
+  std::vector<std::pair<std::string, std::array<Measured, 4>>> over_time;  ///< class: first, later, last, last less first
+};
+
+/// A run over time, as a CSV of `tactile eval --run`.
+struct ReportedRun {
+  std::string run, model;
+  double history_ms = 40;
+  std::filesystem::path csv;
+};
+
+/// Objects seen beside the same held out.
+struct ReportedUnseen {
+  std::string runs;  ///< in words; may be empty
+  std::string seen_model, held_out_model;
+  std::vector<SeenAndHeldOut> objects;
+  std::vector<Measured> differences;  ///< held out less seen, of each object
+  SeenAndHeldOut mean;
+  Measured mean_difference;
+};
+
+struct ReportedTable {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// Accuracies by history on one set of runs; the mean over objects first.
+struct ReportedHistories {
+  std::string runs;
+  std::vector<HistoryCurve> curves;
+};
+
+/// All that a report tells, from wherever it was read.
+struct ReportInput {
+  std::string title;
+  bool simulated = false;
+  std::string summary;  ///< may be empty
+  std::vector<std::string> remarks;
+  std::vector<ReportedClaim> claims;
+  std::vector<ReportedHistories> histories;
+  std::vector<ReportedTable> choice;  ///< the best history of each object
+  std::vector<ReportedEvaluation> evaluations;
+  std::vector<ReportedRun> runs;
+  std::vector<ReportedUnseen> unseen;
+  std::vector<ReportedTable> splits;
+  std::vector<TrainingCurve> trainings;
+  std::vector<ReportedTable> settings;
+  std::filesystem::path data;        ///< folder of runs; empty if not known
+  double history_ms = 40;            ///< of the frames shown
+  std::vector<std::string> missing;  ///< what is not there, and how to come by it
+};
+
+/// What a folder of `tactile reproduce` holds. Files that `study.json` names and that are not there are told as missing.
+/// @throws Error  if study.json or a file that it names is there and not of its format
+ReportInput read_study(const std::filesystem::path& folder);
+
+/// What the folders of models hold of evaluations; the first is told whole, the others give their accuracies by history and their
+/// trainings.
+/// @param folders  of models, not empty
+/// @param data     folder of runs for the frames; empty: none
+/// @throws Error   if a model.json is missing, or a file is not of its format
+ReportInput read_models(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& data);
+
+}  // namespace tactile

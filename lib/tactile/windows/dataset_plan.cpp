@@ -1,0 +1,304 @@
+#include "tactile/windows/dataset_plan.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/labels/labels.hpp"
+#include "tactile/windows/dataset_layout.hpp"
+
+namespace tactile {
+namespace fs = std::filesystem;
+
+namespace {
+
+void find_ends(PlannedRun& run) {
+  OpenRun open(run.folder);
+  const std::string where = run.folder.events().string();
+  const SensorSize told{run.info.width, run.info.height};  // without area where there is no run.json
+  run.sensor = open.recording.stream(open.stream_id).size.value_or(told);
+  if (told.width > 0 && run.sensor != told) {
+    throw Error(where + ": of a sensor of " + std::to_string(run.sensor.width) + "x" + std::to_string(run.sensor.height) +
+                " px; expected the " + std::to_string(told.width) + "x" + std::to_string(told.height) + " px that run.json has");
+  }
+  std::optional<CameraTime> last;
+  for_all_events(open.recording, open.stream_id, [&](std::span<const Event> events) {
+    for (const Event& event : events) {
+      if (!last) run.first_event = event.t;
+      if (last && event.t < *last) {
+        throw Error(where + ": events go back in time at " + std::to_string(us_of(event.t)) +
+                    " us; expected them in ascending order, as 'tactile repair' puts them");
+      }
+      last = event.t;
+    }
+    run.recorded_events += events.size();
+  });
+  if (!last) throw Error(where + ": holds no event; expected a recording of the run");
+  run.last_event = *last;
+}
+
+std::string list_of(const std::vector<std::string>& names, std::string_view between_them = ", ") {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : std::string(between_them)) + name;
+  return text;
+}
+
+void draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& options) {
+  std::vector<SampledInterval> intervals;
+  std::vector<std::string> flagged;
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+    const bool used = options.include_flagged || !labels.interval_is_flagged(i);
+    intervals.push_back({labels.intervals[i].interval(), used});
+    if (used) run.intervals.push_back(labels.intervals[i].interval());
+    if (!used) flagged.push_back(std::string(name_of(labels.intervals[i].touch)) + " " + std::to_string(i));
+  }
+  const std::uint64_t seed = seed_for(options.sampling.seed, {"windows", run.folder.object, run.folder.run});
+  run.samples = balanced_samples(0, intervals, run.first_event, run.last_event, seed, options.sampling);
+  for (const Sample& sample : run.samples) ++run.outcome.samples[static_cast<std::size_t>(sample.touch)];
+
+  std::vector<std::string> remarks;
+  if (run.samples.empty()) {
+    const auto offered = ticks_on_offer(intervals, run.first_event, run.last_event, options.sampling);
+    std::vector<std::string> lacking;
+    for (const Touch touch : all_touches) {
+      if (offered[static_cast<std::size_t>(touch)] == 0) lacking.emplace_back(name_of(touch));
+    }
+    remarks.push_back("no samples, it lacks " + list_of(lacking, " and "));
+  }
+  if (!flagged.empty()) remarks.push_back("flagged and left out: " + list_of(flagged));
+  run.outcome.remark = list_of(remarks, "; ");
+}
+
+void leave_out(DatasetPlan& plan, const PlannedRun& run, std::string why) {
+  plan.left_out.push_back(run.outcome);
+  plan.left_out.back().remark = std::move(why);
+}
+
+/// What run.json says of a run; without one, what its folder tells.
+RunInfo info_of(const RunFolder& folder) {
+  if (fs::exists(folder.info())) return read_run_info(folder);
+  RunInfo info;
+  info.object = folder.object;
+  info.run = folder.run;
+  info.simulated = fs::exists(folder.truth());
+  info.complete = true;
+  return info;
+}
+
+/// Warns of runs that are not quite as they should be, and are used all the same.
+void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::string>& warnings) {
+  std::vector<std::string> without_info;
+  for (const PlannedRun& run : runs) {
+    const std::string name = run.folder.name();
+    if (!fs::exists(run.folder.info())) without_info.push_back(name);
+    if (!run.info.complete)
+      warnings.push_back(name + ": run.json says that the recording was never closed; what is there is used");
+    if (run.info.object != run.folder.object || run.info.run != run.folder.run)
+      warnings.push_back(name + ": run.json says that it is " + run.info.object + "/" + run.info.run +
+                         "; the name of its folder is used");
+  }
+  if (!without_info.empty())
+    warnings.push_back(
+        "runs without run.json (named by their folders, of the sensor that the recording declares, simulated if "
+        "truth.json is there): " +
+        list_of(without_info));
+}
+
+/// The labelled runs below `data` that may be used together; the others are named in the plan.
+std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
+  std::vector<PlannedRun> found;
+  for (RunFolder& folder : find_runs(data)) {
+    PlannedRun run{.folder = std::move(folder),
+                   .info = {},
+                   .outcome = {},
+                   .events_sha256 = {},
+                   .labels_sha256 = {},
+                   .sensor = {},
+                   .intervals = {},
+                   .samples = {}};
+    run.outcome.object = run.folder.object;
+    run.outcome.run = run.folder.run;
+    try {
+      run.info = info_of(run.folder);
+    } catch (const Error& e) {
+      plan.warnings.push_back(run.folder.name() + ": left out, its run.json cannot be used (" + e.what() + ")");
+      leave_out(plan, run, "its run.json cannot be used");
+      continue;
+    }
+    found.push_back(std::move(run));
+  }
+  if (found.empty() && plan.left_out.empty())
+    throw Error(data.string() + ": no runs; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
+  const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
+  std::vector<std::string> unlabelled, simulated;
+  std::vector<PlannedRun> chosen;
+  for (PlannedRun& run : found) {
+    if (any_real && run.info.simulated && !options.mix) {
+      leave_out(plan, run, "simulated, and there are real runs");
+      simulated.push_back(run.folder.name());
+    } else if (!fs::exists(run.folder.labels())) {
+      leave_out(plan, run, "no labels.json");
+      unlabelled.push_back(run.folder.name());
+    } else {
+      chosen.push_back(std::move(run));
+    }
+  }
+  if (!simulated.empty())
+    plan.warnings.push_back("simulated runs are left out since there are real ones (--mix takes both): " + list_of(simulated));
+  if (found.empty())
+    throw Error(data.string() + ": no run can be used (" + list_of(plan.warnings, "; ") + "); expected sound ones");
+  if (chosen.empty()) {
+    throw Error(data.string() + ": none of its " + std::to_string(unlabelled.size()) +
+                (any_real && !simulated.empty() ? " real" : "") +
+                " runs has labels; expected labels.json in each, run 'tactile label " + data.string() + "'");
+  }
+  if (!unlabelled.empty())
+    plan.warnings.push_back("runs without labels are left out ('tactile label' makes them): " + list_of(unlabelled));
+  warn_of_oddities(chosen, plan.warnings);
+  return chosen;
+}
+
+/// Of all sizes the one that most runs have; the first such of equals.
+SensorSize common_sensor(const std::vector<PlannedRun>& runs) {
+  const auto runs_of = [&](SensorSize size) {
+    return std::count_if(runs.begin(), runs.end(), [&](const PlannedRun& run) { return run.sensor == size; });
+  };
+  const SensorSize common = std::max_element(runs.begin(), runs.end(), [&](const PlannedRun& a, const PlannedRun& b) {
+                              return runs_of(a.sensor) < runs_of(b.sensor);
+                            })->sensor;
+  for (const PlannedRun& run : runs) {
+    if (run.sensor != common) {
+      throw Error(run.folder.name() + ": of a sensor of " + std::to_string(run.sensor.width) + "x" +
+                  std::to_string(run.sensor.height) + " px; expected the " + std::to_string(common.width) + "x" +
+                  std::to_string(common.height) + " px of the other runs");
+    }
+  }
+  return common;
+}
+
+/// A run's folder as the dataset keeps it: relative to the dataset's own where it lies below it.
+std::string folder_name(const RunFolder& run, const fs::path& dataset) {
+  const fs::path folder = fs::weakly_canonical(run.folder), base = fs::weakly_canonical(fs::absolute(dataset).parent_path());
+  const fs::path relative = folder.lexically_relative(base);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return (below ? relative : folder).string();
+}
+
+/// Whether the labels are of these events; true where they do not tell, as those that a person wrote.
+bool made_from(const Labels& labels, const std::string& events_sha256) {
+  const nlohmann::json inputs =
+      labels.provenance.is_object() ? labels.provenance.value("inputs", nlohmann::json::object()) : nlohmann::json::object();
+  return !inputs.is_object() || !inputs.contains("events.aedat4") || inputs.at("events.aedat4") == events_sha256;
+}
+
+}  // namespace
+
+DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
+                         const ProgressCallback& progress) {
+  check(options.sampling);
+  DatasetPlan plan;
+  std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
+  std::vector<std::string> flags(chosen.size());
+  std::mutex guard;
+  std::uint64_t done = 0;
+  parallel_for(chosen.size(), threads, [&](std::size_t i) {
+    PlannedRun& run = chosen[i];
+    const Labels labels = read_labels(run.folder.labels());
+    if (labels.run_is_flagged() && !options.include_flagged) {
+      std::vector<std::string> reasons;
+      for (const LabelFlag& flag : labels.flags) {
+        if (!flag.interval_index && !flag.confirmed) reasons.push_back(flag.reason);
+      }
+      flags[i] = "flagged: " + list_of(reasons, "; ");
+    } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
+      flags[i] = "its events have changed since it was labelled, run 'tactile label' again";
+    } else {
+      run.labels_sha256 = sha256_of_file(run.folder.labels());
+      find_ends(run);
+      if (run.sensor.width > 0) draw_samples(run, labels, options);
+      if (run.sensor.width <= 0) flags[i] = "neither its recording nor a run.json tells the sensor's size";
+    }
+    const std::scoped_lock lock(guard);
+    tell(progress, ++done, 2 * chosen.size(), run.folder.name());
+  });
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (flags[i].empty()) {
+      plan.runs.push_back(std::move(chosen[i]));
+      continue;
+    }
+    plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + flags[i] +
+                            (flags[i].starts_with("flagged") ? " (--include-flagged takes it)" : ""));
+    leave_out(plan, chosen[i], flags[i]);
+  }
+  if (plan.runs.empty())
+    throw Error(data.string() + ": no run is left (" + list_of(plan.warnings, "; ") +
+                "); expected a labelled one at least that is not flagged and has not changed since");
+  plan.sensor = common_sensor(plan.runs);
+
+  std::map<std::string, std::string> run_with;
+  std::vector<std::string> lacking;
+  bool any_samples = false;
+  for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
+    PlannedRun& run = plan.runs[index];
+    for (Sample& sample : run.samples) sample.run_index = index;
+    run.outcome.in_dataset = true;
+    plan.simulated = plan.simulated || run.info.simulated;
+    any_samples = any_samples || !run.samples.empty();
+    if (!run.outcome.remark.empty()) lacking.push_back(run.folder.name() + ": " + run.outcome.remark);
+    const auto [other, is_new] = run_with.emplace(run.events_sha256, run.folder.name());
+    if (!is_new)
+      plan.warnings.push_back(run.folder.name() + ": holds the same recording as " + other->second +
+                              ", so a split may test on what it trained on");
+    plan.rows.push_back({.object = run.folder.object,
+                         .run = run.folder.run,
+                         .folder = folder_name(run.folder, file),
+                         .events_sha256 = run.events_sha256,
+                         .labels_sha256 = run.labels_sha256});
+  }
+  if (!any_samples) {
+    throw Error(data.string() + ": no run has ticks of none, press and slip (" + list_of(lacking, "; ") +
+                "); expected at least one with all three");
+  }
+  plan.warnings.insert(plan.warnings.end(), lacking.begin(), lacking.end());
+  plan.settings = {{"sampling", options.sampling}, {"mix", options.mix}, {"include_flagged", options.include_flagged}};
+  plan.manifest = dataset_layout::manifest_of(plan.settings, plan.sensor, plan.simulated, plan.rows);
+  return plan;
+}
+
+std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history) {
+  std::vector<TimeSpan> histories;
+  for (const Sample& sample : samples) {
+    const CameraTime begin = before(sample.t, history);
+    if (!histories.empty() && begin <= histories.back().end) {
+      histories.back().end = sample.t;
+    } else {
+      histories.push_back({begin, sample.t});
+    }
+  }
+  return histories;
+}
+
+void for_stored_events(const PlannedRun& run, microseconds history, const std::function<void(std::span<const Event>)>& use) {
+  const std::vector<TimeSpan> histories = histories_of(run.samples, history);
+  if (histories.empty()) return;
+  OpenRun open(run.folder);
+  std::size_t current = 0;
+  std::vector<Event> kept;
+  for_events_between(open.recording, open.stream_id, histories.front().begin, histories.back().end,
+                     [&](std::span<const Event> events) {
+                       kept.clear();
+                       for (const Event& event : events) {
+                         while (current < histories.size() && histories[current].end <= event.t) ++current;
+                         if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
+                       }
+                       use(kept);
+                     });
+}
+
+}  // namespace tactile

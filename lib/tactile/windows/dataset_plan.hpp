@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/write_dataset.hpp"
+
+// What a dataset is to hold, derived from run folders: shared by writing one and verifying one.
+namespace tactile {
+
+/// Camera time from `begin` on, and before `end`.
+struct TimeSpan {
+  CameraTime begin{}, end{};
+};
+
+/// A run as a dataset takes it.
+struct PlannedRun {
+  RunFolder folder;
+  RunInfo info;
+  WindowedRun outcome;
+  std::string events_sha256, labels_sha256;
+  SensorSize sensor;
+  CameraTime first_event{}, last_event{};
+  std::uint64_t recorded_events = 0;     ///< of which the dataset stores some
+  std::vector<TouchInterval> intervals;  ///< those whose labels are used
+  std::vector<Sample> samples;           ///< `run_index` counts planned runs
+};
+
+struct DatasetPlan {
+  std::vector<PlannedRun> runs;  ///< those in the dataset
+  std::vector<WindowedRun> left_out;
+  std::vector<std::string> warnings;
+  SensorSize sensor;
+  bool simulated = false;
+
+  nlohmann::json settings;
+  std::vector<DatasetRun> rows;  ///< of `runs`, their events not counted yet
+  nlohmann::json manifest;
+};
+
+/// Opens a run's recording at its event stream.
+struct OpenRun {
+  explicit OpenRun(const RunFolder& run) : recording(run.events()), stream_id(event_stream(recording).id) {}
+  RecordingReader recording;
+  std::int32_t stream_id;
+};
+
+/// Reads every run below `data` once. @throws Error as `write_dataset`
+DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesystem::path& file, const WindowsOptions& options,
+                         unsigned threads, const ProgressCallback& progress);
+
+/// The union of [t - history, t) over a run's samples, as spans that do not touch, ascending.
+std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
+
+/// Hands over the events of a run that a dataset stores, ascending.
+void for_stored_events(const PlannedRun& run, microseconds history, const std::function<void(std::span<const Event>)>& use);
+
+}  // namespace tactile

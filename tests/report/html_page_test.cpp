@@ -1,0 +1,81 @@
+#include "tactile/report/html_page.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/error_of.hpp"
+#include "tactile/report/json_view.hpp"
+
+namespace tactile {
+namespace {
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+TEST(HtmlText, StandsForItself) {
+  EXPECT_EQ(html_text("fan µs"), "fan µs");
+  EXPECT_EQ(html_text("<b title=\"x\" y='z'>&amp;"), "&lt;b title=&quot;x&quot; y=&#39;z&#39;&gt;&amp;amp;");
+  EXPECT_EQ(html_text(std::string("a\0\n\x7f", 4)), "a   ");
+  EXPECT_EQ(html_text("a\xFF\xC3z\xED\xA0\x80"), "a\uFFFD\uFFFDz\uFFFD\uFFFD\uFFFD");
+}
+
+TEST(Base64, IsThatOfTheRfc) {
+  EXPECT_EQ(base64_of(""), "");
+  EXPECT_EQ(base64_of("f"), "Zg==");
+  EXPECT_EQ(base64_of("fo"), "Zm8=");
+  EXPECT_EQ(base64_of("foo"), "Zm9v");
+  EXPECT_EQ(base64_of("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64_of(std::string("\xFF\xFE\0", 3)), "//4A");
+}
+
+TEST(HtmlPage, NeedsNothingBesideItAndEscapesWhateverItIsGiven) {
+  const std::string hostile = "<script>alert(\"1\")</script>'";
+  HtmlPage page(hostile);
+  page.warning(hostile);
+  page.section("part", hostile);
+  page.heading(hostile);
+  page.paragraph(hostile);
+  page.list({hostile});
+  page.table({.caption = hostile,
+              .head = {hostile, "b"},
+              .rows = {{{.text = hostile, .second_line = hostile}, {.text = hostile, .tone = HtmlTone::bad}}}});
+  page.table({.caption = "empty", .head = {"a"}, .rows = {}});
+  page.figure({.id = "figure-x", .svg = "<svg/>", .width_px = 1000, .height_px = 500, .in_words = hostile, .caption = hostile});
+  const std::string html = page.text();
+  EXPECT_EQ(count_of(html, "<script"), 0U);
+  EXPECT_EQ(count_of(html, "&lt;script&gt;"), 14U) << html;
+  EXPECT_EQ(count_of(html, "http://") + count_of(html, "https://") + count_of(html, "url("), 0U);
+  EXPECT_EQ(count_of(html, "<table>"), 1U);
+  EXPECT_EQ(count_of(html, "data:image/svg+xml;base64,PHN2Zy8+"), 1U);
+  for (const char* part :
+       {"name=\"viewport\"", "prefers-color-scheme: dark", "default-src 'none'", "href=\"#part\"", "id=\"part\"", "lang=\"en\""})
+    EXPECT_EQ(count_of(html, part), 1U) << part;
+}
+
+TEST(JsonView, GivesWhatIsThereAndNamesWhatIsOfAnotherType) {
+  const nlohmann::json json = nlohmann::json::parse(
+      R"({"a": {"value": 0.5, "low": null, "high": 0.6, "n": 3}, "b": [1, "x"], "c": null, "d": "text", "e": -1, "f": true})");
+  const JsonView view(json, "eval.json");
+  const Measured measured = view["a"].measured();
+  EXPECT_EQ(measured.value, 0.5);
+  EXPECT_TRUE(std::isnan(measured.low));
+  EXPECT_EQ(measured.high, 0.6);
+  EXPECT_EQ(measured.n, 3U);
+  EXPECT_FALSE(view["c"]);
+  EXPECT_FALSE(view["nothing"]["deeper"]);
+  EXPECT_TRUE(std::isnan(view["nothing"]["deeper"].number()));
+  EXPECT_TRUE(view["nothing"].items().empty());
+  EXPECT_EQ(view["b"].words(), "1, x");
+  EXPECT_EQ(view["f"].words(), "yes");
+  EXPECT_EQ(test::error_of([&] { view["d"].number(); }), "eval.json: 'd' is string; expected a number");
+  EXPECT_EQ(test::error_of([&] { view["a"]["value"].text(); }), "eval.json: 'a': 'value' is number; expected text");
+  for (const auto& action :
+       std::vector<std::function<void()>>{[&] { view["e"].count(); }, [&] { view["d"].items(); }, [&] { view["b"].members(); },
+                                          [&] { view["d"]["x"]; }, [&] { view["b"].texts(); }, [&] { view["d"].truth(); }})
+    EXPECT_NE(test::error_of(action).find("eval.json: '"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tactile

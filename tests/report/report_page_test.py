@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Looks at the report's page in a real browser, wide and narrow, light and dark.
+
+    report_page_test.py TACTILE [--keep FOLDER]
+
+Chromium is driven over a pipe, so nothing but Python is needed. Ends with 77 where there is no Chromium. --keep keeps study, report and
+screenshots.
+"""
+
+import base64
+import json
+import os
+import re
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from made_study import write_study  # noqa: E402
+
+PATIENCE_S = 300  # machines may be busy; nothing here waits that long but on an error
+
+LOOK = """(() => {
+  const root = document.documentElement;
+  const wide = [];
+  for (const e of document.body.querySelectorAll('*')) {
+    const box = e.getBoundingClientRect();
+    if (box.right > root.clientWidth + 1 && !e.closest('.scroll')) wide.push(e.tagName + ' ' + e.textContent.trim().slice(0, 40));
+  }
+  return JSON.stringify({
+    title: document.title,
+    viewport: root.clientWidth, scroll: root.scrollWidth, wide: wide,
+    figures: [...document.querySelectorAll('figure')].map(f => { const i = f.querySelector('img'); return {
+      id: f.id, width: i ? i.naturalWidth : 0, height: i ? i.naturalHeight : 0, shown: i ? i.getBoundingClientRect().width : 0,
+      alt: i ? i.alt : '', caption: f.querySelector('figcaption') ? f.querySelector('figcaption').textContent : '',
+      scrolls: i ? getComputedStyle(i.parentElement).overflowX : ''}; }),
+    tables: [...document.querySelectorAll('table')].map(t => ({caption: t.caption ? t.caption.textContent : '',
+      rows: t.tBodies.length ? t.tBodies[0].rows.length : 0, ragged: [...t.rows].some(r => r.cells.length !== t.rows[0].cells.length)})),
+    anchors: [...document.querySelectorAll('a[href^="#"]')].filter(a => !document.getElementById(a.hash.slice(1))).map(a => a.hash),
+    links: document.querySelectorAll('nav a').length,
+    scripts: document.scripts.length,
+    marked: document.querySelectorAll('b, script, [onerror]').length,
+    background: getComputedStyle(document.body).backgroundColor, ink: getComputedStyle(document.body).color,
+    words: document.body.innerText.length})
+})()"""
+
+
+class Browser:
+    def __init__(self, binary, home):
+        to_browser, self._write = os.pipe()
+        self._read, from_browser = os.pipe()
+
+        def as_three_and_four():
+            # The ends may be 3 or 4 themselves: out of the way first.
+            a, b = os.dup(to_browser), os.dup(from_browser)
+            a, b = (os.dup(a) if a in (3, 4) else a), (os.dup(b) if b in (3, 4) else b)
+            os.dup2(a, 3)
+            os.dup2(b, 4)
+
+        arguments = [binary, "--headless=new", "--remote-debugging-pipe", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+                     "--no-default-browser-check", "--disable-background-networking", "--disable-component-update", "--disable-extensions",
+                     "--hide-scrollbars", "--user-data-dir=" + os.path.join(home, "profile"), "about:blank"]
+        if os.geteuid() == 0:
+            arguments.insert(1, "--no-sandbox")
+        self._said = open(os.path.join(home, "chromium.log"), "wb")
+        self._process = subprocess.Popen(arguments, preexec_fn=as_three_and_four, close_fds=False, stdin=subprocess.DEVNULL,
+                                         stdout=self._said, stderr=self._said, env=dict(os.environ, HOME=home))
+        os.close(to_browser)
+        os.close(from_browser)
+        self._buffer = b""
+        self._number = 0
+        self.events = []
+
+    def _message(self):
+        end = time.monotonic() + PATIENCE_S
+        while b"\0" not in self._buffer:
+            ready, _, _ = select.select([self._read], [], [], max(0, end - time.monotonic()))
+            part = os.read(self._read, 1 << 20) if ready else b""
+            if not part:
+                raise RuntimeError("chromium ended or says nothing; its words are in chromium.log")
+            self._buffer += part
+        message, self._buffer = self._buffer.split(b"\0", 1)
+        return json.loads(message)
+
+    def ask(self, method, session=None, **parameters):
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        if session:
+            message["sessionId"] = session
+        data = json.dumps(message).encode() + b"\0"
+        while data:
+            data = data[os.write(self._write, data):]
+        while True:
+            answer = self._message()
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']}")
+                return answer["result"]
+            self.events.append(answer)
+
+    def wait_for(self, method, session):
+        while True:
+            for event in self.events:
+                if event.get("method") == method and event.get("sessionId") == session:
+                    return
+            self.events.append(self._message())
+
+    def close(self):
+        try:
+            self.ask("Browser.close")
+            self._process.wait(60)
+        except Exception:
+            self._process.kill()
+            self._process.wait()
+        self._said.close()
+
+    def look_at(self, page, width, dark, picture):
+        """What is on the page, the requests that it made, and what the console said."""
+        self.events = []
+        target = self.ask("Target.createTarget", url="about:blank")["targetId"]
+        session = self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.ask(domain + ".enable", session)
+        self.ask("Emulation.setDeviceMetricsOverride", session, width=width, height=900, deviceScaleFactor=2 if width < 600 else 1, mobile=width < 600)
+        self.ask("Emulation.setEmulatedMedia", session, features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        self.ask("Page.navigate", session, url="file://" + os.path.abspath(page))
+        self.wait_for("Page.loadEventFired", session)
+        self.ask("Runtime.evaluate", session, expression="Promise.all([...document.images].map(i => i.decode().catch(() => 0)))", awaitPromise=True)
+        seen = json.loads(self.ask("Runtime.evaluate", session, expression=LOOK, returnByValue=True)["result"]["value"])
+        shot = self.ask("Page.captureScreenshot", session, format="png", captureBeyondViewport=True,
+                        clip={"x": 0, "y": 0, "width": width, "height": 12000 if width < 600 else 9000, "scale": 0.5 if width < 600 else 1})
+        with open(picture, "wb") as file:
+            file.write(base64.b64decode(shot["data"]))
+        requests = [e["params"]["request"]["url"] for e in self.events if e.get("method") == "Network.requestWillBeSent"]
+        said = [json.dumps(e["params"])[:300] for e in self.events
+                if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")]
+        self.ask("Target.closeTarget", targetId=target)
+        return seen, requests, said
+
+
+def problems_with(seen, requests, said, page, figures):
+    """Whatever a reader would stumble over, in words."""
+    problems = []
+    ids = [figure["id"] for figure in seen["figures"]]
+    for name in figures:
+        if "figure-" + name not in ids:
+            problems.append(f"figure {name} is not on the page")
+    for figure in seen["figures"]:
+        if figure["width"] <= 0 or figure["height"] <= 0 or figure["shown"] <= 0:
+            problems.append(f"{figure['id']} has no natural size")
+        if len(figure["caption"]) < 20 or len(figure["alt"]) < 20:
+            problems.append(f"{figure['id']} is not told in words")
+        if figure["scrolls"] != "auto":
+            problems.append(f"{figure['id']} does not scroll in itself")
+    for table in seen["tables"]:
+        if table["rows"] == 0 or table["ragged"]:
+            problems.append(f"table '{table['caption']}' is empty or ragged")
+    if not seen["tables"]:
+        problems.append("there is no table")
+    if seen["scroll"] > seen["viewport"] or seen["wide"]:
+        problems.append(f"{seen['scroll']} px are wider than the page's {seen['viewport']}: {seen['wide'][:3]}")
+    if seen["scripts"] or seen["marked"]:
+        problems.append(f"{seen['scripts']} scripts, {seen['marked']} elements that a name has made")
+    if seen["anchors"] or seen["links"] < 3:
+        problems.append(f"the contents lead nowhere: {seen['anchors']}")
+    own = "file://" + os.path.abspath(page)
+    for url in requests:
+        if url.split("#")[0] != own and not url.startswith("data:"):
+            problems.append(f"request to {url}")
+    problems += [f"console: {words}" for words in said]
+    return problems
+
+
+def brightness(colour):
+    return sum(int(part) for part in re.findall(r"\d+", colour)[:3]) / 3
+
+
+def check(condition, words):
+    if not condition:
+        raise AssertionError(words)
+
+
+def main():
+    tactile = sys.argv[1]
+    keep = sys.argv[sys.argv.index("--keep") + 1] if "--keep" in sys.argv else None
+    binary = next((path for name in ("chromium", "chromium-headless-shell", "google-chrome") if (path := shutil.which(name))), None)
+    if not binary:
+        print("SKIPPED LOUDLY: there is no Chromium; 'apt install chromium' puts it in place (scripts/setup does so)")
+        return 77
+    home = keep or tempfile.mkdtemp(prefix="tactile-page-")
+    os.makedirs(home, exist_ok=True)
+    browser = None
+    try:
+        pages = {}
+        for name, mark in (("plain", ""), ("hostile", " <b onerror=alert(1)>\"quoted\" & 'single'</b><script>document.title='x'</script>")):
+            study = write_study(os.path.join(home, name), mark)
+            result = subprocess.run([tactile, "report", study, "--json", "--quiet"], capture_output=True, text=True)
+            check(result.returncode == 0, f"tactile report ended with {result.returncode}: {result.stderr}")
+            pages[name] = json.loads(result.stdout)
+        browser = Browser(binary, home)
+        for name, report in pages.items():
+            check(len(report["figures"]) >= 12, f"only {report['figures']}")
+            for width, dark in ((1280, False), (390, False), (390, True)):
+                look = f"{name}, {width} px, {'dark' if dark else 'light'}"
+                picture = os.path.join(home, f"{name}-{width}{'-dark' if dark else ''}.png")
+                seen, requests, said = browser.look_at(report["page"], width, dark, picture)
+                problems = problems_with(seen, requests, said, report["page"], report["figures"])
+                check(not problems, f"{look}: " + "; ".join(problems))
+                check(seen["viewport"] == width, f"{look}: the page is {seen['viewport']} px wide; it does not follow the screen")
+                check(seen["title"] == report["title"], f"{look}: title {seen['title']}")
+                check((brightness(seen["background"]) < brightness(seen["ink"])) == dark, f"{look}: {seen['ink']} on {seen['background']}")
+                print(f"ok  {look}: {len(seen['figures'])} figures, {len(seen['tables'])} tables")
+
+        # The same eyes must see what is wrong with a page that is.
+        page = pages["plain"]["page"]
+        html = open(page, encoding="utf-8").read()
+        broken = os.path.join(home, "broken.html")
+        with open(broken, "w", encoding="utf-8") as file:
+            html = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", html)
+            html = html.replace("data:image/svg+xml;base64,", "data:image/svg+xml;base64,AAAA", 1)
+            file.write(html.replace("</main>", "<div style='width:3000px'>wide</div><table><tbody></tbody></table>"
+                                    "<img src='http://127.0.0.1:9/nothing.png'><script>console.error('x')</script></main>"))
+        seen, requests, said = browser.look_at(broken, 390, False, os.path.join(home, "broken.png"))
+        found = "; ".join(problems_with(seen, requests, said, broken, pages["plain"]["figures"] + ["not-there"]))
+        for words in ("has no natural size", "is empty or ragged", "wider than the page", "1 scripts", "request to http://127.0.0.1:9", "console:",
+                      "figure not-there is not on the page"):
+            check(words in found, f"a broken page: '{words}' was not found, only: {found}")
+        print("ok  a broken page is found to be one")
+        return 0
+    finally:
+        if browser:
+            browser.close()
+        if not keep:
+            shutil.rmtree(home, ignore_errors=True)
+
+
+sys.exit(main())

@@ -1,0 +1,301 @@
+#include "tactile/report/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/error_of.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/report/frames_picture.hpp"
+#include "tactile/report/prediction_file.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::error_of;
+using test::run_tactile;
+using test::TemporaryFolder;
+
+json figure(double value) { return {{"value", value}, {"low", value - 0.01}, {"high", value + 0.01}, {"n", 9}}; }
+
+json delays(double mean) {
+  const json one = {
+      {"mean", figure(mean)}, {"median", figure(mean)}, {"sem", 0.5}, {"intervals", 9}, {"misses", 1}, {"early", 0}};
+  json all = one;
+  all["objects"] = {{"fan", one}, {"usb-hub", one}};
+  return all;
+}
+
+json accuracy(double value) {
+  return {{"mean", figure(value)}, {"objects", {{"fan", figure(value + 0.02)}, {"usb-hub", figure(value - 0.02)}}}};
+}
+
+json evaluation() {
+  return {
+      {"simulated", true},
+      {"tick_ms", 2.0},
+      {"guard_ms", 100.0},
+      {"model", {{"name", "m"}, {"settings", {{"rendering", {{"history_us", 40000}}}}}}},
+      {"test_runs", {"fan/02", "usb-hub/02"}},
+      {"accuracy", accuracy(0.9)},
+      {"accuracy_by_guard",
+       {{{"guard_ms", 100.0}, {"mean", figure(0.9)}},
+        {{"guard_ms", 0.0}, {"mean", figure(0.85)}, {"objects", {{"fan", figure(0.8)}}}}}},
+      {"baselines", {{"majority", {{"accuracy", figure(0.333)}, {"objects", {{"fan", figure(0.333)}}}}}}},
+      {"confusion", {{90, 5, 5}, {1, 98, 1}, {0, 10, 90}}},
+      {"delay_ms", {{"press", delays(3.25)}, {"slip", delays(4.5)}}},
+      {"false_alarms_per_min", figure(1.5)},
+      {"trivial",
+       {{"random", {{"false_alarms_per_min", figure(7777)}, {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
+      {"operating_curve",
+       {{{"threshold", 0.5}, {"false_alarms_per_min", figure(2)}, {"delay_ms", {{"press", delays(2)}, {"slip", delays(3)}}}}}},
+      {"calibration",
+       {{"ece", figure(0.03)},
+        {"bins", {{{"from", 0.9}, {"to", 1.0}, {"samples", 50}, {"confidence", 0.97}, {"accuracy", figure(0.95)}}}}}}};
+}
+
+const std::string prediction =
+    "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n"
+    "1000,0.9,0.05,0.05,none,none,none,80,\n"
+    "3000,0.1,0.8,0.1,press,press,unlabelled,400,press\n"
+    "5000,0.1,0.8,0.1,press,press,press,400,\n"
+    "7000,0.9,0.05,0.05,none,none,none,80,none\n";
+
+json claim(const std::string& words, const std::string& verdict) {
+  return {{"id", "x"},
+          {"claim", words},
+          {"paper", "95 %"},
+          {"unit", "%"},
+          {"asked", "above"},
+          {"limit", 95},
+          {"measured", figure(96.5)},
+          {"verdict", verdict},
+          {"objects", {{"fan", figure(97.25)}}},
+          {"note", "a note"},
+          {"all_test", {{"measured", figure(91.5)}, {"verdict", "does not"}, {"note", ""}, {"objects", json::object()}}}};
+}
+
+/// A study with all parts, in `folder`; `mark` goes into its names.
+json write_study(const fs::path& folder, const std::string& mark = "") {
+  write_json(folder / "evaluations/reported.json", evaluation());
+  write_whole(folder / "runs/fan-02.csv", prediction);
+  write_whole(folder / "m/history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n2,0.125,0.95\n");
+  const json unseen = {
+      {"mean", {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}},
+      {"objects", {{"fan" + mark, {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}}}}};
+  json study = {
+      {"format", "tactile-study-1"},
+      {"title", "A study" + mark},
+      {"simulated", true},
+      {"settings", {{"data", "data"}, {"seed", 7}}},
+      {"machine", {{"cpu", "a processor" + mark}}},
+      {"claims", {claim("First claim" + mark, "holds"), claim("Second claim", "cannot tell")}},
+      {"histories", json::array()},
+      {"choice", {{"th_ms", 40}, {"model", "m" + mark}, {"why", "It is best."}}},
+      {"evaluations",
+       {{{"id", "reported"}, {"th_ms", 40}, {"model", "m" + mark}, {"runs", "reported"}, {"json", "evaluations/reported.json"}}}},
+      {"full_runs", {{{"run", "fan/02" + mark}, {"model", "m"}, {"th_ms", 40}, {"csv", "runs/fan-02.csv"}}}},
+      {"unseen", {{"models", {{"seen", "m"}, {"held_out", "u"}}}, {"reported", unseen}, {"all_test", nullptr}}},
+      {"steps", {{{"name", "train" + mark}, {"seconds", 61.5}, {"finished_at", "2026-01-02T03:04:05Z"}, {"command", nullptr}}}}};
+  for (const int history : {2, 40}) {
+    study["histories"].push_back({{"th_ms", history},
+                                  {"models",
+                                   {{{"seed", 1},
+                                     {"name", "m" + std::to_string(history) + mark},
+                                     {"history", "m/history.csv"},
+                                     {"accuracy", figure(0.9)}}}},
+                                  {"accuracy", {{"reported", accuracy(history == 2 ? 0.8 : 0.9)}, {"choice", nullptr}}}});
+  }
+  write_json(folder / "study.json", study);
+  return study;
+}
+
+bool tells(const std::string& page, const std::string& words) { return page.find(words) != std::string::npos; }
+
+bool any_tells(const std::vector<std::string>& texts, const std::string& words) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return tells(text, words); });
+}
+
+TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
+  const TemporaryFolder folder;
+  write_study(folder / "study");
+  test::make_run(folder / "study/data", {});
+  std::vector<std::string> told;
+  const ReportSummary summary =
+      write_report(folder / "study", folder / "out", [&](std::string_view name) { told.emplace_back(name); });
+  const std::vector<std::string> figures{"frames",      "accuracy-by-history", "delays", "operating-curve", "confusion",
+                                         "reliability", "run-fan-02",          "unseen", "training"};
+  EXPECT_EQ(summary.figures, figures);
+  EXPECT_EQ(told, figures);
+  EXPECT_EQ(summary.claims, 2U);
+  EXPECT_EQ(summary.hold, 1U);
+  EXPECT_EQ(summary.do_not, 0U);
+  EXPECT_TRUE(summary.simulated);
+  const std::string page = read_text(summary.page);
+  for (const std::string& name : figures) {
+    EXPECT_TRUE(tells(page, "id=\"figure-" + name + "\"")) << name;
+    EXPECT_GT(fs::file_size(folder / "out/figures" / (name + ".svg")), 1000U);
+    EXPECT_GT(fs::file_size(folder / "out/figures" / (name + ".png")), 1000U);
+  }
+  for (const char* words : {"The data is simulated",
+                            "First claim",
+                            "asked: above 95 %",
+                            "96.5 % (96.49 to 96.51)",
+                            "✓ holds",
+                            "? cannot tell",
+                            "✗ does not",
+                            "a note",
+                            "97.25",
+                            "guard 0 ms",
+                            "85.00",
+                            "84.00 to 86.00",
+                            "baseline majority",
+                            "3.25",
+                            "7777.00",
+                            "calibration error: 3.00 %",
+                            "-10.00",
+                            "a processor",
+                            "61.5 s",
+                            "0.1250",
+                            "It is best."})
+    EXPECT_TRUE(tells(page, words)) << words;
+}
+
+TEST(Report, EscapesWhateverComesFromFiles) {
+  const TemporaryFolder folder;
+  write_study(folder / "study", " <b onerror=\"x\">'&</b><script>");
+  const std::string page = read_text(write_report(folder / "study", folder / "out").page);
+  EXPECT_FALSE(tells(page, "<script"));
+  EXPECT_FALSE(tells(page, "<b "));
+  EXPECT_TRUE(tells(page, "A study &lt;b onerror=&quot;x&quot;&gt;&#39;&amp;&lt;/b&gt;&lt;script&gt;"));
+}
+
+TEST(Report, NamesTheMissingPartsAndLeavesOldFiguresOfTheirsOut) {
+  const TemporaryFolder folder;
+  json study = write_study(folder / "study");
+  write_report(folder / "study", folder / "out");
+  write_whole(folder / "out/figures/mine.png", "a person's own");
+  fs::remove(folder / "study/evaluations/reported.json");
+  fs::remove(folder / "study/runs/fan-02.csv");
+  study.erase("claims");
+  study["unseen"] = nullptr;
+  write_json(folder / "study/study.json", study);
+  const ReportSummary summary = write_report(folder / "study", folder / "out");
+  EXPECT_EQ(summary.figures, (std::vector<std::string>{"accuracy-by-history", "training"}));
+  for (const char* words : {"claims were not judged", "The evaluation reported: ", "The full run fan/02: ", "figure 9", "Frames"})
+    EXPECT_TRUE(any_tells(summary.missing, words)) << words;
+  const std::string page = read_text(summary.page);
+  EXPECT_TRUE(tells(page, "claims were not judged"));
+  EXPECT_FALSE(fs::exists(folder / "out/figures/delays.svg"));
+  EXPECT_FALSE(fs::exists(folder / "out/figures/run-fan-02.png"));
+  EXPECT_TRUE(fs::exists(folder / "out/figures/mine.png"));
+
+  write_json(folder / "empty/study.json", {{"format", "tactile-study-1"}});
+  EXPECT_TRUE(write_report(folder / "empty", folder / "empty-out").figures.empty());
+}
+
+TEST(Report, RefusesInWordsWhatIsNoStudyAndLeavesTheReportThatIsThere) {
+  const TemporaryFolder folder;
+  json study = write_study(folder / "study");
+  const fs::path page = write_report(folder / "study", folder / "out").page;
+  const std::string before = read_text(page);
+  study["histories"][0]["accuracy"]["reported"]["mean"]["value"] = "much";
+  write_json(folder / "study/study.json", study);
+  const std::string error = error_of([&] { write_report(folder / "study", folder / "out"); });
+  EXPECT_TRUE(tells(error, "'value' is string; expected a number") && tells(error, "study.json")) << error;
+  EXPECT_EQ(read_text(page), before);
+  write_json(folder / "study/study.json", {{"format", "another"}});
+  EXPECT_TRUE(tells(error_of([&] { read_study(folder / "study"); }), "is of format 'another'; expected 'tactile-study-1'"));
+  EXPECT_TRUE(tells(error_of([&] { read_study(folder / "nowhere"); }), "study.json"));
+}
+
+TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
+  const TemporaryFolder folder;
+  write_whole(folder / "run.csv", prediction);
+  const PredictionPicture picture = read_prediction(folder / "run.csv", 40);
+  ASSERT_EQ(picture.ticks.size(), 4U);
+  EXPECT_EQ(picture.ticks[1].verdict, Touch::press);
+  EXPECT_EQ(picture.ticks[1].events_per_ms, 10);
+  EXPECT_EQ(picture.ticks[1].press, 0.8);
+  EXPECT_TRUE(picture.has_labels && picture.has_truth);
+  ASSERT_EQ(picture.labels.size(), 1U);
+  EXPECT_EQ(picture.labels[0].interval.start, camera_time(1000));  // a tick is in if it lies behind the start
+  EXPECT_EQ(picture.labels[0].interval.end, camera_time(5000));
+  ASSERT_EQ(picture.truth.size(), 1U);
+  EXPECT_EQ(picture.truth[0].start, camera_time(3000));
+  ASSERT_EQ(picture.unlabelled.size(), 1U);
+
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {"", "holds no tick"},
+           {"a,b\n", "line 1: has no column 't_us'"},
+           {prediction + "9000,x,y,z,none,none,none,80,\n", "line 6: holds what is no number"},
+           {prediction + "9000,0.9,0.1,0,twist,none,none,80,\n", "line 6: holds another class"},
+           {prediction + "7000,0.9,0.1,0,none,none,none,80,\n", "line 6: lies not behind"},
+           {prediction + "9000,0.9\n", "line 6: has too few columns"}}) {
+    write_whole(folder / "run.csv", text);
+    EXPECT_TRUE(tells(error_of([&] { read_prediction(folder / "run.csv", 40); }), words)) << words;
+  }
+}
+
+TEST(Frames, AreThoseBeforeAndInPressAndSlip) {
+  const TemporaryFolder folder;
+  const test::LabelledRun run;
+  test::make_run(folder / "data", run);
+  const auto frames = frames_of(run_folder_at(folder / "data/fan/01"), {});
+  ASSERT_EQ(frames.size(), 6U);
+  const std::vector<Touch> touches{Touch::none, Touch::press, Touch::press, Touch::none, Touch::slip, Touch::slip};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].touch, touches[i]);
+    // All events of the history are in the raw frame, whatever blocks they were summed over.
+    EXPECT_EQ(cv::sum(frames[i].raw)[0], static_cast<double>(frames[i].events));
+  }
+  EXPECT_TRUE(frames_of({.folder = folder / "data", .object = "x", .run = "01"}, {}).empty());  // not labelled
+}
+
+TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
+  const TemporaryFolder folder;
+  const auto write_model = [&](const std::string& name, int history_ms, const std::string& trained_at) {
+    const fs::path model = folder / ("models/" + name);
+    write_json(model / "model.json", {{"dataset", {{"file", "data/dataset.h5"}, {"manifest_hash", "abc"}, {"simulated", true}}},
+                                      {"rendering", {{"history_us", 1000 * history_ms}}},
+                                      {"split", {{"kind", "single-run"}}},
+                                      {"trained_at", trained_at},
+                                      {"weights_sha256", std::string(64, 'e')}});
+    write_whole(model / "history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n");
+    write_json(model / "eval.json", evaluation());
+  };
+  write_model("a", 40, "2026-01-01");
+  const auto result = run_tactile("report models/a --json --quiet", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json summary = json::parse(result.out);
+  EXPECT_EQ(summary.at("title").get<std::string>(), "Results of a (simulated runs)");
+  EXPECT_EQ(summary.at("page").get<std::string>(), "models/a/report/report.html");
+  EXPECT_EQ(summary.at("figures"), json({"delays", "operating-curve", "confusion", "reliability", "training"}));
+  for (const char* words : {"figure 6", "figure 8", "figure 9", "claims"})
+    EXPECT_TRUE(any_tells(summary.at("missing"), words)) << words;
+  EXPECT_TRUE(fs::exists(folder / "models/a/report/report.html"));
+
+  write_model("b", 2, "2026-01-02");
+  const ReportSummary both = write_report(read_models({folder / "models/b", folder / "models/a"}, {}), folder / "out");
+  EXPECT_EQ(both.figures.front(), "accuracy-by-history");
+  EXPECT_EQ(both.title, "Results of b (simulated runs)");
+
+  const auto nothing = run_tactile("report models", folder.path());
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_TRUE(tells(nothing.err, "holds neither a study, a model nor a dataset")) << nothing.err;
+  write_whole(folder / "models/a/eval.json", "{\"accuracy\": 3}");
+  const auto damaged = run_tactile("report models/a", folder.path());
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_TRUE(tells(damaged.err, "eval.json: 'accuracy' is number; expected an object")) << damaged.err;
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,122 @@
+#include "tactile/windows/verify_dataset.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/error_of.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/write_dataset.hpp"
+#include "windows/made_runs.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool mentions(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+class VerifyDataset : public testing::Test {
+ protected:
+  fs::path data() const { return folder.path() / "data"; }
+  fs::path file() const { return data() / "dataset.h5"; }
+
+  /// Run fan/`run`: the events of a recording of 4 s from `begin_us` to `end_us`, with a press and a slip in it.
+  void make_piece(const std::string& run, std::int64_t begin_us, std::int64_t end_us, std::int64_t press_us, std::int64_t slip_us,
+                  std::size_t keep_one_in = 1) const {
+    test::LabelledRun labelled{.run = run, .begin_us = 5'000'000, .length_us = 4'000'000};
+    const std::vector<Event> recorded = test::random_events(labelled);
+    labelled.intervals = {{Touch::press, camera_time(press_us), camera_time(press_us + 60'000)},
+                          {Touch::slip, camera_time(slip_us), camera_time(slip_us + 60'000)}};
+    const RunFolder made = test::make_run(data(), labelled);
+    fs::remove(made.events());
+    RecordingWriter writer(made.events(), {event_stream_declaration(labelled.sensor, "DVXplorer_TEST")});
+    std::vector<Event> piece;
+    for (std::size_t i = 0; i < recorded.size(); i += keep_one_in) {
+      const std::int64_t t = us_of(recorded[i].t) - labelled.begin_us;
+      if (t >= begin_us && t < end_us) piece.push_back(recorded[i]);
+    }
+    writer.write_events(0, piece);
+    writer.close();
+  }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(VerifyDataset, FindsAPieceOfARecordingThatTwoRunsShare) {
+  make_piece("01", 0, 2'000'000, 300'000, 1'600'000);
+  make_piece("02", 1'500'000, 4'000'000, 2'500'000, 3'300'000);
+  write_dataset(data(), file());
+  const DatasetCheck check = verify_dataset(data(), file());
+  EXPECT_EQ(check.pairs_at_one_time, 1U);
+  ASSERT_FALSE(check.differences.empty());
+  EXPECT_TRUE(mentions(check.differences, "events that its windows hold of the time of fan/")) << check.differences.front();
+  EXPECT_TRUE(mentions(check.differences, "training windows lie in test windows"));
+  const auto told = test::run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(told.exit_code, 2) << told.out << told.err;
+}
+
+TEST_F(VerifyDataset, FindsItThoughSomebodyFilteredOneOfThem) {
+  make_piece("01", 0, 2'000'000, 300'000, 1'600'000);
+  make_piece("02", 1'500'000, 4'000'000, 2'500'000, 3'300'000, 5);
+  write_dataset(data(), file());
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "events that its windows hold of the time of fan/"));
+}
+
+TEST_F(VerifyDataset, LetsRecordingsOverlapWhereNoWindowLies) {
+  make_piece("01", 0, 2'000'000, 300'000, 900'000);
+  make_piece("02", 1'998'500, 4'000'000, 2'500'000, 3'300'000);
+  write_dataset(data(), file());
+  const Dataset dataset(file());
+  for (const Event& event : dataset.events(0)) ASSERT_LT(event.t, camera_time(6'998'500)) << "the seed put a window at the end";
+  const DatasetCheck check = verify_dataset(data(), file());
+  EXPECT_EQ(check.differences, std::vector<std::string>{});
+  EXPECT_EQ(check.pairs_at_one_time, 1U);
+}
+
+TEST_F(VerifyDataset, TakesOtherRecordingsOfTheSameTimeForWhatTheyAre) {
+  // A camera whose clock begins anew with each recording: events are equal by chance alone.
+  for (const int run : {1, 2, 3}) {
+    test::make_run(data(),
+                   {.run = "0" + std::to_string(run), .seed = static_cast<std::uint64_t>(run), .begin_us = 0, .mean_gap_us = 2});
+  }
+  write_dataset(data(), file());
+  const DatasetCheck check = verify_dataset(data(), file());
+  EXPECT_EQ(check.differences, std::vector<std::string>{});
+  EXPECT_EQ(check.pairs_at_one_time, 3U);
+  EXPECT_GT(check.equal_by_chance, 0U);
+  const auto told = test::run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(told.exit_code, 0) << told.out << told.err;
+  EXPECT_NE(told.out.find("3 pairs"), std::string::npos) << told.out;
+}
+
+TEST_F(VerifyDataset, FindsEventsThatAreNotThoseOfTheRuns) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  // Another dataset's events of the same length under this one's manifest: only their comparison tells.
+  const auto broken = test::run_shell(
+      "/usr/bin/python3 -c \"import h5py; f = h5py.File('dataset.events.h5', 'r+'); f['events/y'][7] = f['events/y'][7] ^ 1\"",
+      data());
+  if (broken.exit_code != 0) GTEST_SKIP() << "h5py is missing: this test did not run";
+  EXPECT_EQ(verify_dataset(data(), file()).differences,
+            std::vector<std::string>{"fan/01: its events are not those of its samples' histories"});
+}
+
+TEST_F(VerifyDataset, SaysWhatIsDamagedAndEndsWithTwo) {
+  test::make_three_runs(data());
+  EXPECT_NE(test::error_of([&] { verify_dataset(data(), file()); }).find("no such dataset"), std::string::npos);
+  EXPECT_EQ(test::run_tactile("windows --verify", folder.path()).exit_code, 1);
+  write_dataset(data(), file());
+  const std::string whole = read_text(data() / "dataset.events.h5");
+  write_whole(data() / "dataset.events.h5", whole.substr(0, whole.size() / 2));
+  EXPECT_EQ(verify_dataset(data(), file()).differences.size(), 1U);
+  EXPECT_EQ(test::run_tactile("windows --verify", folder.path()).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace tactile
