@@ -164,8 +164,7 @@ TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
   const test::TemporaryFolder folder;
   const std::string arguments = without_epochs + "--epochs 1000";
   test::RunningCommand study(arguments, folder.path());
-  study.logged_behind("train-th040");
-  while (programs_in(folder.path()) < 3) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  while (programs_in(folder.path()) < 3 && !study.has_ended()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   study.signal(SIGINT);  // to it alone, as `kill` would
   EXPECT_EQ(study.wait().exit_code, 130) << study.err();
   EXPECT_EQ(programs_in(folder.path()), 0U);
@@ -208,7 +207,8 @@ TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
 TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
   const test::TemporaryFolder folder;
   test::RunningCommand study(small, folder.path());
-  study.logged_behind("simulate");
+  while (!fs::exists(folder / "study/steps/simulate.json") && !study.has_ended())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const auto second = test::run_tactile(small, folder.path());
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_NE(second.err.find("another 'tactile reproduce' is at work"), std::string::npos) << second.err;

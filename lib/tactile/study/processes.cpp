@@ -74,6 +74,7 @@ class Children {
       // Between fork and exec of a program with threads only what is safe in a signal's handler.
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (::getppid() != parent) ::_exit(could_not_start);
+      ::signal(SIGINT, SIG_DFL);  // a shell's background jobs ignore it, and it is how we ask a process to stop
       ::dup2(nothing, STDIN_FILENO);
       ::dup2(nothing, STDOUT_FILENO);
       ::dup2(log, STDERR_FILENO);
