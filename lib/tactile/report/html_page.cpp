@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <iterator>
 
 namespace tactile {
 namespace {
+
+constexpr int narrowest_figure = 860;  // [px] at which its words can be read
 
 constexpr std::string_view style = R"css(
 :root { color-scheme: light dark; --paper: #fff; --ink: #1d1d1f; --faint: #5f6368; --line: #d9dbe0; --field: #f4f5f7;
@@ -31,6 +33,9 @@ caption { text-align: left; color: var(--faint); padding: .25rem 0; }
 th, td { text-align: left; vertical-align: top; padding: .35rem .7rem .35rem 0; border-bottom: 1px solid var(--line); }
 thead th { border-bottom: 2px solid var(--line); white-space: nowrap; }
 tbody th { font-weight: 600; }
+/* A caption stays where it can be read while its table scrolls. */
+caption span { display: inline-block; position: sticky; left: 0; max-width: min(46rem, calc(100vw - 2rem)); }
+thead th.number { text-align: right; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tbody th, td { min-width: 7.5rem; }
 td.number { min-width: 5rem; }
@@ -137,9 +142,13 @@ void HtmlPage::table(const HtmlTable& table) {
   std::string& page = here();
   // What scrolls must be reachable without a mouse.
   page += fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+      "aria-label=\"{0}\"><table>\n<caption><span>{0}</span></caption>\n<thead><tr>",
       html_text(table.caption));
-  for (const std::string& name : table.head) page += fmt::format("<th scope=\"col\">{}</th>", html_text(name));
+  for (std::size_t i = 0; i < table.head.size(); ++i) {
+    const bool over_numbers = i > 0 && i < table.rows.front().size() && table.rows.front()[i].tone == HtmlTone::number;
+    page += fmt::format("<th scope=\"col\"{}>{}</th>", over_numbers ? " class=\"number\"" : "", html_text(table.head[i]));
+  }
   page += "</tr></thead>\n<tbody>\n";
   for (const std::vector<HtmlCell>& row : table.rows) {
     page += "<tr>";
@@ -162,7 +171,7 @@ void HtmlPage::figure(const HtmlFigure& figure) {
       "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px\" alt=\"{1}\" src=\"data:image/svg+xml;base64,{5}\"></div>\n"
       "<figcaption>{6}</figcaption></figure>\n",
       html_text(figure.id), html_text(figure.in_words), figure.width_px, figure.height_px,
-      figure.width_px < 680 ? figure.width_px : 680, base64_of(figure.svg), html_text(figure.caption));
+      std::min(figure.width_px, narrowest_figure), base64_of(figure.svg), html_text(figure.caption));
 }
 
 std::string HtmlPage::text() const {

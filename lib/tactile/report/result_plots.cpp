@@ -67,7 +67,7 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 }
 
 Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
-  constexpr int columns = 4, left = 70, right = 20, top = 104, gap = 22, panel_height = 150, row_height = 212, below = 30;
+  constexpr int columns = 4, left = 70, right = 20, top = 114, gap = 22, panel_height = 150, row_height = 212, below = 30;
   const std::size_t shown = std::min(curves.size(), most_panels);
   const int rows = std::max(1, (static_cast<int>(shown) + columns - 1) / columns);
   PlotScript script(title, page_width, top + rows * row_height + below);
@@ -123,7 +123,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
         "{0} using 1:2 with lines lc rgb '{1}' lw 2.2 notitle",
         tables[i], figure_colours::network);
     if (const auto best = best_of(curves[i]); best != curves[i].points.end()) {
-      lines += fmt::format(", {} using 1:2 with points lc rgb '{}' pt 13 ps 1.9 notitle",
+      lines += fmt::format(", {} using 1:2 with points lc rgb '{}' pt 13 ps 1.5 notitle",
                            script.table(2, {best->history_ms, percent(best->accuracy.value)}), figure_colours::best);
     }
     script.add("plot {}", lines);
@@ -314,8 +314,8 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
   };
   const auto draw_lines = [&](std::vector<double> values) {
     script.add(
-        "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 0.9 notitle, "
-        "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.9 notitle",
+        "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 1.3 notitle, "
+        "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.7 notitle",
         script.table(3, std::move(values)), figure_colours::press, figure_colours::slip);
   };
   begin_panel(top, delay_bottom, longest, "mean delay [ms]");
