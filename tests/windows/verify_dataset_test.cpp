@@ -122,14 +122,15 @@ TEST_F(VerifyDataset, NamesWhyARunIsNoLongerAmongThoseToUse) {
   test::make_three_runs(data());
   write_dataset(data(), file());
   const auto runs = find_runs(data());
-  const std::string recording = read_text(runs.front().events());
-  write_whole(runs.front().events(), recording.substr(0, 100));
-  const DatasetCheck cut = verify_dataset(data(), file());
-  ASSERT_EQ(cut.differences.size(), 1U);
-  EXPECT_NE(cut.differences[0].find(runs.front().name() + ": is in the dataset but no longer among the runs to use: "),
+  const std::string labels = read_text(runs.front().labels());
+  fs::remove(runs.front().labels());
+  const DatasetCheck unlabelled = verify_dataset(data(), file());
+  ASSERT_EQ(unlabelled.differences.size(), 1U);
+  EXPECT_NE(unlabelled.differences[0].find(runs.front().name() + ": is in the dataset but no longer among the runs to use: "),
             std::string::npos)
-      << cut.differences[0];
-  write_whole(runs.front().events(), recording);
+      << unlabelled.differences[0];
+  EXPECT_NE(unlabelled.differences[0].find("label"), std::string::npos) << unlabelled.differences[0];
+  write_whole(runs.front().labels(), labels);
   write_whole(runs.front().labels(), "{");
   const DatasetCheck broken = verify_dataset(data(), file());
   ASSERT_EQ(broken.differences.size(), 1U);
