@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <iterator>
 
+#include "tactile/core/text_lines.hpp"
+
 namespace tactile {
 namespace {
 
+constexpr std::size_t long_text = 30;  // [characters] of a field that is given more room on a narrow screen
 constexpr int narrowest_figure = 860;  // [px] at which its words can be read
 
 constexpr std::string_view style = R"css(
@@ -38,6 +41,7 @@ caption span { display: inline-block; position: sticky; left: 0; max-width: min(
 thead th.number { text-align: right; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tbody th, td { min-width: 7.5rem; }
+.long { min-width: 13rem; }
 td.number { min-width: 5rem; }
 small { display: block; color: var(--faint); font-weight: 400; }
 .good, .bad, .open { display: inline-block; padding: .05rem .5rem; border-radius: .6rem; white-space: nowrap; font-weight: 600; }
@@ -153,10 +157,12 @@ void HtmlPage::table(const HtmlTable& table) {
   for (const std::vector<HtmlCell>& row : table.rows) {
     page += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
-      if (i == 0)
-        page += fmt::format("<th scope=\"row\">{}</th>", words_of(row[i]));
-      else
-        page += fmt::format("<td{}>{}</td>", row[i].tone == HtmlTone::number ? " class=\"number\"" : "", words_of(row[i]));
+      const bool is_number = row[i].tone == HtmlTone::number, is_long = characters_in(row[i].text) > long_text;
+      page += fmt::format("<{}{}>{}</{}>", i == 0 ? "th scope=\"row\"" : "td",
+                          is_number ? " class=\"number\""
+                          : is_long ? " class=\"long\""
+                                    : "",
+                          words_of(row[i]), i == 0 ? "th" : "td");
     }
     page += "</tr>\n";
   }
@@ -168,10 +174,11 @@ void HtmlPage::figure(const HtmlFigure& figure) {
   // which its words can be read, and scrolls.
   here() += fmt::format(
       "<figure id=\"{0}\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{1}\">"
-      "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px\" alt=\"{1}\" src=\"data:image/svg+xml;base64,{5}\"></div>\n"
-      "<figcaption>{6}</figcaption></figure>\n",
+      "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px;max-width:{5}px\" alt=\"{1}\" "
+      "src=\"data:image/svg+xml;base64,{6}\"></div>\n"
+      "<figcaption>{7}</figcaption></figure>\n",
       html_text(figure.id), html_text(figure.in_words), figure.width_px, figure.height_px,
-      std::min(figure.width_px, narrowest_figure), base64_of(figure.svg), html_text(figure.caption));
+      std::min(figure.width_px, narrowest_figure), figure.width_px, base64_of(figure.svg), html_text(figure.caption));
 }
 
 std::string HtmlPage::text() const {

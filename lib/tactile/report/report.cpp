@@ -148,7 +148,7 @@ class Report {
         "on the runs "
         "reported on, which no setting was chosen on; beside it the paper's own way, on all test runs.");
     HtmlTable table{.caption = "The paper's claims, one by one",
-                    .head = {"claim", "paper", "measured", "verdict", "the paper's way", "verdict"},
+                    .head = {"claim", "verdict", "paper", "measured", "measured the paper's way", "verdict of it"},
                     .rows = {}};
     const auto measured_cell = [](const ReportedClaim& claim, const ReportedClaim::Side& side) {
       return HtmlCell{.text = with_unit(side.measured, claim.unit), .second_line = side.note};
@@ -157,9 +157,9 @@ class Report {
       const std::string asked =
           std::isfinite(claim.limit) ? fmt::format("asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
       std::vector<HtmlCell> row{{.text = claim.claim, .second_line = asked},
+                                {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict)},
                                 {.text = claim.paper},
-                                measured_cell(claim, claim.reported),
-                                {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict)}};
+                                measured_cell(claim, claim.reported)};
       if (claim.all_test) {
         row.push_back(measured_cell(claim, *claim.all_test));
         row.push_back({.text = claim.all_test->verdict, .tone = tone_of(claim.all_test->verdict)});
@@ -172,7 +172,7 @@ class Report {
     for (const ReportedClaim& claim : input_.claims) {
       if (claim.reported.objects.empty()) continue;
       HtmlTable objects{
-          .caption = fmt::format("{} By object, on the runs reported on [{}].", claim.claim, claim.unit), .head = {}, .rows = {}};
+          .caption = fmt::format("By object, on the runs reported on [{}]: {}", claim.unit, claim.claim), .head = {}, .rows = {}};
       objects.head = {"object", "measured", "95 % interval", "runs"};
       for (const auto& [object, value] : claim.reported.objects) {
         objects.rows.push_back(
@@ -343,8 +343,9 @@ class Report {
     if (!evaluation.operating_curve.empty()) {
       figure("operating-curve" + suffix,
              operating_curve_plot(titled("Delay against false alarms, " + evaluation.model), evaluation.operating_curve),
-             "Mean detection delay, and the share of missed intervals, against false alarms per minute.",
-             "What waiting for more certainty costs: mean detection delay of press and slip, and the share of intervals missed, "
+             "Mean detection delay, and the share of intervals missed or said early, against false alarms per minute.",
+             "What waiting for more certainty costs: mean detection delay of press and slip, and the share of intervals missed "
+             "or said early, "
              "against false "
              "alarms per minute, where press or slip is said from a probability on.");
     } else {

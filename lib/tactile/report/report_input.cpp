@@ -55,8 +55,9 @@ OverTime over_time_of(const JsonView& json) {
 OperatingPoint::OfTouch operating_delay(const JsonView& json) {
   const std::uint64_t intervals = json["intervals"].count();
   return {.mean_ms = json["mean"].measured().value,
-          .missed = intervals == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                   : static_cast<double>(json["misses"].count()) / static_cast<double>(intervals)};
+          .missed = intervals == 0
+                        ? std::numeric_limits<double>::quiet_NaN()
+                        : static_cast<double>(json["misses"].count() + json["early"].count()) / static_cast<double>(intervals)};
 }
 
 /// Puts an accuracy, or what is made like one, beside those that are there.

@@ -138,7 +138,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
 Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
                 const std::vector<DelayBar>& slip, double limit_ms) {
   constexpr int left = 200, right = 24, top = 106, gap = 30, row_height = 30, below = 62;
-  constexpr double note_share = 0.44;  // of a panel's width, for what is told beside the bars
+  constexpr double note_share = 0.5;  // of a panel's width, for what is told beside the bars
   const std::size_t shown = std::min(objects.size(), most_panels);
   const std::vector<std::string> names(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(shown));
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
@@ -177,11 +177,11 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
       std::string note = "no interval";
       if (found != bars.end() && found->second->intervals > 0) {
         const DelayBar& bar = *found->second;
-        note = std::isfinite(bar.mean_ms) ? fmt::format("{:.1f}", bar.mean_ms) : "none detected";
+        note = std::isfinite(bar.mean_ms) ? fmt::format("{:.1f}", bar.mean_ms) : "none";
         if (bar.misses > 0) note += fmt::format(", {} missed", bar.misses);
         if (bar.early > 0) note += fmt::format(", {} early", bar.early);
       }
-      script.add("set label {} at graph {:.4f}, first {} left font ',11' textcolor rgb '{}' front", plot_text(note),
+      script.add("set label {} at graph {:.4f}, first {} left font ',10' textcolor rgb '{}' front", plot_text(note),
                  1 - note_share + 0.03, shown - 1 - i, ink);
     }
     script.add("set xrange [0:{:.9g}]\nset yrange [-0.6:{:.9g}]", end, static_cast<double>(shown) - 0.4);
@@ -335,7 +335,7 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
                plot_text(fmt::format("{:.4g}", point.threshold)), x, upper, faint_ink);
   }
   draw_lines(std::move(delays));
-  begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed [%]");
+  begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed or early [%]");
   script.add("set xtics ({})\nset xlabel 'false alarms per minute' textcolor rgb '{}'", tics, ink);
   draw_lines(std::move(missed));
   return std::move(script).plot();

@@ -72,14 +72,14 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
 struct OperatingPoint {
   struct OfTouch {
     double mean_ms = std::numeric_limits<double>::quiet_NaN();
-    double missed = std::numeric_limits<double>::quiet_NaN();  ///< share of intervals, in [0, 1]
+    double missed = std::numeric_limits<double>::quiet_NaN();  ///< share of intervals missed or early, in [0, 1]
   };
   double threshold = 0;  ///< in [0, 1]
   double false_alarms_per_min = std::numeric_limits<double>::quiet_NaN();
   OfTouch press, slip;
 };
 
-/// Delay and misses against false alarms over the thresholds, some of which are told.
+/// Delay, and what it leaves out, against false alarms over the thresholds, some of which are told.
 Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points);
 
 /// Samples whose largest probability lies in (from, to].
