@@ -4,6 +4,9 @@
 #include <chrono>
 #include <filesystem>
 #include <random>
+#include <set>
+#include <string>
+#include <system_error>
 #include <thread>
 
 #include "model/small_data.hpp"
@@ -36,11 +39,15 @@ std::string contents_of(const fs::path& folder) {
   return contents;
 }
 
-/// Whether a file is being written in the folder: a hidden one of a process.
-bool holds_a_part(const fs::path& folder) {
-  return fs::exists(folder) && std::any_of(fs::directory_iterator(folder), fs::directory_iterator{}, [](const auto& entry) {
-           return entry.path().filename().string().find(".part") != std::string::npos;
-         });
+/// The files being written in the folder: hidden ones, each of a process.
+std::set<std::string> parts_in(const fs::path& folder) {
+  std::set<std::string> parts;
+  std::error_code gone;
+  for (fs::directory_iterator entry(folder, gone); !gone && entry != fs::directory_iterator(); entry.increment(gone)) {
+    const std::string name = entry->path().filename().string();
+    if (name.find(".part") != std::string::npos) parts.insert(name);
+  }
+  return parts;
 }
 
 TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
@@ -53,15 +60,25 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
   EXPECT_FALSE(fs::exists(folder / "models/whole.training"));
 
-  // Killed at ten moments and more, until some kills came amid an epoch and some amid a state's writing.
+  // Killed by turns while it begins, soon after it has kept a first state, and while it writes one: a process is long in
+  // beginning, and moments of the clock alone may never fall behind that.
   const fs::path kept = folder / "models/mine.training";
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> share(0.05, 0.5);
+  std::uniform_real_distribution<double> share(0.0, 0.4);
   int kills = 0, amid_an_epoch = 0, amid_writing = 0;
-  while ((kills < 10 || amid_an_epoch == 0 || amid_writing == 0) && !fs::exists(folder / "models/mine")) {
+  for (int attempt = 0; attempt < 60 && (kills < 12 || amid_an_epoch < 3 || amid_writing < 3); ++attempt) {
     {
+      // A part that an earlier kill left is no sight of this one's writing.
+      const std::set<std::string> left = parts_in(kept);
       const test::RunningCommand training(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
-      std::this_thread::sleep_for(share(random) * lasted);
+      const auto is_at_its_end = [&] { return fs::exists(folder / "models/mine"); };
+      const auto is_writing = [&] {
+        const auto parts = parts_in(kept);
+        return std::any_of(parts.begin(), parts.end(), [&](const std::string& part) { return left.count(part) == 0; });
+      };
+      if (attempt % 3 != 0)
+        while (!is_writing() && !is_at_its_end()) std::this_thread::sleep_for(std::chrono::microseconds(50));
+      if (attempt % 3 != 1) std::this_thread::sleep_for(share(random) * lasted);
     }
     if (fs::exists(folder / "models/mine")) {
       // It came to its end first: begin anew, for the kills are what is tested.
@@ -70,12 +87,15 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
       continue;
     }
     ++kills;
-    amid_writing += holds_a_part(kept) ? 1 : 0;
+    amid_writing += parts_in(kept).empty() ? 0 : 1;
     if (CheckpointFolder::holds_state(kept)) {
       const auto state = nlohmann::json::parse(read_metadata(kept / "last.safetensors").at("state"));
       amid_an_epoch += state.at("done") > 0 ? 1 : 0;
     }
   }
+  EXPECT_GE(kills, 12);
+  EXPECT_GE(amid_an_epoch, 3);
+  EXPECT_GE(amid_writing, 3);
   const auto last = test::run_tactile(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_EQ(contents_of(folder / "models/mine"), contents_of(folder / "models/whole"));
