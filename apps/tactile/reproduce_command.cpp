@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "command.hpp"
@@ -14,12 +17,18 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/report/report.hpp"
+#include "tactile/study/step_runner.hpp"
 #include "tactile/study/study.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct ReproduceArguments {
   std::string data = "data", models = "models", out = "study";
@@ -33,6 +42,7 @@ struct ReproduceArguments {
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string splits = "0";
+  bool without_report = false;
 };
 
 /// "all", or a whole number from 0 on.
@@ -76,7 +86,7 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.seeds = args.seeds;
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
-  options.program = std::filesystem::read_symlink("/proc/self/exe");
+  options.program = fs::read_symlink("/proc/self/exe");
   options.threads = common.threads;
   return options;
 }
@@ -151,22 +161,56 @@ std::string text_of(const StudySummary& summary) {
   return text;
 }
 
+/// Draws the study's report, unless it lies there drawn from this very study.
+fs::path draw_report(const fs::path& study, const fs::path& program, const NewProgress& new_progress,
+                     const std::function<void(const std::string& step, bool kept)>& tell_step) {
+  const fs::path out = study / "report", page = out / "report.html";
+  const auto page_made = [&]() -> nlohmann::json {
+    return fs::is_regular_file(page) ? nlohmann::json(sha256_of_file(page)) : nlohmann::json();
+  };
+  StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .tell = tell_step});
+  runner.run({.name = "report",
+              .command = "tactile report " + study.string(),
+              .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
+              .outputs = page_made,
+              .work = [&](const ProgressCallback& progress) {
+                write_report(study, out, [&](std::string_view figure) {
+                  stop_if_interrupted();
+                  tell(progress, 0, 0, fmt::format("report: drawing {}", figure));
+                });
+              }});
+  return page;
+}
+
 void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  const StudySummary summary = run_study(
-      options_of(args, common), [&] { return progress_line(common); },
-      [](const std::string& step, bool kept) {
-        if (kept) {
-          spdlog::debug("{}: kept", step);
-        } else {
-          spdlog::info("{}", step);
-        }
-      });
+  const StudyOptions options = options_of(args, common);
+  const auto new_progress = [&] { return progress_line(common); };
+  const auto tell_step = [](const std::string& step, bool kept) {
+    if (kept) {
+      spdlog::debug("{}: kept", step);
+    } else {
+      spdlog::info("{}", step);
+    }
+  };
+  const StudySummary summary = run_study(options, new_progress, tell_step);
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
-  print_result(common, result, text_of(summary));
+  result["report"] = nullptr;
+  std::string text = text_of(summary);
+  if (args.without_report) return print_result(common, result, text);
+  try {
+    const fs::path page = draw_report(options.out, options.program, new_progress, tell_step);
+    result["report"] = page.string();
+    text += fmt::format("To read, with figures: {}\n", page.string());
+  } catch (const Error&) {
+    // The figures are found all the same: what hinders the drawing is told after them.
+    print_result(common, result, text);
+    throw;
+  }
+  print_result(common, result, text);
 }
 
 }  // namespace
@@ -216,6 +260,7 @@ void add_reproduce_command(CLI::App& app) {
                    "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
       ->check(CLI::Validator(check_splits, "N|all"))
       ->capture_default_str();
+  command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--out", args->out, "Folder of the study")->capture_default_str();
 }

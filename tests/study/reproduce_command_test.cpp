@@ -99,9 +99,26 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const nlohmann::json evaluation = read_json(out / study.at("evaluations")[0].at("json").get<std::string>());
   EXPECT_EQ(evaluation.at("accuracy"), study.at("histories")[1].at("accuracy").at("reported"));
 
+  // The page that tells it all lies beside it, and is drawn anew only of another study.
+  const fs::path page = folder / study.at("report").get<std::string>();
+  EXPECT_NE(read_text(page).find("<svg"), std::string::npos);
+  const auto drawn_at = fs::last_write_time(page);
+
   const nlohmann::json second = run_study(folder.path(), small + "--splits 1");
+  EXPECT_EQ(fs::last_write_time(page), drawn_at);
   EXPECT_EQ(second.at("steps_done"), 0);
   EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
+  EXPECT_EQ(read_text(file), text);
+
+  // Without gnuplot the study is told and kept all the same, and what is missing is named.
+  fs::remove_all(folder / "study/report");
+  const auto undrawn =
+      test::run_shell(std::string("PATH=/nowhere '") + TACTILE_BINARY + "' " + small + "--splits 1", folder.path());
+  EXPECT_EQ(undrawn.exit_code, 1);
+  EXPECT_NE(undrawn.err.find("gnuplot"), std::string::npos) << undrawn.err;
+  const nlohmann::json told = nlohmann::json::parse(undrawn.out);
+  EXPECT_TRUE(told.at("report").is_null());
+  EXPECT_EQ(told.at("claims"), study.at("claims"));
   EXPECT_EQ(read_text(file), text);
 }
 
