@@ -55,8 +55,7 @@ std::string with_unit(const Measured& measured, const std::string& unit) {
   if (!std::isfinite(measured.value)) return "not measured";
   const bool is_whole = measured.value == std::round(measured.value);  // a count, or a delay of whole ticks
   const bool is_one = measured.value == 1 && unit.ends_with('s') && unit != "ms";
-  std::string text =
-      fmt::format("{:.{}f} {}", measured.value, is_whole ? 0 : 2, is_one ? unit.substr(0, unit.size() - 1) : unit);
+  std::string text = fmt::format("{:.{}f} {}", measured.value, is_whole ? 0 : 2, is_one ? unit.substr(0, unit.size() - 1) : unit);
   const auto bound = [&](double value) {
     return std::isfinite(value) ? fmt::format("{:.{}f}", value, value == std::round(value) ? 0 : 2) : std::string("unknown");
   };
