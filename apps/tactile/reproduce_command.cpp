@@ -21,6 +21,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/study/study.hpp"
@@ -173,7 +174,7 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const NewPr
   };
   StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .tell = tell_step});
   runner.run({.name = "report",
-              .command = "tactile report " + study.string(),
+              .command = "tactile report " + shell_word(study.string()),
               .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
               .outputs = page_made,
               .work = [&](const ProgressCallback& progress) {

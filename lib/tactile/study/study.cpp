@@ -15,6 +15,7 @@
 #include "tactile/core/machine.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
@@ -53,20 +54,9 @@ std::string joined_ms(std::span<const microseconds> histories) {
   return fmt::format("{}", fmt::join(texts, ","));
 }
 
-/// A word of a command, quoted where a shell would part it.
-std::string word(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("-_./,=+:@%").find(static_cast<char>(c)) != std::string_view::npos;
-  };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string command_of(const std::vector<std::string>& arguments) {
   std::string command = "tactile";
-  for (const std::string& argument : arguments) command += " " + word(argument);
+  for (const std::string& argument : arguments) command += " " + shell_word(argument);
   return command;
 }
 
