@@ -55,7 +55,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
                             train_command(args, {})));
   }
   spdlog::info("evaluating {}", bundle->folder.string());
-  const Classifier classifier(bundle->folder, common.threads);
+  const Classifier classifier(bundle->folder, common.threads, engine_named(args.engine));
   const Split split = split_of(dataset, classifier.model().settings.split);
   const Evaluation evaluation = evaluate(dataset, classifier, split.test_runs, options_of(args, common), progress_line(common));
   const nlohmann::json json = evaluation;
@@ -83,7 +83,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
       knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::unseen), seen);
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 
-  const Classifier with(seen.folder, common.threads), without(held_out.folder, common.threads);
+  const EngineKind engine = engine_named(args.engine);
+  const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
   const auto runs = runs_neither_saw(dataset, with.model().settings.split, without.model().settings.split);
   const EvaluationOptions options = options_of(args, common);
   const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
@@ -132,6 +133,7 @@ void add_eval_command(CLI::App& app) {
                    "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
       ->check(CLI::Validator(check_confirmation, "k/n"))
       ->capture_default_str();
+  add_engine_option(*command, args->engine);
   CLI::Option* run =
       command
           ->add_option("--run", args->runs,

@@ -21,4 +21,7 @@ bool make_missing_dataset(const std::string& data, const CommonArguments& common
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads);
 
+/// `--engine`, what a model is run with.
+void add_engine_option(CLI::App& command, std::string& engine);
+
 }  // namespace tactile
