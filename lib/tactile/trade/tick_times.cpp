@@ -1,0 +1,191 @@
+#include "tactile/trade/tick_times.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <memory>
+#include <tuple>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/model/classifier.hpp"
+#include "tactile/model/model_bundle.hpp"
+
+namespace tactile {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Network = std::function<Logits(std::span<const std::uint8_t>)>;
+
+constexpr std::int64_t warm_up = 3;  // ticks
+constexpr std::size_t largest_file = std::size_t{1} << 30;
+
+float us_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<float, std::micro>(end - begin).count();
+}
+
+/// Networks, each opened once however many ways have it.
+class Networks {
+ public:
+  Network of(const TimedWay& way) {
+    const auto key = std::tuple(way.model, way.engine, way.precision, way.sparse);
+    const auto found = networks_.find(key);
+    return found != networks_.end() ? found->second : networks_[key] = opened(way);
+  }
+
+ private:
+  static Network opened(const TimedWay& way) {
+    if (way.engine == EngineKind::libtorch) {
+      const auto classifier = std::make_shared<Classifier>(way.model, 1, EngineKind::libtorch);
+      return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
+    }
+    const ModelBundle bundle{way.model};
+    const ModelDescription description = read_description(bundle);
+    const auto engine = std::make_shared<LeNetEngine>(description.input, read_bundle_weights(bundle, description),
+                                                      description.settings.network,
+                                                      EngineOptions{.precision = way.precision, .skip_empty = way.sparse});
+    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+  }
+
+  std::map<std::tuple<std::filesystem::path, EngineKind, Precision, bool>, Network> networks_;
+};
+
+struct Recorded {
+  std::vector<Event> events;
+  SensorSize sensor;
+
+  std::span<const Event> between(CameraTime begin, CameraTime end) const {
+    const auto place = [&](CameraTime t) {
+      return std::lower_bound(events.begin(), events.end(), t, [](const Event& event, CameraTime time) { return event.t < time; });
+    };
+    return {place(begin), place(end)};
+  }
+};
+
+Recorded events_of(const std::filesystem::path& recording) {
+  RecordingReader reader(recording);
+  const Stream& stream = event_stream(reader);
+  Recorded recorded;
+  recorded.sensor = stream.size.value_or(SensorSize{});
+  for_all_events(reader, stream.id,
+                 [&](std::span<const Event> events) { recorded.events.insert(recorded.events.end(), events.begin(), events.end()); });
+  if (recorded.events.empty()) throw Error(recording.string() + ": no events; expected some to time detection with");
+  return recorded;
+}
+
+/// The first measured tick of a piece, and how many there are.
+struct Piece {
+  CameraTime first{};
+  std::int64_t ticks = 0;
+};
+
+Piece piece_of(const TickRange& all, unsigned piece, const TickTimesOptions& options) {
+  const std::int64_t ticks = std::min<std::int64_t>(options.ticks, all.count);
+  const double middle = (piece + 0.5) / options.pieces * static_cast<double>(all.count);
+  const auto begin = static_cast<std::int64_t>(middle) - ticks / 2;
+  return {all.at(std::clamp<std::int64_t>(begin, 0, all.count - ticks)), ticks};
+}
+
+/// One turn of one way over a piece; keeps what is shorter than before.
+void take_turn(const TimedWay& way, const Network& network, const Recorded& recorded, const Piece& piece,
+               std::span<TickTime> shortest) {
+  const HeatmapOptions& options = way.rendering;
+  HeatmapRenderer renderer(recorded.sensor, options);
+  std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(renderer.size().width) *
+                                    static_cast<std::size_t>(renderer.size().height));
+  CameraTime given = before(piece.first, options.history + options.tick * warm_up);
+  for (std::int64_t i = -warm_up; i < piece.ticks; ++i) {
+    const CameraTime t = after(piece.first, options.tick * i);
+    const std::span<const Event> events = recorded.between(given, t);
+    given = t;
+    const auto begin = Clock::now();
+    renderer.add(events);
+    renderer.move_to(t);
+    const auto counted = Clock::now();
+    renderer.render(std::span(heatmap));
+    const auto rendered = Clock::now();
+    network(heatmap);
+    const auto end = Clock::now();
+    if (i < 0) continue;
+    TickTime& kept = shortest[static_cast<std::size_t>(i)];
+    const TickTime now{us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), renderer.events()};
+    if (now.total({}) < kept.total({})) kept = now;
+  }
+}
+
+}  // namespace
+
+std::vector<TimesOfRuns> time_ticks(std::span<const TimedWay> ways, std::span<const std::filesystem::path> recordings,
+                                    const TickTimesOptions& options, const ProgressCallback& progress) {
+  Networks networks;
+  std::vector<Network> network_of;
+  for (const TimedWay& way : ways) network_of.push_back(networks.of(way));
+  std::vector<TimesOfRuns> times(ways.size(), TimesOfRuns(recordings.size()));
+  std::uint64_t done = 0;
+  for (std::size_t run = 0; run < recordings.size(); ++run) {
+    const Recorded recorded = events_of(recordings[run]);
+    const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
+    for (unsigned piece_index = 0; piece_index < options.pieces; ++piece_index) {
+      std::vector<Piece> pieces;
+      std::vector<std::vector<TickTime>> shortest;
+      for (const TimedWay& way : ways) {
+        const TickRange all = full_ticks(first, last, way.rendering.history, way.rendering.tick);
+        pieces.push_back(all.count > 0 ? piece_of(all, piece_index, options) : Piece{});
+        constexpr float never = std::numeric_limits<float>::infinity();
+        shortest.emplace_back(static_cast<std::size_t>(pieces.back().ticks), TickTime{never, never, never, 0});
+      }
+      for (unsigned turn = 0; turn < options.turns; ++turn) {
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+          if (pieces[i].ticks > 0) take_turn(ways[i], network_of[i], recorded, pieces[i], shortest[i]);
+        }
+        tell(progress, ++done, std::uint64_t{recordings.size()} * options.pieces * options.turns,
+             fmt::format("times of {} ways, in turns", ways.size()));
+      }
+      for (std::size_t i = 0; i < ways.size(); ++i)
+        times[i][run].insert(times[i][run].end(), shortest[i].begin(), shortest[i].end());
+    }
+  }
+  return times;
+}
+
+void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> ways) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TimesOfRuns& runs : ways) {
+    nlohmann::json way = nlohmann::json::array();
+    for (const auto& run : runs) {
+      nlohmann::json ticks = nlohmann::json::array();
+      for (const TickTime& tick : run)
+        ticks.push_back(nlohmann::json::array({tick.counting, tick.rendering, tick.network, tick.events}));
+      way.push_back(std::move(ticks));
+    }
+    list.push_back(std::move(way));
+  }
+  write_whole(file, nlohmann::json{{"ways", list}}.dump() + "\n");
+}
+
+std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
+  const auto json = nlohmann::json::parse(read_text(file, largest_file), nullptr, false);
+  try {
+    std::vector<TimesOfRuns> ways;
+    for (const auto& way : json.at("ways")) {
+      ways.emplace_back();
+      for (const auto& run : way) {
+        ways.back().emplace_back();
+        for (const auto& tick : run) {
+          ways.back().back().push_back(
+              {tick.at(0).get<float>(), tick.at(1).get<float>(), tick.at(2).get<float>(), tick.at(3).get<std::uint64_t>()});
+        }
+      }
+    }
+    return ways;
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), e.what()));
+  }
+}
+
+}  // namespace tactile

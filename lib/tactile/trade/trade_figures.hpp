@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/evaluation/false_alarms.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+#include "tactile/trade/recommendation.hpp"
+#include "tactile/trade/run_said.hpp"
+#include "tactile/trade/tick_times.hpp"
+
+namespace tactile {
+
+/// What a run holds to judge a detector by.
+struct JudgedRun {
+  std::string run, object;
+  std::vector<Sample> samples;  ///< balanced, ascending in time
+  RunTruth truth;
+  microseconds guard{100'000};  ///< after an interval, alarms are counted apart for so long
+};
+
+/// What a detector did in one run; of several seeds all together.
+struct RunOutcome {
+  std::string object;
+  Confusion confusion;
+  std::vector<double> delays_us;  ///< of the detected presses and slips: t_c(k) - onset, without computing
+  std::uint64_t intervals = 0, misses = 0, early = 0;
+  FalseAlarms alarms;
+  std::vector<double> tick_us;  ///< what ticks took
+
+  RunOutcome& operator+=(const RunOutcome& other);  ///< a seed more; `tick_us` stays
+};
+
+/// A balanced sample takes the verdict of the last tick up to it; none before the first.
+/// @param said  at the setting's tick
+RunOutcome outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
+
+/// All figures over the same runs, as one wants them told; a delay includes computing: the median time per tick.
+struct TradeResult {
+  TradeFigures figures;
+  Figure delay_p95_us;
+  Figure missed;  ///< share of presses and slips missed or early, in [0, 1]
+  std::uint64_t intervals = 0, misses = 0, early = 0, alarms = 0;
+};
+
+void to_json(nlohmann::json& json, const TradeResult& result);
+
+TradeResult result_of(std::span<const RunOutcome> runs, const BootstrapOptions& options = {});
+
+/// `b - a` of the same runs in the same order, in each draw too.
+struct TradeDifference {
+  Figure accuracy, delay_us, false_alarms_per_min, us_p50, us_p99;
+};
+
+void to_json(nlohmann::json& json, const TradeDifference& difference);
+
+/// @throws Error  if they are not of the same objects
+TradeDifference difference_of(std::span<const RunOutcome> a, std::span<const RunOutcome> b, const BootstrapOptions& options = {});
+
+}  // namespace tactile
