@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include "option_checks.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/confirmation.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -15,6 +17,19 @@ constexpr double common_images_per_s_and_thread = 333;  // 3 ms for each, forwar
 
 std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
+}
+
+CLI::Validator is_confirmation() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        try {
+          confirmation_in(text);
+          return "";
+        } catch (const Error& e) {
+          return e.what();
+        }
+      },
+      "k/n");
 }
 
 bool make_missing_dataset(const std::string& data, const CommonArguments& common) {

@@ -17,6 +17,9 @@ std::filesystem::path dataset_file(const std::string& data);
 /// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
 bool make_missing_dataset(const std::string& data, const CommonArguments& common);
 
+/// k/n of `--confirm`.
+CLI::Validator is_confirmation();
+
 /// How long a training will take, for people: from `images_per_s` where it is known, else from what a common core does.
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads);

@@ -20,11 +20,12 @@ double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count(
 }  // namespace
 
 LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& options,
-                           std::function<void(const ToldTick&)> tell, TellFault fault)
+                           std::function<void(const ToldTick&)> tell, TellFault fault, std::function<void()> forget)
     : detector_(std::move(detector)),
       options_(options),
       tell_(std::move(tell)),
       fault_(std::move(fault)),
+      forget_(std::move(forget)),
       clock_(options.clock),
       deadlines_(options.clock.tick) {}
 
@@ -34,6 +35,7 @@ void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTim
   ++counts_.beginnings;
   last_arrival_.reset(), late_since_.reset(), hole_until_.reset();
   is_silent_ = lost_pending_ = false;
+  if (forget_) forget_();
   if (!text.empty()) fault_({kind, text, at});
 }
 

@@ -54,8 +54,9 @@ class LiveDetector {
  public:
   /// @param tell   told of each tick as soon as there is a verdict; what it takes is the tick's output
   /// @param fault  told of each fault
+  /// @param forget  told when the stream begins anew: no verdict is known until the next one
   LiveDetector(TickDetector detector, const LiveDetectorOptions& options, std::function<void(const ToldTick&)> tell,
-               TellFault fault);
+               TellFault fault, std::function<void()> forget = {});
 
   /// A packet; where `source_index` is another than before the stream began anew, and whatever was known of it is forgotten.
   /// Ticks of a stream that is closed by events alone are told at once.
@@ -85,6 +86,7 @@ class LiveDetector {
   LiveDetectorOptions options_;
   std::function<void(const ToldTick&)> tell_;
   TellFault fault_;
+  std::function<void()> forget_;
   TickClock clock_;
   DeadlineMonitor deadlines_;
   LiveCounts counts_;
