@@ -161,7 +161,7 @@ struct RunResult {
   RunScore against_truth;
   std::vector<Detection> gross;
   OverTimeOfRun true_over_time;
-  std::uint64_t ticks = 0, gated = 0;
+  std::uint64_t gated = 0;
   Confusion open_confusion;  ///< without the gate, as is the next
   RunScore open;
 };
@@ -199,7 +199,6 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
   std::vector<Touch> open_verdicts;
   if (scoring.gate) {
     open_verdicts = confirmed(run.verdicts, options.confirmation);
-    result.ticks = run.verdicts.size();
     result.gated = apply_gate(run, *scoring.gate);
   }
   const std::vector<Touch> verdicts = confirmed(run.verdicts, options.confirmation);
