@@ -1,10 +1,7 @@
 #include "tactile/study/study.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <set>
@@ -24,18 +21,19 @@
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
-#include "tactile/model/checkpoint.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/model/library.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/study/claims.hpp"
+#include "tactile/study/folder_lock.hpp"
 #include "tactile/study/history_choice.hpp"
 #include "tactile/study/leave_five_out.hpp"
 #include "tactile/study/sample_verdicts.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
+#include "tactile/study/training_step.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -53,34 +51,6 @@ std::string joined_ms(std::span<const microseconds> histories) {
   for (const microseconds history : histories) texts.push_back(ms_text(history));
   return fmt::format("{}", fmt::join(texts, ","));
 }
-
-std::string command_of(const std::vector<std::string>& arguments) {
-  std::string command = "tactile";
-  for (const std::string& argument : arguments) command += " " + shell_word(argument);
-  return command;
-}
-
-/// No two studies work in one folder at the same time.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder) {
-    std::error_code failed;
-    fs::create_directories(folder, failed);
-    file_ = ::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (file_ < 0) throw Error(folder.string() + ": cannot be written; expected a writable folder for the study");
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      ::close(file_);
-      throw Error(folder.string() +
-                  ": another 'tactile reproduce' is at work in it; expected to be the only one, or another --out");
-    }
-  }
-  ~FolderLock() { ::close(file_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int file_ = -1;
-};
 
 json size_of(const fs::path& file) {
   std::error_code missing;
@@ -135,7 +105,7 @@ class Study {
         preset_(preset_settings(options.preset)),
         epochs_(options.epochs.value_or(preset_.epochs)),
         threads_(options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency())),
-        lock_(options.out),
+        lock_(options.out, "tactile reproduce"),
         runner_({.folder = options.out,
                  .program = options.program,
                  .threads = threads_,
@@ -336,37 +306,8 @@ class Study {
   StudyModel seen_model(microseconds history, std::uint64_t seed) const { return model_of(history, seed, {}); }
 
   Step training_of(const StudyModel& model) const {
-    std::vector<std::string> words{"train",     options_.data.string(),
-                                   "--th",      ms_text(model.settings.rendering.history),
-                                   "--seed",    std::to_string(model.settings.training.seed),
-                                   "--epochs",  std::to_string(epochs_),
-                                   "--threads", "1",
-                                   "--models",  options_.models.string()};
-    if (options_.train_run != "01") words.insert(words.end(), {"--train-run", options_.train_run});
-    if (model.settings.split.kind == SplitKind::unseen) {
-      words.insert(words.end(),
-                   {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(model.settings.split.held_out, ","))});
-    }
-    return {.name = "train-" + model.name(),
-            .command = command_of(words),
-            .inputs = {{"manifest", dataset_->manifest_hash()},
-                       {"settings", model.settings},
-                       {"models", from_study(options_.models)}},
-            .outputs =
-                [this, model] {
-                  return state_of(model.bundle, *dataset_, model.settings) == BundleState::unchanged
-                             ? json(read_description(model.bundle).weights_sha256)
-                             : json();
-                },
-            .arguments =
-                [words, model](const StepPast& past) {
-                  std::error_code ignored;
-                  if (past.begun_otherwise) fs::remove_all(CheckpointFolder::beside(model.bundle.folder), ignored);
-                  std::vector<std::string> all = words;
-                  all.insert(all.end(), {"--quiet", "--resume"});
-                  if (past.made_outputs) all.emplace_back("--force");
-                  return all;
-                }};
+    return training_step(*dataset_, model.settings, model.bundle,
+                         {options_.data, options_.models, from_study(options_.models)});
   }
 
   /// Named where it is not the usual one, whose results stay as they are.

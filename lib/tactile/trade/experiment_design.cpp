@@ -144,6 +144,7 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
       const TradeOutcome& other = alone[i][chosen[i]];
       expected.accuracy += other.accuracy - base.accuracy;
       expected.delay_us += other.delay_us - base.delay_us;
+      expected.missed += other.missed - base.missed;
       expected.us *= other.us / base.us;
       alarms *= (other.false_alarms_per_min + some_alarms) / (base.false_alarms_per_min + some_alarms);
       ++changed;
@@ -151,8 +152,8 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
     if (why_impossible(setting)) return;
     settings.push_back(setting);
     off_default.push_back(changed);
-    by_accuracy.push_back({expected.us, -std::min(expected.accuracy, 1.0)});
-    by_delay.push_back({alarms - some_alarms, expected.delay_us});
+    by_accuracy.push_back({expected.us, -std::min(expected.accuracy, 1.0), 0});
+    by_delay.push_back({alarms - some_alarms, expected.delay_us, std::max(expected.missed, 0.0)});
   });
   std::vector<TradeSetting> corners;
   for (const auto* places : {&by_accuracy, &by_delay}) {

@@ -1,0 +1,56 @@
+#include "tactile/study/training_step.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include "tactile/core/text_lines.hpp"
+#include "tactile/model/checkpoint.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/study/history_choice.hpp"
+
+namespace tactile {
+
+std::string command_of(const std::vector<std::string>& words) {
+  std::string command = "tactile";
+  for (const std::string& word : words) command += " " + shell_word(word);
+  return command;
+}
+
+Step training_step(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+                   const TrainingPlaces& places) {
+  const HeatmapOptions &rendering = settings.rendering, usual;
+  std::vector<std::string> words{"train",     places.data.string(),
+                                 "--th",      ms_text(rendering.history),
+                                 "--seed",    std::to_string(settings.training.seed),
+                                 "--epochs",  std::to_string(settings.training.epochs),
+                                 "--threads", "1",
+                                 "--models",  places.models.string()};
+  const nlohmann::json rendered = rendering;
+  if (rendering.tick != usual.tick) words.insert(words.end(), {"--tick-us", std::to_string(rendering.tick.count())});
+  if (rendering.factor != usual.factor) words.insert(words.end(), {"--factor", fmt::format("{}", rendering.factor)});
+  if (rendering.resize != usual.resize) words.insert(words.end(), {"--resize", rendered.at("resize")});
+  if (rendering.denoise != usual.denoise) words.insert(words.end(), {"--denoise", rendered.at("denoise")});
+  if (settings.split.train_run != "01") words.insert(words.end(), {"--train-run", settings.split.train_run});
+  if (settings.split.kind == SplitKind::unseen)
+    words.insert(words.end(), {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ","))});
+  return {.name = "train-" + bundle.name(),
+          .command = command_of(words),
+          .inputs = {{"manifest", dataset.manifest_hash()}, {"settings", settings}, {"models", places.models_from_study}},
+          .outputs =
+              [&dataset, settings, bundle] {
+                return state_of(bundle, dataset, settings) == BundleState::unchanged
+                           ? nlohmann::json(read_description(bundle).weights_sha256)
+                           : nlohmann::json();
+              },
+          .arguments =
+              [words, bundle](const StepPast& past) {
+                std::error_code ignored;
+                if (past.begun_otherwise) std::filesystem::remove_all(CheckpointFolder::beside(bundle.folder), ignored);
+                std::vector<std::string> all = words;
+                all.insert(all.end(), {"--quiet", "--resume"});
+                if (past.made_outputs) all.emplace_back("--force");
+                return all;
+              }};
+}
+
+}  // namespace tactile
