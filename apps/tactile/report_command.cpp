@@ -26,6 +26,7 @@ struct ReportArguments {
   std::string what;
   std::string out;
   std::string models = "models";
+  std::string trade;
 };
 
 bool is_file(const fs::path& file) {
@@ -78,6 +79,21 @@ fs::path data_of(const fs::path& model) {
   return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
 }
 
+/// A report of nothing but a trade of speed for accuracy.
+ReportInput report_of_trade(const fs::path& folder) {
+  ReportInput input;
+  input.trade = read_trade(folder);
+  input.title = input.trade->title;
+  input.simulated = input.trade->simulated;
+  return input;
+}
+
+/// The folder of a trade that belongs to what is reported: the one named, else trade/ where it is there.
+fs::path trade_of(const ReportArguments& args) {
+  if (!args.trade.empty()) return args.trade;
+  return is_file("trade/trade.json") ? "trade" : "";
+}
+
 /// What is to be reported, and the folder that the report goes into.
 std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
   const fs::path what = !args.what.empty()            ? fs::path(args.what)
@@ -86,10 +102,12 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
   if (what.filename() == "study.json" && is_file(what)) return {read_study(what.parent_path()), what.parent_path() / "report"};
   if (is_file(what / "study.json")) return {read_study(what), what / "report"};
   if (is_file(what / "model.json")) return {read_models({what}, data_of(what)), what / "report"};
+  if (is_file(what / "trade.json")) return {report_of_trade(what), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(fmt::format(
-        "{}: holds neither a study, a model nor a dataset; expected what 'tactile reproduce', 'train' or 'windows' wrote",
+        "{}: holds neither a study, a model, a trade nor a dataset; expected what 'tactile reproduce', 'train', 'trade' or 'windows' "
+        "wrote",
         what.string()));
   }
   const std::vector<fs::path> folders = models_of(Dataset(dataset).manifest_hash(), args.models);
@@ -101,7 +119,8 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
 }
 
 void report(const ReportArguments& args, const CommonArguments& common) {
-  const auto [input, place] = input_of(args);
+  auto [input, place] = input_of(args);
+  if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = read_trade(trade);
   const ReportSummary summary = write_report(input, args.out.empty() ? place : fs::path(args.out), [](std::string_view figure) {
     stop_if_interrupted();
     spdlog::info("drawing {}", figure);
@@ -134,9 +153,11 @@ void add_report_command(CLI::App& app) {
   CLI::App* command = add_command(app, "report", "Write figures and one self-contained page from results",
                                   [args](const CommonArguments& common) { report(*args, common); });
   command
-      ->add_option("what", args->what, "Study, model's folder, or data whose models are told; study/ if it is there, else data")
-      ->type_name("STUDY|MODEL|DATA");
+      ->add_option("what", args->what, "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
+      ->type_name("STUDY|MODEL|TRADE|DATA");
   command->add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given")->type_name("DIR");
+  command->add_option("--trade", args->trade, "Folder of a trade of speed for accuracy to be told too; trade/ if it is there")
+      ->type_name("DIR");
   command->add_option("--models", args->models, "Folder of models, for DATA")->type_name("DIR")->capture_default_str();
 }
 

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_runs_over_time = 6;
+constexpr std::size_t most_settings = 80;  // of a trade, beside its fronts
 
 HtmlCell number(const std::string& text, const std::string& second_line = {}) {
   return {.text = text, .tone = HtmlTone::number, .second_line = second_line};
@@ -102,6 +103,7 @@ class Report {
     for (const ReportedEvaluation& evaluation : input_.evaluations) this->evaluation(evaluation);
     runs();
     unseen();
+    trade();
     trainings();
     settings();
     return finish();
@@ -464,6 +466,70 @@ class Report {
     for (const ReportedTable& table : input_.splits) page_.table(table_of(table));
   }
 
+  void trade() {
+    if (!input_.trade) return;
+    const ReportedTrade& trade = *input_.trade;
+    page_.section("trade", "Speed against accuracy");
+    if (trade.simulated && !input_.simulated)
+      page_.warning("This part was measured on simulated runs, and says nothing about a real sensor.");
+    if (!trade.sentence.empty()) page_.paragraph(trade.sentence);
+    page_.paragraph(fmt::format("{} Measured on {}. Settings were chosen on {} runs and are reported on {} others.", trade.times_are,
+                                trade.machine, trade.choice_runs.size(), trade.reported_runs.size()));
+    const auto on = [&](bool ReportedSetting::*front) {
+      return std::count_if(trade.settings.begin(), trade.settings.end(),
+                           [front](const ReportedSetting& setting) { return setting.*front; });
+    };
+    figure("trade-accuracy", trade_accuracy_plot(trade),
+           fmt::format("Accuracy against time per tick of {} settings, {} of them on the front.", trade.settings.size(),
+                       on(&ReportedSetting::on_accuracy_front)),
+           "Accuracy against the time that 99 of 100 ticks do not exceed. The front was found on the runs to choose on; where it is no "
+           "front here, chance is the reason.");
+    figure("trade-delay", trade_delay_plot(trade),
+           fmt::format("Mean detection delay against false alarms of {} settings, {} of them on the front.", trade.settings.size(),
+                       on(&ReportedSetting::on_delay_front)),
+           "Mean delay of presses and slips, computing included, against false alarms per minute; what is missed stands beside.");
+    HtmlTable table{.caption = "Each setting by what is other than usual; below each figure its 95 % interval. Differences are to the "
+                               "usual setting, paired over runs",
+                    .head = {"setting", "seeds", "accuracy [%]", "to usual [points]", "delay [ms]", "to usual [ms]", "p95 [ms]",
+                             "missed [%]", "false alarms/min", "to usual", "p50 [us]", "p99 [us]", "front"},
+                    .rows = {}};
+    std::size_t left_out = 0;
+    for (const ReportedSetting& setting : trade.settings) {
+      const bool on_front = setting.on_accuracy_front || setting.on_delay_front;
+      if (table.rows.size() >= most_settings && !on_front) {
+        ++left_out;
+        continue;
+      }
+      const std::string fronts = std::string(setting.on_accuracy_front ? "accuracy" : "") +
+                                 (setting.on_accuracy_front && setting.on_delay_front ? ", " : "") +
+                                 (setting.on_delay_front ? "delay" : "");
+      table.rows.push_back({{.text = setting.text},
+                            plain_number(static_cast<double>(setting.seeds), 0),
+                            percent_cell(setting.accuracy),
+                            percent_cell(setting.accuracy_difference),
+                            cell_of(setting.delay_us, 1e-3),
+                            cell_of(setting.delay_difference_us, 1e-3),
+                            cell_of(setting.delay_p95_us, 1e-3),
+                            percent_cell(setting.missed),
+                            cell_of(setting.false_alarms_per_min, 1),
+                            cell_of(setting.false_alarms_difference, 1),
+                            cell_of(setting.us_p50, 1),
+                            cell_of(setting.us_p99, 1),
+                            {.text = fronts}});
+    }
+    page_.table(table);
+    if (left_out > 0) page_.paragraph(fmt::format("{} more settings, on no front, are told in trade.csv.", left_out));
+    for (const std::string& sentence : trade.left_out) missing_.push_back("Speed against accuracy: " + sentence);
+    if (trade.by_rate.empty()) return;
+    page_.heading("How the cost grows");
+    figure("trade-growth", trade_growth_plot(trade),
+           fmt::format("Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and {:.0f} us the "
+                       "dense way.",
+                       trade.by_rate.back().events_per_s, trade.by_rate.back().sparse_us, trade.by_rate.back().dense_us),
+           "Time per tick against the event rate, the history and the sensor's resolution, beside the dense way, which computes every "
+           "pixel and every output of the network.");
+  }
+
   void trainings() {
     if (input_.trainings.empty()) return;
     page_.section("training", "Training");
@@ -511,10 +577,10 @@ class Report {
 
   /// Those that an earlier report drew, and this one did not; what else lies there stays.
   void remove_old_figures() const {
-    static constexpr std::array<std::string_view, 11> ours{
+    static constexpr std::array<std::string_view, 12> ours{
         "frames",      "accuracy-by-history", "delays", "operating-curve", "confusion",
         "reliability", "over-time",           "run-",   "unseen",          "training",
-        "figure-"};
+        "figure-",     "trade-"};
     std::error_code ignored;
     std::vector<fs::path> old;
     for (const auto& entry : fs::directory_iterator(out_ / "figures", ignored)) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tactile/report/reported_trade.hpp"
 #include "tactile/report/result_plots.hpp"
 
 namespace tactile {
@@ -110,6 +111,7 @@ struct ReportInput {
   std::vector<ReportedUnseen> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
+  std::optional<ReportedTrade> trade;  ///< of speed for accuracy
   std::vector<ReportedTable> settings;
   std::filesystem::path data;        ///< folder of runs; empty if not known
   double history_ms = 40;            ///< of the frames shown

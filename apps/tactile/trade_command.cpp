@@ -1,0 +1,308 @@
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "model_arguments.hpp"
+#include "openmp_threads.hpp"
+#include "option_checks.hpp"
+#include "rendering_arguments.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/report/gnuplot.hpp"
+#include "tactile/report/reported_trade.hpp"
+#include "tactile/trade/trade.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TradeArguments {
+  std::string data = "data", models = "models", out = "trade";
+  std::string train_run = "01";
+  std::vector<std::string> choice_runs{"02"};
+  unsigned epochs = 10, seeds = 3;
+  std::uint64_t seed = 1;
+  std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
+  std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
+  std::vector<double> factors{0.1, 0.2, 0.25};
+  std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
+  std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
+  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, gates{"off", "on"};
+  bool full = false, no_growth = false, no_figures = false;
+  unsigned corners = 6;
+  std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms;
+  std::string apply;
+};
+
+TradeLevels levels_of(const TradeArguments& args) {
+  TradeLevels levels;
+  levels.histories.clear();
+  for (const double history_ms : args.histories_ms) levels.histories.push_back(whole_us(history_ms, "--th"));
+  levels.ticks.clear();
+  for (const std::int64_t tick : args.ticks_us) levels.ticks.emplace_back(tick);
+  levels.factors = args.factors;
+  levels.resizes.clear();
+  for (const std::string& resize : args.resizes) levels.resizes.push_back(resize == "area" ? Resize::area : Resize::linear);
+  levels.denoises.clear();
+  for (const std::string& denoise : args.denoises)
+    levels.denoises.push_back(denoise == "mean" ? Denoise::mean : denoise == "literal" ? Denoise::literal : Denoise::none);
+  levels.engines.clear();
+  for (const std::string& engine : args.engines) levels.engines.push_back(engine_named(engine));
+  levels.precisions.clear();
+  for (const std::string& precision : args.precisions) levels.precisions.push_back(precision_named(precision));
+  levels.sparse.clear();
+  for (const std::string& pass : args.passes) levels.sparse.push_back(pass == "sparse");
+  levels.confirmations.clear();
+  for (const std::string& confirmation : args.confirmations) levels.confirmations.push_back(confirmation_in(confirmation));
+  levels.gate.clear();
+  for (const std::string& gate : args.gates) levels.gate.push_back(gate == "on");
+  return levels;
+}
+
+/// Of each knob the usual value where it is to be tried, else the first.
+template <class T, class Values>
+void take_usual(T& usual, const Values& values) {
+  if (std::find(values.begin(), values.end(), usual) == values.end()) usual = values.front();
+}
+
+TradeSetting usual_of(const TradeLevels& levels) {
+  TradeSetting usual;
+  take_usual(usual.rendering.history, levels.histories);
+  take_usual(usual.rendering.tick, levels.ticks);
+  take_usual(usual.rendering.factor, levels.factors);
+  take_usual(usual.rendering.resize, levels.resizes);
+  take_usual(usual.rendering.denoise, levels.denoises);
+  take_usual(usual.engine, levels.engines);
+  take_usual(usual.precision, levels.precisions);
+  take_usual(usual.sparse, levels.sparse);
+  take_usual(usual.confirmation, levels.confirmations);
+  take_usual(usual.gate, levels.gate);
+  return usual;
+}
+
+TradeOptions options_of(const TradeArguments& args, const CommonArguments& common) {
+  TradeOptions options;
+  options.data = args.data;
+  options.models = args.models;
+  options.out = args.out;
+  options.train_run = args.train_run;
+  options.choice_runs = args.choice_runs;
+  options.epochs = args.epochs;
+  options.seeds = args.seeds;
+  options.seed = args.seed;
+  options.levels = levels_of(args);
+  options.usual = usual_of(options.levels);
+  options.full = args.full;
+  options.corners = args.corners;
+  options.budget_minutes = args.budget_minutes;
+  options.growth = !args.no_growth;
+  options.wish = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms};
+  options.program = fs::read_symlink("/proc/self/exe");
+  options.threads = common.threads;
+  return options;
+}
+
+double number_in(const nlohmann::json& json) { return json.is_null() ? NAN : json.get<double>(); }
+
+std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
+
+/// "95.12 [93.10, 97.00]"
+std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
+  std::string text = text_of(factor * number_in(figure.at("value")), decimals);
+  if (!figure.at("low").is_null() && !figure.at("high").is_null()) {
+    text += fmt::format(" [{}, {}]", text_of(factor * number_in(figure.at("low")), decimals),
+                        text_of(factor * number_in(figure.at("high")), decimals));
+  }
+  return text;
+}
+
+std::string settings_text(const nlohmann::json& trade) {
+  constexpr std::size_t most_rows = 60;
+  std::vector<std::vector<std::string>> rows;
+  std::size_t more = 0;
+  for (const auto& point : trade.at("points")) {
+    const bool accuracy_front = point.at("front").at("accuracy"), delay_front = point.at("front").at("delay");
+    if (rows.size() >= most_rows && !accuracy_front && !delay_front) {
+      ++more;
+      continue;
+    }
+    const auto &reported = point.at("reported"), &delay = reported.at("delay_us");
+    rows.push_back({point.at("text"), std::to_string(point.at("seeds").get<std::size_t>()),
+                    figure_text(reported.at("accuracy"), 100, 2), text_of(1e-3 * number_in(delay.at("mean").at("value")), 2),
+                    text_of(1e-3 * number_in(delay.at("p95").at("value")), 2),
+                    text_of(100 * number_in(delay.at("missed").at("value")), 1),
+                    text_of(number_in(reported.at("false_alarms_per_min").at("value")), 2),
+                    text_of(number_in(reported.at("us").at("p50").at("value")), 0),
+                    text_of(number_in(reported.at("us").at("p99").at("value")), 0),
+                    std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "")});
+  }
+  std::string text = text_table({"setting", "seeds", "accuracy [%]", "delay [ms]", "p95", "missed [%]", "alarms/min", "p50 [us]",
+                                 "p99 [us]", ""},
+                                rows);
+  if (more > 0) text += fmt::format("and {} more, on no front\n", more);
+  return text + "\n";
+}
+
+std::string growth_text(const nlohmann::json& trade) {
+  if (trade.at("growth").is_null()) return {};
+  std::string text;
+  for (const auto& [key, title] : {std::pair("rate", "events/s"), std::pair("history", "t_h [ms]"), std::pair("resolution", "sensor")}) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& point : trade.at("growth").at(key)) {
+      const std::string at = std::string(key) == "rate" ? fmt::format("{:.0f}", point.at("events_per_s").get<double>())
+                             : std::string(key) == "history"
+                                 ? fmt::format("{:g}", point.at("th_ms").get<double>())
+                                 : fmt::format("{}x{}", point.at("sensor").at(0).get<int>(), point.at("sensor").at(1).get<int>());
+      const double sparse = point.at("sparse").at("p50_us"), dense = point.at("dense").at("p50_us");
+      rows.push_back({at, text_of(point.at("sparse").at("rendering_us"), 1), text_of(point.at("sparse").at("network_us"), 1),
+                      text_of(sparse, 1), text_of(dense, 1), text_of(dense / sparse, 1)});
+    }
+    text += text_table({title, "rendering [us]", "network [us]", "a tick [us]", "dense [us]", "times"}, rows) + "\n";
+  }
+  return "How the cost of a tick grows (medians)\n\n" + text;
+}
+
+std::string text_of(const TradeSummary& summary) {
+  const nlohmann::json& trade = summary.trade;
+  std::string text = trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
+                     fmt::format("On the reported runs ({}); A: on the front of accuracy and time, D: of delay, misses and false alarms, both\n"
+                                 "as found on the runs to choose on ({})\n\n",
+                                 trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size()) +
+                     settings_text(trade) + growth_text(trade);
+  if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
+    std::string list;
+    for (const auto& pair : trade.at("left_out"))
+      list += fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
+    text += wrapped(fmt::format("Left out, as the history is no whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
+  }
+  for (const auto& one : trade.at("not_measured"))
+    text += wrapped(fmt::format("Not measured: {}: {}.", one.at("setting").get<std::string>(), one.at("why").get<std::string>())) + "\n";
+  text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
+  text += fmt::format("{} steps done, {} kept as they were. Written to {}\n", summary.done, summary.kept, summary.file.string());
+  return text;
+}
+
+std::vector<std::string> draw_figures(const fs::path& out) {
+  const ReportedTrade trade = read_trade(out);
+  std::vector<std::pair<std::string, Plot>> plots{{"trade-accuracy", trade_accuracy_plot(trade)},
+                                                  {"trade-delay", trade_delay_plot(trade)}};
+  if (!trade.by_rate.empty()) plots.emplace_back("trade-growth", trade_growth_plot(trade));
+  std::vector<std::string> files;
+  for (const auto& [name, plot] : plots) {
+    for (const char* type : {".svg", ".png"}) {
+      stop_if_interrupted();
+      files.push_back((out / "figures" / (name + type)).string());
+      draw(plot, files.back());
+    }
+  }
+  return files;
+}
+
+void trade(const TradeArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
+  const TradeOptions options = options_of(args, common);
+  if (!args.apply.empty() && !options.wish.any()) {
+    throw Error(
+        "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside it");
+  }
+  make_missing_dataset(args.data, common);
+  const TradeSummary summary = run_trade(
+      options, [&] { return progress_line(common); },
+      [](const std::string& step, bool kept) {
+        if (kept) {
+          spdlog::debug("{}: kept", step);
+        } else {
+          spdlog::info("{}", step);
+        }
+      });
+  nlohmann::json result = summary.trade;
+  result["file"] = summary.file.string();
+  result["steps_done"] = summary.done;
+  result["steps_kept"] = summary.kept;
+  result["figures"] = nlohmann::json::array();
+  result["applied"] = nullptr;
+  std::string text = text_of(summary);
+  const auto tell_all = [&] { print_result(common, result, text); };
+  try {
+    if (!args.apply.empty()) {
+      write_json(args.apply, detect_config(summary.trade, args.out));
+      result["applied"] = args.apply;
+      text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
+    }
+    if (!args.no_figures) {
+      result["figures"] = draw_figures(args.out);
+      text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
+    }
+  } catch (const Error&) {
+    // What was measured is told all the same.
+    tell_all();
+    throw;
+  }
+  tell_all();
+}
+
+}  // namespace
+
+void add_trade_command(CLI::App& app) {
+  auto args = std::make_shared<TradeArguments>();
+  CLI::App* command = add_command(app, "trade", "What speed costs in accuracy, delay and false alarms, and what to choose",
+                                  [args](const CommonArguments& common) { trade(*args, common); });
+  const auto add_list = [command](const std::string& name, auto& values, const std::string& what) {
+    return command->add_option(name, values, what + ", a list with commas")->delimiter(',')->capture_default_str();
+  };
+  command->add_option("data", args->data, "Folder whose dataset.h5 is meant; a missing one is made")->capture_default_str();
+  command->add_option("--at-most-us", args->at_most_us, "Wish: 99 of 100 ticks take no longer [us]")
+      ->check(in_range(0.001, 1e9))
+      ->type_name("US");
+  command->add_option("--at-least-accuracy", args->at_least_accuracy, "Wish: accuracy, from 0 to 1")
+      ->check(in_range(0.0, 1.0))
+      ->type_name("SHARE");
+  command->add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Wish: no more false alarms a minute")
+      ->check(in_range(0.0, 1e9))
+      ->type_name("N");
+  command->add_option("--apply", args->apply, "Write the setting recommended as a config of 'detect'")->type_name("FILE.json");
+  command->add_flag("--full", args->full, "Every combination instead of one knob at a time and promising corners: many hours");
+  command->add_option("--budget-minutes", args->budget_minutes, "Begin no training that would end later; a next call goes on")
+      ->check(in_range(0.0, 1e6))
+      ->type_name("MINUTES");
+  command->add_option("--corners", args->corners, "Promising combinations to be tried of each front")
+      ->check(in_range(0U, 1000U))
+      ->capture_default_str();
+  add_list("--th", args->histories_ms, "Histories t_h [ms]")->check(in_range(0.001, 1e5));
+  add_list("--tick-us", args->ticks_us, "Ticks [us]")->check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
+  add_list("--factor", args->factors, "Heatmap sizes per sensor size")->check(in_range(0.001, 1.0));
+  add_list("--resize", args->resizes, "area, linear")->check(one_of({"area", "linear"}));
+  add_list("--denoise", args->denoises, "mean, literal, none")->check(one_of({"mean", "literal", "none"}));
+  add_list("--engine", args->engines, "fast, libtorch")->check(one_of({"fast", "libtorch"}));
+  add_list("--precision", args->precisions, "fp32, int8: of the fast engine's largest layer")->check(one_of({"fp32", "int8"}));
+  add_list("--pass", args->passes, "sparse: the network skips what is empty; dense: not")->check(one_of({"sparse", "dense"}));
+  add_list("--confirm", args->confirmations, "k/n")->check(is_confirmation());
+  add_list("--gate", args->gates, "off, on")->check(one_of({"off", "on"}));
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->capture_default_str();
+  add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; all others are reported on");
+  command->add_option("--epochs", args->epochs, "Passes over the training samples")
+      ->check(in_range(1U, 100'000U))
+      ->capture_default_str();
+  command->add_option("--seeds", args->seeds, "Trainings of each network on the front, each with a seed of its own")
+      ->check(in_range(1U, 1000U))
+      ->capture_default_str();
+  command->add_option("--seed", args->seed, "Of the first training; others follow on it")->check(is_seed())->capture_default_str();
+  command->add_flag("--no-growth", args->no_growth, "Leave out how cost grows with event rate, history and resolution");
+  command->add_flag("--no-figures", args->no_figures, "Draw no figures");
+  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
+  command->add_option("--out", args->out, "Folder of results")->capture_default_str();
+}
+
+}  // namespace tactile

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tactile/report/result_plots.hpp"
+
+namespace tactile {
+
+/// A setting that `tactile trade` measured.
+struct ReportedSetting {
+  std::string text;    ///< in what it differs from the usual one
+  std::string design;  ///< "usual", "one", "corner", "all"
+  std::uint64_t seeds = 0;
+  Measured accuracy;                             ///< in [0, 1], on the reported runs as all that follow
+  Measured us_p50, us_p99;                       ///< time per tick
+  Measured delay_us, delay_p95_us, missed;       ///< of detections; share of presses and slips missed or early
+  Measured false_alarms_per_min;
+  Measured accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
+  bool on_accuracy_front = false, on_delay_front = false;                      ///< on the runs to choose on
+};
+
+/// What a tick costs at one place of a curve [us]; medians.
+struct ReportedGrowth {
+  double events_per_s = 0, history_ms = 0;
+  double width = 0, height = 0;  ///< of the sensor [px]
+  double sparse_us = 0, sparse_rendering_us = 0, dense_us = 0, dense_rendering_us = 0;
+};
+
+/// What a folder of `tactile trade` holds.
+struct ReportedTrade {
+  std::string title, times_are, machine;
+  bool simulated = false;
+  std::vector<std::string> choice_runs, reported_runs;
+  std::vector<ReportedSetting> settings;  ///< the usual one first
+  std::vector<std::string> left_out;      ///< in sentences: pairs that do not divide, and what was not measured
+  std::vector<ReportedGrowth> by_rate, by_history, by_resolution;
+  std::string sentence;  ///< the recommendation
+};
+
+/// @throws Error  if trade.json is missing or not of its format
+ReportedTrade read_trade(const std::filesystem::path& folder);
+
+/// Accuracy against the time that 99 of 100 ticks do not exceed; those on the front are numbered, and named below.
+Plot trade_accuracy_plot(const ReportedTrade& trade);
+/// Mean delay against false alarms, likewise.
+Plot trade_delay_plot(const ReportedTrade& trade);
+/// Time per tick against event rate, history and resolution, with the dense way beside it.
+Plot trade_growth_plot(const ReportedTrade& trade);
+
+}  // namespace tactile

@@ -1,0 +1,87 @@
+#include "tactile/trade/recommendation.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tactile {
+namespace {
+
+Figure figure(double value, double half_width, std::size_t n = 10) {
+  Figure made;
+  made.value = value, made.low = value - half_width, made.high = value + half_width, made.n = n;
+  return made;
+}
+
+TradeFigures figures(double accuracy, double us, double alarms = 1, double delay_us = 5000) {
+  return {.accuracy = figure(accuracy, 0.01),
+          .us_p99 = figure(us, 10),
+          .us_p50 = figure(us / 2, 5),
+          .delay_us = figure(delay_us, 500),
+          .false_alarms_per_min = figure(alarms, 0.2)};
+}
+
+TEST(Choose, TakesTheMostAccurateThatIsFastEnoughInItsInterval) {
+  const std::vector<TradeFigures> settings{figures(0.99, 400), figures(0.95, 150), figures(0.97, 195), figures(0.94, 100)};
+  const auto choice = choose({.at_most_us = 200}, settings);
+  ASSERT_TRUE(choice);
+  EXPECT_EQ(choice->index, 1U) << "the interval of the third ends at 205";
+  EXPECT_TRUE(choice->in_interval);
+}
+
+TEST(Choose, TakesTheFastestThatIsAccurateEnough) {
+  const std::vector<TradeFigures> settings{figures(0.99, 400), figures(0.97, 150), figures(0.90, 50)};
+  const auto choice = choose({.at_least_accuracy = 0.95}, settings);
+  ASSERT_TRUE(choice);
+  EXPECT_EQ(choice->index, 1U);
+}
+
+TEST(Choose, GoesByValuesOnlyWhereNoIntervalMeetsTheWish) {
+  const std::vector<TradeFigures> settings{figures(0.955, 400), figures(0.90, 50)};
+  const auto choice = choose({.at_least_accuracy = 0.95}, settings);
+  ASSERT_TRUE(choice);
+  EXPECT_EQ(choice->index, 0U);
+  EXPECT_FALSE(choice->in_interval);
+}
+
+TEST(Choose, FindsNothingWhereNothingMeetsEveryWish) {
+  const std::vector<TradeFigures> settings{figures(0.99, 400, 0.1), figures(0.90, 50, 0.1), figures(0.99, 50, 9)};
+  EXPECT_FALSE(choose({.at_most_us = 200, .at_least_accuracy = 0.95, .at_most_false_alarms_per_min = 1}, settings));
+  TradeFigures unknown = figures(0.99, 50);
+  unknown.accuracy = {};
+  EXPECT_FALSE(choose({.at_most_us = 200}, std::vector<TradeFigures>{unknown}));
+}
+
+TEST(MeetsInInterval, IsNeverSoWithoutAnInterval) {
+  TradeFigures two_runs = figures(0.99, 100);
+  two_runs.accuracy.low = two_runs.accuracy.high = std::nullopt;
+  const TradeWish wish{.at_least_accuracy = 0.9};
+  EXPECT_TRUE(meets(wish, two_runs));
+  EXPECT_FALSE(meets_in_interval(wish, two_runs));
+  EXPECT_TRUE(meets_in_interval({.at_most_us = 200}, two_runs)) << "nothing was wished of the accuracy";
+}
+
+TEST(Recommend, NamesTheSettingAndWhatItHas) {
+  const Recommendation said = recommend({.at_most_us = 200, .at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.97, 150, 1, 5000), false);
+  EXPECT_TRUE(said.met);
+  EXPECT_EQ(said.sentence,
+            "For at most 200 us a tick and an accuracy of at least 95 % take t_h 20 ms: measured again on runs that it was not "
+            "chosen on it has an accuracy of 97.00 % [96.00, 98.00], a time per tick of 150 us [140, 160] in 99 of 100 ticks (75 "
+            "us [70, 80] in half of them), a mean delay of 5.00 ms [4.50, 5.50] and 1.00 [0.80, 1.20] false alarms per minute.");
+}
+
+TEST(Recommend, SaysThatNoSettingDoesWhereMeasuringAgainDoesNotBearItOut) {
+  const Recommendation said = recommend({.at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.955, 150), true);
+  EXPECT_FALSE(said.met);
+  EXPECT_TRUE(said.sentence.starts_with("No setting that was measured surely gives an accuracy of at least 95 %: ")) << said.sentence;
+  EXPECT_TRUE(said.sentence.ends_with("On simulated runs, which say nothing about real ones.")) << said.sentence;
+}
+
+TEST(Recommend, SaysThatNoSettingDoesWhereNonePromisedIt) {
+  const Recommendation said = recommend({.at_most_false_alarms_per_min = 0.5}, std::nullopt, {}, false);
+  EXPECT_FALSE(said.met);
+  EXPECT_EQ(said.sentence,
+            "No setting that was measured gives at most 0.5 false alarms per minute, already on the runs to choose on.");
+  EXPECT_TRUE(recommend({}, std::nullopt, {}, false).sentence.starts_with("No wish was stated"));
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Three objects of three simulated runs, an epoch, and few values of few knobs.
+const std::string small =
+    "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --engine fast --pass sparse "
+    "--confirm 1/1,2/3 --epochs 1 --seeds 2 --corners 2 --threads 2 ";
+
+void simulate_runs(const fs::path& folder, const std::string& objects) {
+  for (const std::string& command : {"simulate --preset tiny --runs 3 --objects " + objects, std::string("label --no-pictures")}) {
+    const auto result = test::run_tactile(command, folder);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+}
+
+nlohmann::json traded(const fs::path& folder, const std::string& arguments) {
+  const auto result = test::run_tactile(small + arguments + " --json", folder);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+const nlohmann::json* point_of(const nlohmann::json& trade, const std::string& text) {
+  for (const auto& point : trade.at("points")) {
+    if (point.at("text") == text) return &point;
+  }
+  return nullptr;
+}
+
+nlohmann::json without_times(nlohmann::json trade) {
+  for (const char* key : {"steps", "steps_done", "steps_kept", "figures", "recommendation", "settings"}) trade.erase(key);
+  return trade;
+}
+
+TEST(TradeCommand, FromRunsToAConfigThatDetectTakes) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan,sprayer,white-box");
+  const nlohmann::json trade = traded(folder.path(), "--at-most-us 1000000 --apply best.json --no-growth");
+  ASSERT_TRUE(trade.is_object());
+  EXPECT_EQ(trade.at("simulated"), true);
+  EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
+  EXPECT_EQ(trade.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
+  EXPECT_EQ(trade.at("points")[0].at("design"), "usual");
+  for (const char* text : {"t_h 20 ms", "tick 4 ms", "tick 5 ms", "confirm 2/3", "gate", "int8"})
+    EXPECT_NE(point_of(trade, text), nullptr) << text;
+  EXPECT_EQ(point_of(trade, "tick 3 ms"), nullptr);
+  ASSERT_EQ(trade.at("left_out").size(), 2U) << "neither history is a whole number of 3 ms";
+  EXPECT_EQ(trade.at("left_out")[0].at("tick_ms"), 3);
+  EXPECT_TRUE(trade.at("not_measured").empty());
+
+  // The usual setting has all seeds, and so has whatever shares its network.
+  EXPECT_EQ(trade.at("points")[0].at("seeds"), 2);
+  EXPECT_EQ(point_of(trade, "tick 4 ms")->at("seeds"), 2);
+  EXPECT_FALSE(point_of(trade, "tick 4 ms")->at("difference").is_null());
+  const bool on_a_front = std::any_of(trade.at("points").begin(), trade.at("points").end(),
+                                      [](const auto& point) { return point.at("front").at("accuracy").template get<bool>(); });
+  EXPECT_TRUE(on_a_front);
+  for (const auto& point : trade.at("points")) {
+    for (const char* runs : {"choice", "reported"}) {
+      const auto& figures = point.at(runs);
+      const double accuracy = figures.at("accuracy").at("value"), p50 = figures.at("us").at("p50").at("value");
+      EXPECT_GT(accuracy, 0.2) << point.at("id");
+      EXPECT_LE(accuracy, 1) << point.at("id");
+      EXPECT_GT(p50, 0) << point.at("id");
+      EXPECT_GE(figures.at("us").at("p99").at("value").get<double>(), p50);
+      EXPECT_EQ(figures.at("accuracy").at("n"), 3);
+    }
+  }
+  // A setting that leaves verdicts as they are leaves every figure but times.
+  const auto& again = trade.at("recommendation").at("again");
+  EXPECT_TRUE(trade.at("recommendation").at("met"));
+  EXPECT_EQ(again.at("runs"), trade.at("runs").at("reported"));
+  EXPECT_NE(trade.at("recommendation").at("sentence").get<std::string>().find("measured again"), std::string::npos);
+  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png"})
+    EXPECT_TRUE(fs::is_regular_file(folder / "trade/figures" / figure)) << figure;
+  const std::string csv = read_text(folder / "trade/trade.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + 2 * trade.at("points").size());
+
+  const auto detected = test::run_tactile("detect --config best.json --from file:data/fan/03 --speed 0 --json", folder.path());
+  ASSERT_EQ(detected.exit_code, 0) << detected.err;
+  const auto report = test::run_tactile("report trade --json", folder.path());
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const std::string page = read_text(folder / "trade/report/report.html");
+  EXPECT_NE(page.find("Speed against accuracy"), std::string::npos);
+  EXPECT_NE(page.find("figure-trade-delay"), std::string::npos);
+
+  // Nothing is done again; another wish measures no more than what it recommends.
+  const nlohmann::json second = traded(folder.path(), "--at-most-us 1000000 --no-growth --no-figures");
+  EXPECT_EQ(second.at("steps_done"), 0);
+  EXPECT_EQ(without_times(second).at("points"), trade.at("points"));
+  const nlohmann::json other = traded(folder.path(), "--at-least-accuracy 1 --at-most-us 0.001 --no-growth --no-figures");
+  EXPECT_EQ(other.at("steps_done"), 0);
+  EXPECT_FALSE(other.at("recommendation").at("met"));
+  EXPECT_TRUE(other.at("recommendation").at("sentence").get<std::string>().starts_with("No setting"));
+  const auto refused =
+      test::run_tactile(small + "--at-most-us 0.001 --no-growth --no-figures --apply none.json", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("no setting to apply"), std::string::npos) << refused.err;
+  EXPECT_FALSE(fs::exists(folder / "none.json"));
+}
+
+TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallGoesOn) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan,white-box");
+  const std::string few = "--tick-us 2000 --precision fp32 --gate off --confirm 1/1 --seeds 1 --no-growth --no-figures ";
+  const auto none = test::run_tactile(small + few + "--budget-minutes 0", folder.path());
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("--budget-minutes"), std::string::npos) << none.err;
+  const nlohmann::json whole = traded(folder.path(), few);
+  EXPECT_NE(point_of(whole, "t_h 20 ms"), nullptr);
+  EXPECT_TRUE(whole.at("points")[0].at("reported").at("accuracy").at("low").is_null()) << "two objects";
+  const nlohmann::json again = traded(folder.path(), few + "--th 20,30,40 --budget-minutes 0");
+  EXPECT_NE(point_of(again, "t_h 20 ms"), nullptr) << "it is trained already";
+  EXPECT_EQ(point_of(again, "t_h 30 ms"), nullptr);
+  ASSERT_EQ(again.at("not_measured").size(), 1U);
+  EXPECT_EQ(again.at("not_measured")[0].at("setting"), "t_h 30 ms");
+}
+
+TEST(TradeCommand, NeedsRunsToChooseOn) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan");
+  const auto result = test::run_tactile(small + "--choice-runs 02,03", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("--choice-runs"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  const auto wishless = test::run_tactile("trade --apply best.json", folder.path());
+  EXPECT_EQ(wishless.exit_code, 1);
+  EXPECT_NE(wishless.err.find("--at-most-us"), std::string::npos) << wishless.err;
+}
+
+}  // namespace
+}  // namespace tactile
