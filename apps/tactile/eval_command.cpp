@@ -56,7 +56,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
                             train_command(args, {})));
   }
   spdlog::info("evaluating {}", bundle->folder.string());
-  const Classifier classifier(bundle->folder, common.threads);
+  const Classifier classifier(bundle->folder, common.threads, engine_named(args.engine));
   const Split split = split_of(dataset, classifier.model().settings.split);
   const Evaluation evaluation = evaluate(dataset, classifier, split.test_runs, options_of(args, common), progress_line(common));
   const nlohmann::json json = evaluation;
@@ -84,7 +84,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
       knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::unseen), seen);
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 
-  const Classifier with(seen.folder, common.threads), without(held_out.folder, common.threads);
+  const EngineKind engine = engine_named(args.engine);
+  const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
   const auto runs = runs_neither_saw(dataset, with.model().settings.split, without.model().settings.split);
   const EvaluationOptions options = options_of(args, common);
   const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
@@ -126,6 +127,7 @@ void add_eval_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--gate", args->gate,
                     "A verdict is none below the model's limit of events, without the network; reported with it on and off");
+  add_engine_option(*command, args->engine);
   CLI::Option* run =
       command
           ->add_option("--run", args->runs,

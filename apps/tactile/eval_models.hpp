@@ -18,6 +18,7 @@ struct EvalArguments {
   double guard_ms = -1;
   std::string confirm = "1/1";
   bool gate = false;
+  std::string engine = "fast";
   std::vector<std::string> runs;  ///< to be shown over time; the rest is left undone then
   std::string out;
 };

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/confirmation.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -47,6 +48,14 @@ std::string training_estimate(const Dataset& dataset, const ModelSettings& setti
   const double rate = images_per_s.value_or(common_images_per_s_and_thread * threads);
   return fmt::format("{} samples, {} epochs, about {} (min:s)", samples, settings.training.epochs,
                      clock_text(static_cast<double>(samples) * settings.training.epochs / rate));
+}
+
+void add_engine_option(CLI::App& command, std::string& engine) {
+  command
+      .add_option("--engine", engine,
+                  "What runs the network: fast, tactile's own, or libtorch, which knows every activation and pooling")
+      ->check(one_of({"fast", "libtorch"}))
+      ->capture_default_str();
 }
 
 }  // namespace tactile

@@ -24,4 +24,7 @@ CLI::Validator is_confirmation();
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads);
 
+/// `--engine`, what a model is run with.
+void add_engine_option(CLI::App& command, std::string& engine);
+
 }  // namespace tactile

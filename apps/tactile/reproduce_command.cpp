@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -20,6 +21,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/study/study.hpp"
@@ -42,6 +44,7 @@ struct ReproduceArguments {
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string splits = "0";
+  std::string engine = "fast";
   bool without_report = false;
 };
 
@@ -87,6 +90,7 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
+  options.engine = engine_named(args.engine);
   options.threads = common.threads;
   return options;
 }
@@ -170,7 +174,7 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const NewPr
   };
   StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .tell = tell_step});
   runner.run({.name = "report",
-              .command = "tactile report " + study.string(),
+              .command = "tactile report " + shell_word(study.string()),
               .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
               .outputs = page_made,
               .work = [&](const ProgressCallback& progress) {
@@ -260,6 +264,7 @@ void add_reproduce_command(CLI::App& app) {
                    "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
       ->check(CLI::Validator(check_splits, "N|all"))
       ->capture_default_str();
+  add_engine_option(*command, args->engine);
   command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--out", args->out, "Folder of the study")->capture_default_str();

@@ -15,6 +15,7 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/train_model.hpp"
 #include "text_table.hpp"
@@ -130,6 +131,19 @@ bool goes_on(const TrainArguments& args, const ModelBundle& bundle) {
                           folder.string()));
 }
 
+/// Why a bundle is not what the training would give: "with other settings (training.epochs: 10 before, 6 now)".
+std::string what_is_other(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
+  try {
+    const ModelDescription there = read_description(bundle);
+    if (const std::string other = differences(there.settings, settings); !other.empty())
+      return "with other settings (" + other + ")";
+    if (there.manifest_hash != dataset.manifest_hash()) return "of another dataset";
+  } catch (const Error&) {
+    // Not even that can be read: it is damaged.
+  }
+  return "damaged";
+}
+
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   ModelSettings settings = settings_of(args);
@@ -145,21 +159,27 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     return;
   }
   if (state == BundleState::changed && !args.force) {
-    throw Error(fmt::format(
-        "{}: is there, with other settings, of another dataset or damaged; expected a new --name, or --force to replace it",
-        bundle.folder.string()));
+    throw Error(fmt::format("{}: is there, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
+                            what_is_other(bundle, dataset, settings)));
   }
   check_renders(dataset, settings.rendering);
   const bool resumes = goes_on(args, bundle);
-  spdlog::info("{} {}: {}", resumes ? "going on with" : "training", bundle.name(),
-               training_estimate(dataset, settings, {}, common.threads));
+  const auto tell_begin = [&](unsigned epoch, double done) {
+    if (resumes) {
+      spdlog::info("going on with {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
+                   100 * done);
+    } else {
+      spdlog::info("training {}: {}", bundle.name(), training_estimate(dataset, settings, {}, common.threads));
+    }
+  };
   TrainingSummary summary;
   try {
     summary = train_model(dataset, settings, bundle,
                           {.threads = common.threads,
                            .resume = resumes,
                            .save_every = std::chrono::duration<double>(args.save_every_s),
-                           .from = from.folder},
+                           .from = from.folder,
+                           .begins = tell_begin},
                           progress_line(common));
   } catch (const Interrupted&) {
     if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))

@@ -100,8 +100,8 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(evaluation.at("accuracy"), study.at("histories")[1].at("accuracy").at("reported"));
 
   // The page that tells it all lies beside it, and is drawn anew only of another study.
-  const fs::path page = folder / study.at("report").get<std::string>();
-  EXPECT_NE(read_text(page).find("<svg"), std::string::npos);
+  const fs::path page = folder / first.at("report").get<std::string>();
+  EXPECT_NE(read_text(page).find("<figure"), std::string::npos);
   const auto drawn_at = fs::last_write_time(page);
 
   const nlohmann::json second = run_study(folder.path(), small + "--splits 1");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,6 +51,10 @@ struct TrainModelOptions {
   bool resume = false;                           ///< goes on from the state that a training of this name left, where it left one
   std::chrono::duration<double> save_every{30};  ///< between two states that are kept, beside those at each epoch's end; >= 0
   std::filesystem::path from{};                  ///< the bundle that `settings.from` names
+
+  /// Told once it is known whether there is a state to go on from: its epoch, from 1 on, and how much of that is done, in [0, 1];
+  /// 1 and 0 where a training begins. May be empty.
+  std::function<void(unsigned epoch, double done)> begins{};
 };
 
 /// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole. Until then what

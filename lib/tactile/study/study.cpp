@@ -15,6 +15,7 @@
 #include "tactile/core/machine.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
@@ -53,20 +54,9 @@ std::string joined_ms(std::span<const microseconds> histories) {
   return fmt::format("{}", fmt::join(texts, ","));
 }
 
-/// A word of a command, quoted where a shell would part it.
-std::string word(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("-_./,=+:@%").find(static_cast<char>(c)) != std::string_view::npos;
-  };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string command_of(const std::vector<std::string>& arguments) {
   std::string command = "tactile";
-  for (const std::string& argument : arguments) command += " " + word(argument);
+  for (const std::string& argument : arguments) command += " " + shell_word(argument);
   return command;
 }
 
@@ -379,19 +369,25 @@ class Study {
                 }};
   }
 
+  /// Named where it is not the usual one, whose results stay as they are.
+  json with_engine(json inputs) const {
+    if (options_.engine != EngineKind::fast) inputs["engine"] = name_of(options_.engine);
+    return inputs;
+  }
+
   fs::path samples_file(const StudyModel& model) const { return options_.out / "samples" / (model.name() + ".json"); }
 
   Step judging_of(const StudyModel& model) const {
     const fs::path file = samples_file(model);
     return {.name = "judge-" + model.name(),
             .command = "",
-            .inputs = {{"manifest", dataset_->manifest_hash()},
-                       {"weights", read_description(model.bundle).weights_sha256},
-                       {"runs", names_of(*dataset_, model.runs)}},
+            .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                   {"weights", read_description(model.bundle).weights_sha256},
+                                   {"runs", names_of(*dataset_, model.runs)}}),
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, model, file](const ProgressCallback& progress) {
-                  const Classifier classifier(model.bundle.folder, threads_);
+                  const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                   const auto confusions = sample_confusions(*dataset_, classifier, model.runs, {.threads = threads_}, progress);
                   std::vector<RunVerdicts> verdicts;
                   for (std::size_t i = 0; i < model.runs.size(); ++i)
@@ -498,17 +494,17 @@ class Study {
     const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
     runner_.run({.name = "evaluate-" + set.name + "-" + model.name(),
                  .command = "",
-                 .inputs = {{"manifest", dataset_->manifest_hash()},
-                            {"weights", read_description(model.bundle).weights_sha256},
-                            {"truth", truths_of(set.runs)},
-                            {"runs", set.names}},
+                 .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                        {"weights", read_description(model.bundle).weights_sha256},
+                                        {"truth", truths_of(set.runs)},
+                                        {"runs", set.names}}),
                  .outputs =
                      [json_file, csv_file] {
                        return hashes_of({json_file, csv_file});
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       const Classifier classifier(model.bundle.folder, threads_);
+                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                        const Evaluation evaluation = evaluate(*dataset_, classifier, set.runs, {.threads = threads_}, progress);
                        write_whole(csv_file, table_of(evaluation));
                        write_json(json_file, evaluation);
@@ -535,15 +531,16 @@ class Study {
     full_run_file_ = options_.out / "runs" / (run.object + "-" + run.run + ".csv");
     runner_.run({.name = "run-" + run.object + "-" + run.run,
                  .command = command_of({"eval", options_.data.string(), "--run", full_run_, "--models", options_.models.string(),
-                                        "--model", model.name(), "--out", (options_.out / "runs").string()}),
-                 .inputs = {{"manifest", dataset_->manifest_hash()},
-                            {"weights", read_description(model.bundle).weights_sha256},
-                            {"truth", truths_of({shown})}},
+                                        "--model", model.name(), "--out", (options_.out / "runs").string(), "--engine",
+                                        std::string(name_of(options_.engine))}),
+                 .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                        {"weights", read_description(model.bundle).weights_sha256},
+                                        {"truth", truths_of({shown})}}),
                  .outputs = [this] { return hash_of_file(full_run_file_); },
                  .work =
                      [&](const ProgressCallback& progress) {
                        check_unchanged(*dataset_, shown);
-                       const Classifier classifier(model.bundle.folder, threads_);
+                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                        const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
                        std::map<CameraTime, Touch> samples;
                        for (const Sample& sample : dataset_->samples()) {
