@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "evaluation/trained_model.hpp"
+#include "network/dv_stream_bytes.hpp"
+#include "network/scripted_server.hpp"
 #include "robot/fake_controller.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
@@ -224,6 +226,50 @@ TEST(DetectCommand, TriesAStreamAgainThatCloses) {
   const auto result = detect.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("reopened"), 1);
+}
+
+/// A stream of the model's sensor: half a second of events a millisecond apart, then `end`.
+std::string stream_then(const std::string& end, std::int64_t from_us = 5'000'000) {
+  std::string bytes = test::stream_start(0, test::event_node(0, 160, 120, "DVXplorer_DXM00001"));
+  for (std::int64_t t = 0; t < 500'000; t += 1'000) {
+    Event event;
+    event.t = camera_time(from_us + t);
+    event.x = static_cast<std::int16_t>(t / 1'000 % 160);
+    bytes += test::packet(0, test::event_payload({event}));
+  }
+  return bytes + end;
+}
+
+TEST(DetectCommand, NamesGarbageAndSaysWhatItToldUntilThen) {
+  std::string impossible = test::packet(0, test::event_payload({}));
+  test::put(impossible, 4, 0xFFFF'FFFFU);
+  const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
+    test::send_all(client, stream_then(impossible));
+    test::until_closed(client);
+  });
+  const auto result =
+      run_tactile("detect --json --model small --reconnect 0 --from " + server.address().text(), trained().folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("4294967295"), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+  EXPECT_EQ(json.at("faults").at("kinds").at("broken"), 1);
+}
+
+TEST(DetectCommand, NamesAClockOf31BitsThatBeganAgain) {
+  // The camera's clock of 31 bits begins again within the stream; there is one connection, so it is named and that is the end.
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  Event event;
+  event.t = camera_time(100);
+  const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
+    test::send_all(client, stream_then(test::packet(0, test::event_payload({event})), end - 500'000));
+    test::until_closed(client);
+  });
+  const auto result = run_tactile("detect --json --model small --reconnect 0.2 --from " + server.address().text(), trained().folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("its time went back by 2147.48"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("trying to open it again"), std::string::npos) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out).at("ticks").at("told").get<int>(), 0);
 }
 
 TEST(DetectCommand, SaysWhatIsWrong) {
