@@ -1,11 +1,11 @@
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -40,6 +40,7 @@
 #include "tactile/detect/robot_bits.hpp"
 #include "tactile/detect/tick_log.hpp"
 #include "tactile/detect/udp_records.hpp"
+#include "tactile/engine/lenet_engine.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/robot/robot_inputs.hpp"
 
@@ -61,6 +62,7 @@ struct DetectArguments {
   std::uint64_t seed = 1;
   std::string stream, readout_mode;
   double reconnect_s = 10, duration_s = 0;
+  std::string engine = "fast", precision = "fp32";
   std::string confirm = "1/1";
   bool gate = false;
   std::int64_t slack_us = 2000;
@@ -83,6 +85,20 @@ ModelBundle chosen_model(const DetectArguments& args) {
   if (!found) found = newest_bundle(args.models, [](const ModelDescription&) { return true; });
   if (!found) throw Error(args.models + ": no model; expected one, run 'tactile train' first");
   return *found;
+}
+
+/// What runs the network, for one thread.
+ClassifyHeatmap network_of(const DetectArguments& args, const ModelBundle& bundle, const ModelDescription& model) {
+  const EngineKind kind = engine_named(args.engine);
+  const Precision precision = precision_named(args.precision);
+  if (kind == EngineKind::fast) {
+    const auto engine = std::make_shared<LeNetEngine>(model.input, read_bundle_weights(bundle, model), model.settings.network,
+                                                      EngineOptions{.precision = precision});
+    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+  }
+  if (precision != Precision::fp32) throw Error("--precision int8: libtorch runs fp32 alone; expected --engine fast");
+  const auto classifier = std::make_shared<const Classifier>(bundle.folder, 1, kind);
+  return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
 }
 
 /// The run's folder that a file source plays, where it is one.
@@ -328,6 +344,7 @@ Recording begin_recording(const DetectArguments& args, CameraSource& source, boo
 
 void detect(DetectArguments args, const CommonArguments& common) {
   let_openmp_threads_sleep();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said
   const BitsAskedFor asked = bits_of(args);
   std::optional<NetworkAddress> udp_address;
   if (!args.udp.empty()) {
@@ -338,15 +355,16 @@ void detect(DetectArguments args, const CommonArguments& common) {
     }
   }
   const ModelBundle bundle = chosen_model(args);
-  const auto classifier = std::make_shared<const Classifier>(bundle.folder, 1);
+  const ModelDescription model = read_description(bundle);
   LiveLine line(!common.quiet);
   Faults faults(line);
   DetectSummary summary;
   summary.model = bundle.name();
-  summary.engine = "libtorch";
-  summary.rendering = classifier->rendering();
+  summary.engine = args.engine;
+  summary.precision = args.precision;
+  summary.rendering = model.settings.rendering;
   summary.confirmation = confirmation_in(args.confirm);
-  if (args.gate) summary.gate = gate_limit(bundle, classifier->model());
+  if (args.gate) summary.gate = gate_limit(bundle, model);
   line.inform("detecting by " + bundle.folder.string());
 
   if (args.from.empty()) args.from = usual_source("detect");
@@ -368,8 +386,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
                    .slack = microseconds{args.slack_us},
                    .by_events_alone = plays};
   TickDetector tick_detector(
-      sensor, classifier->input_size(),
-      [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); },
+      sensor, model.input, network_of(args, bundle, model),
       {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
 
   std::unique_ptr<UdpRecords> udp;
@@ -531,6 +548,10 @@ void add_detect_command(CLI::App& app) {
       ->check(is_confirmation())
       ->capture_default_str();
   command->add_flag("--gate", args->gate, "A verdict is none below the model's limit of events, without rendering or network");
+  add_engine_option(*command, args->engine);
+  command->add_option("--precision", args->precision, "Of the fast engine's weights")
+      ->check(one_of({"fp32", "int8"}))
+      ->capture_default_str();
   command->add_option("--slack-us", args->slack_us, "So long after its end a tick without further events waits [us]")
       ->check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->capture_default_str();

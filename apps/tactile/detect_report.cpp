@@ -94,6 +94,7 @@ std::string text_of(const DetectSummary& summary) {
   if (summary.asked_for_real_time)
     lines.emplace_back("real time", summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
   for (std::size_t i = 1; i < summary.real_time.size(); ++i) lines.emplace_back("", summary.real_time[i]);
+  lines.emplace_back("engine", summary.engine + ", " + summary.precision);
   lines.emplace_back("ended", summary.ended);
   std::string text = fmt::format("{}{} as {} sees it\n", summary.source, summary.simulated ? " (simulated)" : "", summary.model) +
                      text_list(lines) + latency_text(summary);
@@ -111,6 +112,7 @@ nlohmann::json json_of(const DetectSummary& summary) {
   nlohmann::json json = {
       {"model", summary.model},
       {"engine", summary.engine},
+      {"precision", summary.precision},
       {"source", summary.source},
       {"simulated", summary.simulated},
       {"rendering", summary.rendering},

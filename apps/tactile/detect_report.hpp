@@ -29,7 +29,7 @@ struct ToldToRobot {
 
 /// What became of a detection.
 struct DetectSummary {
-  std::string model, source, engine;
+  std::string model, source, engine, precision;
   bool simulated = false;
   HeatmapOptions rendering;
   Confirmation confirmation{};

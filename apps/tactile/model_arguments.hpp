@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "tactile/model/train_model.hpp"
@@ -19,6 +20,10 @@ bool make_missing_dataset(const std::string& data, const CommonArguments& common
 
 /// k/n of `--confirm`.
 CLI::Validator is_confirmation();
+
+/// The objects to hold out: those named, or those of the paper's five that the dataset has.
+/// @throws Error  where none was named and none of those, or nothing else, is there
+std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);
 
 /// How long a training will take, for people: from `images_per_s` where it is known, else from what a common core does.
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,

@@ -58,7 +58,7 @@ void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
     detector_.add(part);
     counts_.events += part.size();
     clock_.arrived(part.front().t, part.back().t, at);
-    while (const auto due = clock_.next(at)) tell(*due);
+    while (const auto due = clock_.next(at)) tell(*due, at);
   }
 }
 
@@ -113,15 +113,15 @@ bool LiveDetector::tell_due(HostTime now) {
   if (!plays() && now - due->closed > options_.clock.tick) {
     if (const auto newest = clock_.newest(now)) due = newest;
   }
-  tell(*due);
+  tell(*due, now);
   return true;
 }
 
-void LiveDetector::tell(const DueTick& due) {
+void LiveDetector::tell(const DueTick& due, HostTime now) {
   using Clock = std::chrono::steady_clock;
   ToldTick told;
   told.due = due;
-  told.begun = host_now();
+  told.begun = now;
   TickCost cost;
   told.verdict = detector_.verdict_at(due.t, due.skipped, cost);
   told.number = deadlines_.counts().told;

@@ -80,7 +80,7 @@ class LiveDetector {
   void begin_anew(const char* kind, const std::string& text, HostTime at);
   void take_played(std::span<const Event> events, HostTime at);
   void take_live(std::span<const Event> events, HostTime at);
-  void tell(const DueTick& due);
+  void tell(const DueTick& due, HostTime now);
 
   TickDetector detector_;
   LiveDetectorOptions options_;

@@ -23,10 +23,11 @@ std::string go_ahead_of_others(int priority) {
 
 std::string lock_memory() {
   rlimit limit{};
+  // Pages are locked as they are first used: the libraries that are loaded are ten times what is used of them.
   // With a limit, memory asked for later could be refused in the middle of the work.
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && ::geteuid() != 0)
     return "memory may be locked in part only; it takes CAP_IPC_LOCK, or memlock unlimited in limits.conf";
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   return std::string("memory cannot be locked (") + std::strerror(errno) + "); it takes CAP_IPC_LOCK, or memlock in limits.conf";
 }
 
