@@ -66,6 +66,7 @@ struct DetectArguments {
   std::string confirm = "1/1";
   bool gate = false;
   std::int64_t slack_us = 2000;
+  std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, robot;
   std::optional<int> bit, press_bit, slip_bit;
   double clear_ms = 0;
@@ -363,6 +364,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   summary.engine = args.engine;
   summary.precision = args.precision;
   summary.rendering = model.settings.rendering;
+  if (args.tick_us) summary.rendering.tick = microseconds{*args.tick_us};
+  check(summary.rendering);
   summary.confirmation = confirmation_in(args.confirm);
   if (args.gate) summary.gate = gate_limit(bundle, model);
   line.inform("detecting by " + bundle.folder.string());
@@ -552,6 +555,9 @@ void add_detect_command(CLI::App& app) {
   command->add_option("--precision", args->precision, "Of the fast engine's weights")
       ->check(one_of({"fp32", "int8"}))
       ->capture_default_str();
+  command->add_option("--tick-us", args->tick_us, "Between two verdicts, a whole number of which is the model's t_h [us]")
+      ->check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->default_str("the model's");
   command->add_option("--slack-us", args->slack_us, "So long after its end a tick without further events waits [us]")
       ->check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->capture_default_str();

@@ -245,7 +245,7 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
         script.table(5, std::move(values)), figure_colours::network, figure_colours::best);
   };
   // None at all has its place left of the least rate.
-  constexpr double none_at = 3e3;
+  static constexpr double none_at = 3e3;
   panel(0, trade.by_rate, "events per second, t_h 40 ms",
         [](const ReportedGrowth& point) { return std::max(point.events_per_s, none_at); },
         fmt::format("'0' {:g}, '10^4' 1e4, '10^5' 1e5, '10^6' 1e6, '10^7' 1e7", none_at));

@@ -15,6 +15,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/model/model_bundle.hpp"
+#include "tactile/windows/sample.hpp"
 
 namespace tactile {
 namespace {
