@@ -105,10 +105,11 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
   if (is_file(what / "trade.json")) return {report_of_trade(what), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
-    throw Error(fmt::format(
-        "{}: holds neither a study, a model, a trade nor a dataset; expected what 'tactile reproduce', 'train', 'trade' or 'windows' "
-        "wrote",
-        what.string()));
+    throw Error(
+        fmt::format("{}: holds neither a study, a model, a trade nor a dataset; expected what 'tactile reproduce', 'train', "
+                    "'trade' or 'windows' "
+                    "wrote",
+                    what.string()));
   }
   const std::vector<fs::path> folders = models_of(Dataset(dataset).manifest_hash(), args.models);
   if (folders.empty()) {
@@ -153,7 +154,8 @@ void add_report_command(CLI::App& app) {
   CLI::App* command = add_command(app, "report", "Write figures and one self-contained page from results",
                                   [args](const CommonArguments& common) { report(*args, common); });
   command
-      ->add_option("what", args->what, "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
+      ->add_option("what", args->what,
+                   "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
       ->type_name("STUDY|MODEL|TRADE|DATA");
   command->add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given")->type_name("DIR");
   command->add_option("--trade", args->trade, "Folder of a trade of speed for accuracy to be told too; trade/ if it is there")

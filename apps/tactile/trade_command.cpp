@@ -46,28 +46,38 @@ struct TradeArguments {
   std::string apply;
 };
 
+/// Each value once, in order of the first.
+template <class Values>
+Values once(const Values& values) {
+  Values kept;
+  for (const auto& value : values) {
+    if (std::find(kept.begin(), kept.end(), value) == kept.end()) kept.push_back(value);
+  }
+  return kept;
+}
+
 TradeLevels levels_of(const TradeArguments& args) {
   TradeLevels levels;
   levels.histories.clear();
-  for (const double history_ms : args.histories_ms) levels.histories.push_back(whole_us(history_ms, "--th"));
+  for (const double history_ms : once(args.histories_ms)) levels.histories.push_back(whole_us(history_ms, "--th"));
   levels.ticks.clear();
-  for (const std::int64_t tick : args.ticks_us) levels.ticks.emplace_back(tick);
-  levels.factors = args.factors;
+  for (const std::int64_t tick : once(args.ticks_us)) levels.ticks.emplace_back(tick);
+  levels.factors = once(args.factors);
   levels.resizes.clear();
-  for (const std::string& resize : args.resizes) levels.resizes.push_back(resize == "area" ? Resize::area : Resize::linear);
+  for (const std::string& resize : once(args.resizes)) levels.resizes.push_back(resize == "area" ? Resize::area : Resize::linear);
   levels.denoises.clear();
-  for (const std::string& denoise : args.denoises)
+  for (const std::string& denoise : once(args.denoises))
     levels.denoises.push_back(denoise == "mean" ? Denoise::mean : denoise == "literal" ? Denoise::literal : Denoise::none);
   levels.engines.clear();
-  for (const std::string& engine : args.engines) levels.engines.push_back(engine_named(engine));
+  for (const std::string& engine : once(args.engines)) levels.engines.push_back(engine_named(engine));
   levels.precisions.clear();
-  for (const std::string& precision : args.precisions) levels.precisions.push_back(precision_named(precision));
+  for (const std::string& precision : once(args.precisions)) levels.precisions.push_back(precision_named(precision));
   levels.sparse.clear();
-  for (const std::string& pass : args.passes) levels.sparse.push_back(pass == "sparse");
+  for (const std::string& pass : once(args.passes)) levels.sparse.push_back(pass == "sparse");
   levels.confirmations.clear();
-  for (const std::string& confirmation : args.confirmations) levels.confirmations.push_back(confirmation_in(confirmation));
+  for (const std::string& confirmation : once(args.confirmations)) levels.confirmations.push_back(confirmation_in(confirmation));
   levels.gate.clear();
-  for (const std::string& gate : args.gates) levels.gate.push_back(gate == "on");
+  for (const std::string& gate : once(args.gates)) levels.gate.push_back(gate == "on");
   return levels;
 }
 
@@ -148,9 +158,8 @@ std::string settings_text(const nlohmann::json& trade) {
                     text_of(number_in(reported.at("us").at("p99").at("value")), 0),
                     std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "")});
   }
-  std::string text = text_table({"setting", "seeds", "accuracy [%]", "delay [ms]", "p95", "missed [%]", "alarms/min", "p50 [us]",
-                                 "p99 [us]", ""},
-                                rows);
+  std::string text = text_table(
+      {"setting", "seeds", "accuracy [%]", "delay [ms]", "p95", "missed [%]", "alarms/min", "p50 [us]", "p99 [us]", ""}, rows);
   if (more > 0) text += fmt::format("and {} more, on no front\n", more);
   return text + "\n";
 }
@@ -158,7 +167,8 @@ std::string settings_text(const nlohmann::json& trade) {
 std::string growth_text(const nlohmann::json& trade) {
   if (trade.at("growth").is_null()) return {};
   std::string text;
-  for (const auto& [key, title] : {std::pair("rate", "events/s"), std::pair("history", "t_h [ms]"), std::pair("resolution", "sensor")}) {
+  for (const auto& [key, title] :
+       {std::pair("rate", "events/s"), std::pair("history", "t_h [ms]"), std::pair("resolution", "sensor")}) {
     std::vector<std::vector<std::string>> rows;
     for (const auto& point : trade.at("growth").at(key)) {
       const std::string at = std::string(key) == "rate" ? fmt::format("{:.0f}", point.at("events_per_s").get<double>())
@@ -176,19 +186,24 @@ std::string growth_text(const nlohmann::json& trade) {
 
 std::string text_of(const TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
-  std::string text = trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
-                     fmt::format("On the reported runs ({}); A: on the front of accuracy and time, D: of delay, misses and false alarms, both\n"
-                                 "as found on the runs to choose on ({})\n\n",
-                                 trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size()) +
-                     settings_text(trade) + growth_text(trade);
+  std::string text =
+      trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
+      fmt::format(
+          "On the reported runs ({}); A: on the front of accuracy and time, D: of delay, misses and false alarms, both\n"
+          "as found on the runs to choose on ({})\n\n",
+          trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size()) +
+      settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
     std::string list;
     for (const auto& pair : trade.at("left_out"))
-      list += fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
+      list +=
+          fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
     text += wrapped(fmt::format("Left out, as the history is no whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
   }
   for (const auto& one : trade.at("not_measured"))
-    text += wrapped(fmt::format("Not measured: {}: {}.", one.at("setting").get<std::string>(), one.at("why").get<std::string>())) + "\n";
+    text +=
+        wrapped(fmt::format("Not measured: {}: {}.", one.at("setting").get<std::string>(), one.at("why").get<std::string>())) +
+        "\n";
   text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
   text += fmt::format("{} steps done, {} kept as they were. Written to {}\n", summary.done, summary.kept, summary.file.string());
   return text;
@@ -215,7 +230,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   const TradeOptions options = options_of(args, common);
   if (!args.apply.empty() && !options.wish.any()) {
     throw Error(
-        "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside it");
+        "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside "
+        "it");
   }
   make_missing_dataset(args.data, common);
   const TradeSummary summary = run_trade(
@@ -298,7 +314,9 @@ void add_trade_command(CLI::App& app) {
   command->add_option("--seeds", args->seeds, "Trainings of each network on the front, each with a seed of its own")
       ->check(in_range(1U, 1000U))
       ->capture_default_str();
-  command->add_option("--seed", args->seed, "Of the first training; others follow on it")->check(is_seed())->capture_default_str();
+  command->add_option("--seed", args->seed, "Of the first training; others follow on it")
+      ->check(is_seed())
+      ->capture_default_str();
   command->add_flag("--no-growth", args->no_growth, "Leave out how cost grows with event rate, history and resolution");
   command->add_flag("--no-figures", args->no_figures, "Draw no figures");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();

@@ -39,7 +39,8 @@ TEST(ParetoFront, IsWhatEveryPairComparedGives) {
   for (int round = 0; round < 20; ++round) {
     std::vector<TradePlace> places(60);
     for (TradePlace& place : places)
-      place = {static_cast<double>(random.below(12)), static_cast<double>(random.below(12)), static_cast<double>(random.below(3))};
+      place = {static_cast<double>(random.below(12)), static_cast<double>(random.below(12)),
+               static_cast<double>(random.below(3))};
     std::set<std::size_t> expected;
     for (std::size_t i = 0; i < places.size(); ++i) {
       bool beaten = false;

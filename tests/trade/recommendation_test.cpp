@@ -60,7 +60,8 @@ TEST(MeetsInInterval, IsNeverSoWithoutAnInterval) {
 }
 
 TEST(Recommend, NamesTheSettingAndWhatItHas) {
-  const Recommendation said = recommend({.at_most_us = 200, .at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.97, 150, 1, 5000), false);
+  const Recommendation said =
+      recommend({.at_most_us = 200, .at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.97, 150, 1, 5000), false);
   EXPECT_TRUE(said.met);
   EXPECT_EQ(said.sentence,
             "For at most 200 us a tick and an accuracy of at least 95 % take t_h 20 ms: measured again on runs that it was not "
@@ -71,7 +72,8 @@ TEST(Recommend, NamesTheSettingAndWhatItHas) {
 TEST(Recommend, SaysThatNoSettingDoesWhereMeasuringAgainDoesNotBearItOut) {
   const Recommendation said = recommend({.at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.955, 150), true);
   EXPECT_FALSE(said.met);
-  EXPECT_TRUE(said.sentence.starts_with("No setting that was measured surely gives an accuracy of at least 95 %: ")) << said.sentence;
+  EXPECT_TRUE(said.sentence.starts_with("No setting that was measured surely gives an accuracy of at least 95 %: "))
+      << said.sentence;
   EXPECT_TRUE(said.sentence.ends_with("On simulated runs, which say nothing about real ones.")) << said.sentence;
 }
 

@@ -19,14 +19,15 @@ const std::string small =
     "--confirm 1/1,2/3 --epochs 1 --seeds 2 --corners 2 --threads 2 ";
 
 void simulate_runs(const fs::path& folder, const std::string& objects) {
-  for (const std::string& command : {"simulate --preset tiny --runs 3 --objects " + objects, std::string("label --no-pictures")}) {
+  for (const std::string& command :
+       {"simulate --preset tiny --runs 3 --objects " + objects, std::string("label --no-pictures")}) {
     const auto result = test::run_tactile(command, folder);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 }
 
-nlohmann::json traded(const fs::path& folder, const std::string& arguments) {
-  const auto result = test::run_tactile(small + arguments + " --json", folder);
+nlohmann::json traded(const fs::path& folder, const std::string& arguments, const std::string& command = small) {
+  const auto result = test::run_tactile(command + arguments + " --json", folder);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return nlohmann::json::parse(result.out, nullptr, false);
 }
@@ -103,8 +104,7 @@ TEST(TradeCommand, FromRunsToAConfigThatDetectTakes) {
   EXPECT_EQ(other.at("steps_done"), 0);
   EXPECT_FALSE(other.at("recommendation").at("met"));
   EXPECT_TRUE(other.at("recommendation").at("sentence").get<std::string>().starts_with("No setting"));
-  const auto refused =
-      test::run_tactile(small + "--at-most-us 0.001 --no-growth --no-figures --apply none.json", folder.path());
+  const auto refused = test::run_tactile(small + "--at-most-us 0.001 --no-growth --no-figures --apply none.json", folder.path());
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("no setting to apply"), std::string::npos) << refused.err;
   EXPECT_FALSE(fs::exists(folder / "none.json"));
@@ -113,14 +113,17 @@ TEST(TradeCommand, FromRunsToAConfigThatDetectTakes) {
 TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallGoesOn) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "fan,white-box");
-  const std::string few = "--tick-us 2000 --precision fp32 --gate off --confirm 1/1 --seeds 1 --no-growth --no-figures ";
-  const auto none = test::run_tactile(small + few + "--budget-minutes 0", folder.path());
+  const std::string few =
+      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass sparse --confirm 1/1 "
+      "--gate off --epochs 1 --seeds 1 --no-growth --no-figures --threads 2 ";
+  const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("--budget-minutes"), std::string::npos) << none.err;
-  const nlohmann::json whole = traded(folder.path(), few);
+  EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  const nlohmann::json whole = traded(folder.path(), "--th 20,40", few);
   EXPECT_NE(point_of(whole, "t_h 20 ms"), nullptr);
   EXPECT_TRUE(whole.at("points")[0].at("reported").at("accuracy").at("low").is_null()) << "two objects";
-  const nlohmann::json again = traded(folder.path(), few + "--th 20,30,40 --budget-minutes 0");
+  const nlohmann::json again = traded(folder.path(), "--th 20,30,40 --budget-minutes 0", few);
   EXPECT_NE(point_of(again, "t_h 20 ms"), nullptr) << "it is trained already";
   EXPECT_EQ(point_of(again, "t_h 30 ms"), nullptr);
   ASSERT_EQ(again.at("not_measured").size(), 1U);

@@ -473,8 +473,8 @@ class Report {
     if (trade.simulated && !input_.simulated)
       page_.warning("This part was measured on simulated runs, and says nothing about a real sensor.");
     if (!trade.sentence.empty()) page_.paragraph(trade.sentence);
-    page_.paragraph(fmt::format("{} Measured on {}. Settings were chosen on {} runs and are reported on {} others.", trade.times_are,
-                                trade.machine, trade.choice_runs.size(), trade.reported_runs.size()));
+    page_.paragraph(fmt::format("{} Measured on {}. Settings were chosen on {} runs and are reported on {} others.",
+                                trade.times_are, trade.machine, trade.choice_runs.size(), trade.reported_runs.size()));
     const auto on = [&](bool ReportedSetting::*front) {
       return std::count_if(trade.settings.begin(), trade.settings.end(),
                            [front](const ReportedSetting& setting) { return setting.*front; });
@@ -482,14 +482,16 @@ class Report {
     figure("trade-accuracy", trade_accuracy_plot(trade),
            fmt::format("Accuracy against time per tick of {} settings, {} of them on the front.", trade.settings.size(),
                        on(&ReportedSetting::on_accuracy_front)),
-           "Accuracy against the time that 99 of 100 ticks do not exceed. The front was found on the runs to choose on; where it is no "
+           "Accuracy against the time that 99 of 100 ticks do not exceed. The front was found on the runs to choose on; where it "
+           "is no "
            "front here, chance is the reason.");
     figure("trade-delay", trade_delay_plot(trade),
-           fmt::format("Mean detection delay against false alarms of {} settings, {} of them on the front.", trade.settings.size(),
-                       on(&ReportedSetting::on_delay_front)),
+           fmt::format("Mean detection delay against false alarms of {} settings, {} of them on the front.",
+                       trade.settings.size(), on(&ReportedSetting::on_delay_front)),
            "Mean delay of presses and slips, computing included, against false alarms per minute; what is missed stands beside.");
-    HtmlTable table{.caption = "Each setting by what is other than usual; below each figure its 95 % interval. Differences are to the "
-                               "usual setting, paired over runs",
+    HtmlTable table{.caption =
+                        "Each setting by what is other than usual; below each figure its 95 % interval. Differences are to the "
+                        "usual setting, paired over runs",
                     .head = {"setting", "seeds", "accuracy [%]", "to usual [points]", "delay [ms]", "to usual [ms]", "p95 [ms]",
                              "missed [%]", "false alarms/min", "to usual", "p50 [us]", "p99 [us]", "front"},
                     .rows = {}};
@@ -523,10 +525,12 @@ class Report {
     if (trade.by_rate.empty()) return;
     page_.heading("How the cost grows");
     figure("trade-growth", trade_growth_plot(trade),
-           fmt::format("Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and {:.0f} us the "
-                       "dense way.",
-                       trade.by_rate.back().events_per_s, trade.by_rate.back().sparse_us, trade.by_rate.back().dense_us),
-           "Time per tick against the event rate, the history and the sensor's resolution, beside the dense way, which computes every "
+           fmt::format(
+               "Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and {:.0f} us the "
+               "dense way.",
+               trade.by_rate.back().events_per_s, trade.by_rate.back().sparse_us, trade.by_rate.back().dense_us),
+           "Time per tick against the event rate, the history and the sensor's resolution, beside the dense way, which computes "
+           "every "
            "pixel and every output of the network.");
   }
 
@@ -577,10 +581,12 @@ class Report {
 
   /// Those that an earlier report drew, and this one did not; what else lies there stays.
   void remove_old_figures() const {
-    static constexpr std::array<std::string_view, 12> ours{
-        "frames",      "accuracy-by-history", "delays", "operating-curve", "confusion",
-        "reliability", "over-time",           "run-",   "unseen",          "training",
-        "figure-",     "trade-"};
+    static constexpr std::array<std::string_view, 12> ours{"frames",    "accuracy-by-history",
+                                                           "delays",    "operating-curve",
+                                                           "confusion", "reliability",
+                                                           "over-time", "run-",
+                                                           "unseen",    "training",
+                                                           "figure-",   "trade-"};
     std::error_code ignored;
     std::vector<fs::path> old;
     for (const auto& entry : fs::directory_iterator(out_ / "figures", ignored)) {

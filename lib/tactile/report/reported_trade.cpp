@@ -17,7 +17,7 @@ namespace {
 using figure_colours::faint_ink;
 using figure_colours::ink;
 
-constexpr int page_width = 1000;       // [px]
+constexpr int page_width = 1000;        // [px]
 constexpr std::size_t most_named = 24;  // of a front
 
 ReportedSetting setting_in(const JsonView& json) {
@@ -91,14 +91,16 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   const int bottom = top + panel_height, rows = static_cast<int>((named + 1) / 2);
   PlotScript script(title, page_width, bottom + below + rows * row + 16);
   script.text(axes.note, 20, 52, "left font ',12'", faint_ink);
-  script.text("Orange: the front, as found on the runs to choose on, with 95 % intervals; grey: other settings; ring: the usual one.",
-              20, 72, "left font ',12'", faint_ink);
+  script.text(
+      "Orange: the front, as found on the runs to choose on, with 95 % intervals; grey: other settings; ring: the usual one.", 20,
+      72, "left font ',12'", faint_ink);
   for (std::size_t i = 0; i < named; ++i) {
     script.text(shortened(fmt::format("{}  {}", i + 1, front[i]->text), 62), i % 2 == 0 ? 40 : page_width / 2 + 20,
                 bottom + below + static_cast<int>(i / 2) * row, "left font ',11'");
   }
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
-  const double across = most_x > least_x ? most_x - least_x : std::max(1.0, most_x), up = std::max(most_y - least_y, 1e-3 * std::max(1.0, std::abs(most_y)));
+  const double across = most_x > least_x ? most_x - least_x : std::max(1.0, most_x),
+               up = std::max(most_y - least_y, 1e-3 * std::max(1.0, std::abs(most_y)));
   if (axes.log_x && least_x > 0) {
     script.add("set logscale x\nset xrange [{:.9g}:{:.9g}]", 0.85 * least_x, 1.2 * most_x);
   } else {
@@ -212,8 +214,9 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   constexpr int left = 80, right = 30, top = 100, gap = 70, panel_height = 330, below = 60;
   const int width = (page_width - left - right - 2 * gap) / 3, bottom = top + panel_height;
   PlotScript script(with_runs(trade, "How the cost of a tick grows"), page_width, bottom + below);
-  script.text("Solid blue: ours, all of a tick; dashed blue: its rendering. Orange: every pixel and every output computed, likewise.",
-              20, 52, "left font ',12'", faint_ink);
+  script.text(
+      "Solid blue: ours, all of a tick; dashed blue: its rendering. Orange: every pixel and every output computed, likewise.", 20,
+      52, "left font ',12'", faint_ink);
   script.text("median time per tick [us]", 20, 78, "left font ',12'");
   double most = 1, least = INFINITY;
   for (const auto* curve : {&trade.by_rate, &trade.by_history, &trade.by_resolution}) {
@@ -231,8 +234,8 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     std::vector<double> values;
     for (const ReportedGrowth& point : points) {
-      values.insert(values.end(), {x_of(point), point.sparse_us, point.sparse_rendering_us, point.dense_us,
-                                   point.dense_rendering_us});
+      values.insert(values.end(),
+                    {x_of(point), point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us});
     }
     script.add("set logscale xy\nset yrange [{:.9g}:{:.9g}]", 0.7 * least, 1.5 * most);
     if (!tics.empty()) script.add("set xtics ({})", tics);
@@ -246,14 +249,17 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   };
   // None at all has its place left of the least rate.
   static constexpr double none_at = 3e3;
-  panel(0, trade.by_rate, "events per second, t_h 40 ms",
-        [](const ReportedGrowth& point) { return std::max(point.events_per_s, none_at); },
-        fmt::format("'0' {:g}, '10^4' 1e4, '10^5' 1e5, '10^6' 1e6, '10^7' 1e7", none_at));
-  panel(1, trade.by_history, "t_h [ms], 0.3 million events/s", [](const ReportedGrowth& point) { return point.history_ms; },
-        "2, 10, 40, 200, 1000");
-  panel(2, trade.by_resolution, "pixels, 0.3 million events/s",
-        [](const ReportedGrowth& point) { return point.width * point.height; },
-        "'160x120' 19200, '320x240' 76800, '640x480' 307200, '1280x960' 1228800");
+  panel(
+      0, trade.by_rate, "events per second, t_h 40 ms",
+      [](const ReportedGrowth& point) { return std::max(point.events_per_s, none_at); },
+      fmt::format("'0' {:g}, '10^4' 1e4, '10^5' 1e5, '10^6' 1e6, '10^7' 1e7", none_at));
+  panel(
+      1, trade.by_history, "t_h [ms], 0.3 million events/s", [](const ReportedGrowth& point) { return point.history_ms; },
+      "2, 10, 40, 200, 1000");
+  panel(
+      2, trade.by_resolution, "pixels, 0.3 million events/s",
+      [](const ReportedGrowth& point) { return point.width * point.height; },
+      "'160x120' 19200, '320x240' 76800, '640x480' 307200, '1280x960' 1228800");
   return std::move(script).plot();
 }
 

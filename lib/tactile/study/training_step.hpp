@@ -20,9 +20,10 @@ struct TrainingPlaces {
 /// "tactile train …", each word as a shell reads it.
 std::string command_of(const std::vector<std::string>& words);
 
-/// A training by a process of `tactile train` with one thread, gone on with where it was broken off. A model of the same name that
-/// no such step made is never replaced.
-/// @param settings  a training's as `tactile train` makes them of --th, --seed, --epochs, --train-run, the split and the rendering
+/// A training by a process of `tactile train` with one thread, gone on with where it was broken off. A model of the same name
+/// that no such step made is never replaced.
+/// @param settings  a training's as `tactile train` makes them of --th, --seed, --epochs, --train-run, the split and the
+/// rendering
 /// @param dataset   must outlive the step
 Step training_step(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                    const TrainingPlaces& places);

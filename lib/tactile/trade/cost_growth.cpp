@@ -62,7 +62,8 @@ GrowthPoint::Way way_of(std::span<const TickParts> ticks) {
 /// A stream of one rate: which events there are until a tick, all just before it.
 class EvenStream {
  public:
-  EvenStream(std::span<const Event> source, SensorSize from, SensorSize to, double events_per_s, std::size_t ticks, std::size_t begin)
+  EvenStream(std::span<const Event> source, SensorSize from, SensorSize to, double events_per_s, std::size_t ticks,
+             std::size_t begin)
       : events_per_tick_(events_per_s * 1e-6 * static_cast<double>(tick.count())), events_(until(ticks)) {
     std::size_t at = 1;
     for (std::size_t i = 0; i < events_.size(); ++i) {
@@ -99,10 +100,12 @@ GrowthPoint measure_point(std::span<const Event> source, SensorSize source_senso
   LeNetEngine skipping(point.heatmap, weights), whole(point.heatmap, weights, {}, {.skip_empty = false});
   const auto history = static_cast<std::size_t>(history_us / tick);
   std::vector<TickParts> sparse(std::size_t{options.pieces} * options.ticks), dense = sparse;
-  std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(point.heatmap.width) * static_cast<std::size_t>(point.heatmap.height));
+  std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(point.heatmap.width) *
+                                    static_cast<std::size_t>(point.heatmap.height));
   std::uint64_t lit = 0, cells = 0;
   for (unsigned piece = 0; piece < options.pieces; ++piece) {
-    const EvenStream stream(source, source_sensor, sensor, events_per_s, history + options.ticks, source.size() / options.pieces * piece);
+    const EvenStream stream(source, source_sensor, sensor, events_per_s, history + options.ticks,
+                            source.size() / options.pieces * piece);
     for (unsigned turn = 0; turn < options.turns; ++turn) {
       HeatmapRenderer renderer(sensor, rendering);
       for (std::size_t at = 1; at <= history; ++at) {

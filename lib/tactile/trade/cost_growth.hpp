@@ -20,8 +20,8 @@ struct GrowthPoint {
   SensorSize heatmap;
   double lit_share = 0;  ///< of the heatmap's cells that are not 0, on average
   struct Way {
-    double rendering_us = 0, network_us = 0;        ///< medians over ticks
-    double p50_us = 0, p99_us = 0;                  ///< of both together
+    double rendering_us = 0, network_us = 0;  ///< medians over ticks
+    double p50_us = 0, p99_us = 0;            ///< of both together
   };
   Way sparse, dense;
 };
@@ -36,7 +36,7 @@ void to_json(nlohmann::json& json, const CostGrowth& growth);
 
 struct GrowthOptions {
   std::vector<double> rates{0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7};  ///< events per second, at t_h 40 ms on the source's sensor
-  std::vector<microseconds> histories{2ms, 10ms, 20ms, 40ms, 100ms, 200ms};  ///< at `usual_rate`
+  std::vector<microseconds> histories{2ms, 10ms, 20ms, 40ms, 100ms, 200ms};          ///< at `usual_rate`
   std::vector<SensorSize> sensors{{160, 120}, {320, 240}, {640, 480}, {1280, 960}};  ///< at `usual_rate`
   double usual_rate = 3e5;
   unsigned pieces = 5;  ///< of the source, spread evenly over it, > 0

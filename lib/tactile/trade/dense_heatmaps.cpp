@@ -31,8 +31,6 @@ void DenseHeatmaps::render() {
   resized_.convertTo(heatmap_, CV_8U, largest > 0 ? 255.0 / largest : 0.0);
 }
 
-std::span<const std::uint8_t> DenseHeatmaps::heatmap() const {
-  return {heatmap_.data, heatmap_.total()};
-}
+std::span<const std::uint8_t> DenseHeatmaps::heatmap() const { return {heatmap_.data, heatmap_.total()}; }
 
 }  // namespace tactile

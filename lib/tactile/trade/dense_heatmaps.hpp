@@ -9,9 +9,9 @@
 
 namespace tactile {
 
-/// Heatmaps as fast as they go over every pixel by OpenCV: what `HeatmapRenderer` is measured beside, never used to detect. Images
-/// are kept, a count image takes the events that come and go, and no call is made that another can do without. The bytes are the
-/// renderer's but for rounding in float32, by the default way of denoising.
+/// Heatmaps as fast as they go over every pixel by OpenCV: what `HeatmapRenderer` is measured beside, never used to detect.
+/// Images are kept, a count image takes the events that come and go, and no call is made that another can do without. The bytes
+/// are the renderer's but for rounding in float32, by the default way of denoising.
 class DenseHeatmaps {
  public:
   DenseHeatmaps(SensorSize sensor, double factor);

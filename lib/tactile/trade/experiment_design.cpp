@@ -16,11 +16,13 @@ double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 template <class T, class Text, class Set>
 TradeFactor factor_of(const std::string& name, const std::vector<T>& values, Text text, Set set) {
   TradeFactor factor{name, {}};
-  for (const T value : values) factor.levels.push_back({text(value), [value, set](TradeSetting& setting) { set(setting, value); }});
+  for (const T value : values)
+    factor.levels.push_back({text(value), [value, set](TradeSetting& setting) { set(setting, value); }});
   return factor;
 }
 
-void for_all_combinations(const std::vector<TradeFactor>& factors, const std::function<void(const std::vector<std::size_t>&)>& use) {
+void for_all_combinations(const std::vector<TradeFactor>& factors,
+                          const std::function<void(const std::vector<std::size_t>&)>& use) {
   std::vector<std::size_t> levels(factors.size(), 0);
   if (std::any_of(factors.begin(), factors.end(), [](const TradeFactor& factor) { return factor.levels.empty(); })) return;
   for (;;) {
@@ -35,8 +37,7 @@ void for_all_combinations(const std::vector<TradeFactor>& factors, const std::fu
 std::vector<std::size_t> thinned(const std::vector<std::size_t>& indexes, std::size_t most) {
   if (indexes.size() <= most) return indexes;
   std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < most; ++i)
-    kept.push_back(indexes[most == 1 ? 0 : i * (indexes.size() - 1) / (most - 1)]);
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(indexes[most == 1 ? 0 : i * (indexes.size() - 1) / (most - 1)]);
   return kept;
 }
 
@@ -52,25 +53,31 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
     };
   };
   const auto ms_text_of = [](microseconds us) { return fmt::format("{:g}", in_ms(us)); };
-  return {factor_of("tick_ms", levels.ticks, ms_text_of, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
-          factor_of("confirm", levels.confirmations, [](const Confirmation& c) { return text_of(c); },
-                    [](TradeSetting& s, const Confirmation& confirmation) { s.confirmation = confirmation; }),
-          factor_of("gate", levels.gate, [](bool gate) { return std::string(gate ? "on" : "off"); },
-                    [](TradeSetting& s, bool gate) { s.gate = gate; }),
-          factor_of("precision", levels.precisions, [](Precision p) { return std::string(name_of(p)); },
-                    [](TradeSetting& s, Precision precision) { s.precision = precision; }),
-          factor_of("pass", levels.sparse, [](bool sparse) { return std::string(sparse ? "sparse" : "dense"); },
-                    [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
-          factor_of("engine", levels.engines, [](EngineKind e) { return std::string(name_of(e)); },
-                    [](TradeSetting& s, EngineKind engine) { s.engine = engine; }),
-          factor_of("th_ms", levels.histories, ms_text_of,
-                    [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
-          factor_of("factor", levels.factors, [](double factor) { return fmt::format("{:g}", factor); },
-                    [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
-          factor_of("resize", levels.resizes, word("resize"),
-                    [](TradeSetting& s, Resize resize) { s.rendering.resize = resize; }),
-          factor_of("denoise", levels.denoises, word("denoise"),
-                    [](TradeSetting& s, Denoise denoise) { s.rendering.denoise = denoise; })};
+  return {
+      factor_of("tick_ms", levels.ticks, ms_text_of, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
+      factor_of(
+          "confirm", levels.confirmations, [](const Confirmation& c) { return text_of(c); },
+          [](TradeSetting& s, const Confirmation& confirmation) { s.confirmation = confirmation; }),
+      factor_of(
+          "gate", levels.gate, [](bool gate) { return std::string(gate ? "on" : "off"); },
+          [](TradeSetting& s, bool gate) { s.gate = gate; }),
+      factor_of(
+          "precision", levels.precisions, [](Precision p) { return std::string(name_of(p)); },
+          [](TradeSetting& s, Precision precision) { s.precision = precision; }),
+      factor_of(
+          "pass", levels.sparse, [](bool sparse) { return std::string(sparse ? "sparse" : "dense"); },
+          [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
+      factor_of(
+          "engine", levels.engines, [](EngineKind e) { return std::string(name_of(e)); },
+          [](TradeSetting& s, EngineKind engine) { s.engine = engine; }),
+      factor_of("th_ms", levels.histories, ms_text_of,
+                [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
+      factor_of(
+          "factor", levels.factors, [](double factor) { return fmt::format("{:g}", factor); },
+          [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
+      factor_of("resize", levels.resizes, word("resize"), [](TradeSetting& s, Resize resize) { s.rendering.resize = resize; }),
+      factor_of("denoise", levels.denoises, word("denoise"),
+                [](TradeSetting& s, Denoise denoise) { s.rendering.denoise = denoise; })};
 }
 
 std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels) {

@@ -50,18 +50,18 @@ std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const Trad
 
 /// What one setting costs and gives, on the runs to choose on; NaN where it is not known.
 struct TradeOutcome {
-  double accuracy = 0;              ///< in [0, 1]
-  double us = 0;                    ///< time per tick
-  double delay_us = 0;              ///< mean detection delay
+  double accuracy = 0;  ///< in [0, 1]
+  double us = 0;        ///< time per tick
+  double delay_us = 0;  ///< mean detection delay
   double false_alarms_per_min = 0;
-  double missed = 0;                ///< share of presses and slips missed or early, in [0, 1]
+  double missed = 0;  ///< share of presses and slips missed or early, in [0, 1]
 };
 
 /// Combinations of two and more values off the default that look promising: were each to change things as it does alone, they
 /// would lie on the front of accuracy against time, or on that of false alarms, delay and misses.
 ///
-///   accuracy, delay, misses: default + sum of differences;   time: default * product of ratios;   false alarms: (default + 0.1) *
-///   product of ratios of what is measured + 0.1, less 0.1
+///   accuracy, delay, misses: default + sum of differences;   time: default * product of ratios;   false alarms: (default + 0.1)
+///   * product of ratios of what is measured + 0.1, less 0.1
 ///
 /// @param measured  what `one_at_a_time` gave, by `id_of`; values that it lacks are in no combination
 /// @param most      of each front, spread along it

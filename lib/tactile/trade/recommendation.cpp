@@ -15,8 +15,7 @@ bool all_met(const TradeWish& wish, const TradeFigures& figures,
              const std::function<bool(const Figure&, double, bool at_least)>& is_met) {
   return (!wish.at_most_us || is_met(figures.us_p99, *wish.at_most_us, false)) &&
          (!wish.at_least_accuracy || is_met(figures.accuracy, *wish.at_least_accuracy, true)) &&
-         (!wish.at_most_false_alarms_per_min ||
-          is_met(figures.false_alarms_per_min, *wish.at_most_false_alarms_per_min, false));
+         (!wish.at_most_false_alarms_per_min || is_met(figures.false_alarms_per_min, *wish.at_most_false_alarms_per_min, false));
 }
 
 std::string interval_text(const Figure& figure, double factor, const char* format_of, const char* unit) {
@@ -28,11 +27,12 @@ std::string interval_text(const Figure& figure, double factor, const char* forma
 }
 
 std::string measured_text(const TradeFigures& figures) {
-  return fmt::format("an accuracy of {}, a time per tick of {} in 99 of 100 ticks ({} in half of them), a mean delay of {} and "
-                     "{} false alarms per minute",
-                     interval_text(figures.accuracy, 100, "{:.2f}", " %"), interval_text(figures.us_p99, 1, "{:.0f}", " us"),
-                     interval_text(figures.us_p50, 1, "{:.0f}", " us"), interval_text(figures.delay_us, 1e-3, "{:.2f}", " ms"),
-                     interval_text(figures.false_alarms_per_min, 1, "{:.2f}", ""));
+  return fmt::format(
+      "an accuracy of {}, a time per tick of {} in 99 of 100 ticks ({} in half of them), a mean delay of {} and "
+      "{} false alarms per minute",
+      interval_text(figures.accuracy, 100, "{:.2f}", " %"), interval_text(figures.us_p99, 1, "{:.0f}", " us"),
+      interval_text(figures.us_p50, 1, "{:.0f}", " us"), interval_text(figures.delay_us, 1e-3, "{:.2f}", " ms"),
+      interval_text(figures.false_alarms_per_min, 1, "{:.2f}", ""));
 }
 
 }  // namespace
@@ -100,7 +100,8 @@ Recommendation recommend(const TradeWish& wish, const std::optional<std::string>
                                           text_of(wish), *setting, measured_text(again), of_runs);
   } else {
     recommendation.sentence = fmt::format(
-        "No setting that was measured surely gives {}: the one that promised it, {}, has {} when measured again on runs that it was "
+        "No setting that was measured surely gives {}: the one that promised it, {}, has {} when measured again on runs that it "
+        "was "
         "not chosen on, and the wish must be met by the whole 95 % interval.{}",
         text_of(wish), *setting, measured_text(again), of_runs);
   }

@@ -20,14 +20,14 @@ struct TradeWish {
 };
 
 void to_json(nlohmann::json& json, const TradeWish& wish);  ///< {"at_most_us", …}, null where nothing was wished
-std::string text_of(const TradeWish& wish);                  ///< "at most 200 us a tick and an accuracy of at least 95 %"
+std::string text_of(const TradeWish& wish);                 ///< "at most 200 us a tick and an accuracy of at least 95 %"
 
 /// What is measured of a setting, as wishes ask for it.
 struct TradeFigures {
-  Figure accuracy;              ///< in [0, 1]
-  Figure us_p99;                ///< time per tick that 99 of 100 ticks do not exceed
+  Figure accuracy;  ///< in [0, 1]
+  Figure us_p99;    ///< time per tick that 99 of 100 ticks do not exceed
   Figure us_p50;
-  Figure delay_us;              ///< mean detection delay
+  Figure delay_us;  ///< mean detection delay
   Figure false_alarms_per_min;
 };
 

@@ -47,9 +47,9 @@ class Networks {
     }
     const ModelBundle bundle{way.model};
     const ModelDescription description = read_description(bundle);
-    const auto engine = std::make_shared<LeNetEngine>(description.input, read_bundle_weights(bundle, description),
-                                                      description.settings.network,
-                                                      EngineOptions{.precision = way.precision, .skip_empty = way.sparse});
+    const auto engine =
+        std::make_shared<LeNetEngine>(description.input, read_bundle_weights(bundle, description), description.settings.network,
+                                      EngineOptions{.precision = way.precision, .skip_empty = way.sparse});
     return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
   }
 
@@ -62,7 +62,8 @@ struct Recorded {
 
   std::span<const Event> between(CameraTime begin, CameraTime end) const {
     const auto place = [&](CameraTime t) {
-      return std::lower_bound(events.begin(), events.end(), t, [](const Event& event, CameraTime time) { return event.t < time; });
+      return std::lower_bound(events.begin(), events.end(), t,
+                              [](const Event& event, CameraTime time) { return event.t < time; });
     };
     return {place(begin), place(end)};
   }
@@ -73,8 +74,9 @@ Recorded events_of(const std::filesystem::path& recording) {
   const Stream& stream = event_stream(reader);
   Recorded recorded;
   recorded.sensor = stream.size.value_or(SensorSize{});
-  for_all_events(reader, stream.id,
-                 [&](std::span<const Event> events) { recorded.events.insert(recorded.events.end(), events.begin(), events.end()); });
+  for_all_events(reader, stream.id, [&](std::span<const Event> events) {
+    recorded.events.insert(recorded.events.end(), events.begin(), events.end());
+  });
   if (recorded.events.empty()) throw Error(recording.string() + ": no events; expected some to time detection with");
   return recorded;
 }

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <memory>
 #include <numeric>
 #include <set>
 #include <thread>
@@ -91,14 +90,12 @@ class Trade {
     const Dataset dataset(options_.data / "dataset.h5");
     dataset_ = &dataset;
     divide_runs();
-    const auto design = options_.full ? all_combinations(options_.usual, options_.levels)
-                                      : one_at_a_time(options_.usual, options_.levels);
+    const auto design =
+        options_.full ? all_combinations(options_.usual, options_.levels) : one_at_a_time(options_.usual, options_.levels);
     // The usual setting first: all others are told by their difference to it.
     add(options_.usual, "usual");
     for (const TradeSetting& setting : design) add(setting, options_.full ? "all" : "one");
     measure("times-design");
-    if (points_.empty() || !(points_.front().setting == options_.usual))
-      throw Error("the usual setting could not be measured; expected a larger --budget-minutes");
     if (!options_.full) {
       const std::size_t before = points_.size();
       for (const TradeSetting& corner : promising_corners(options_.usual, options_.levels, outcomes(), options_.corners))
@@ -122,9 +119,10 @@ class Trade {
   void divide_runs() {
     const StudyRuns runs = study_runs(*dataset_, options_.train_run, options_.choice_runs);
     if (runs.choice.empty()) {
-      throw Error(fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
-                              "at least, or other --choice-runs",
-                              dataset_->file().string(), fmt::join(options_.choice_runs, ", ")));
+      throw Error(
+          fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
+                      "at least, or other --choice-runs",
+                      dataset_->file().string(), fmt::join(options_.choice_runs, ", ")));
     }
     train_runs_ = runs.train;
     choice_count_ = runs.choice.size();
@@ -134,10 +132,11 @@ class Trade {
       check_unchanged(*dataset_, run);
       const DatasetRun& names = dataset_->runs()[run];
       const RunFolder folder{dataset_->run_folder(run), names.object, names.run};
-      JudgedRun judged{.run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset_->sampling().guard};
-      for (const std::uint32_t sample : samples_of_runs(*dataset_, {&run, 1})) judged.samples.push_back(dataset_->samples()[sample]);
-      judged.truth =
-          read_run_truth(folder, member<bool>(dataset_->settings(), "include_flagged", dataset_->file().string()));
+      JudgedRun judged{
+          .run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset_->sampling().guard};
+      for (const std::uint32_t sample : samples_of_runs(*dataset_, {&run, 1}))
+        judged.samples.push_back(dataset_->samples()[sample]);
+      judged.truth = read_run_truth(folder, member<bool>(dataset_->settings(), "include_flagged", dataset_->file().string()));
       judged_.push_back(std::move(judged));
       recordings_.push_back(folder.events());
     }
@@ -162,7 +161,8 @@ class Trade {
   }
 
   Step training_of(const TradeNetwork& network) const {
-    return training_step(*dataset_, network.settings, network.bundle, {options_.data, options_.models, from_trade(options_.models)});
+    return training_step(*dataset_, network.settings, network.bundle,
+                         {options_.data, options_.models, from_trade(options_.models)});
   }
 
   double seconds_of_a_training() const {
@@ -176,7 +176,7 @@ class Trade {
   bool budget_allows_a_batch() const {
     if (!options_.budget_minutes) return true;
     const double passed = std::chrono::duration<double>(Clock::now() - begun_).count();
-    return passed + seconds_of_a_training() <= 60 * *options_.budget_minutes;
+    return passed + seconds_of_a_training() < 60 * *options_.budget_minutes;
   }
 
   /// Trains those that the budget allows, in their order.
@@ -220,6 +220,8 @@ class Trade {
     for (const TradePoint& point : points_) networks.push_back(network_of(point.setting, 0));
     train(networks);
     take_networks();
+    if (!points_.empty() && points_.front().networks.empty())
+      throw Error("the usual setting could not be measured; expected a larger --budget-minutes");
     drop_unless([](const TradePoint& point) { return !point.networks.empty(); },
                 fmt::format("the budget of {:g} minutes was used up before its network was trained",
                             options_.budget_minutes.value_or(0)));
@@ -228,6 +230,8 @@ class Trade {
           return !point.setting.gate || read_description(point.networks.front().bundle).gate.has_value();
         },
         "its network was made without a gate");
+    if (points_.empty() || !(points_.front().setting == options_.usual))
+      throw Error("the usual setting has a gate, and its network none; expected one that this version of 'tactile train' made");
     for (const TradePoint& point : points_) say(point);
     measure_times(times_name);
     judge();
@@ -240,6 +244,7 @@ class Trade {
         check_renders(*dataset_, network_of(point.setting, 0).settings.rendering);
         check(point.setting.rendering);
       } catch (const Error& e) {
+        if (point.setting == options_.usual) throw;
         why[id_of(point.setting)] = e.what();
       }
     }
@@ -295,9 +300,10 @@ class Trade {
                               {"engine", name_of(point.setting.engine)},
                               {"precision", name_of(point.setting.precision)}},
                    .outputs = [file] { return hash_of_file(file); },
-                   .work = [&](const ProgressCallback& progress) {
-                     write_said(file, said_anew(network, point.setting, tick, tested_, progress));
-                   }});
+                   .work =
+                       [&](const ProgressCallback& progress) {
+                         write_said(file, said_anew(network, point.setting, tick, tested_, progress));
+                       }});
       said_[name] = read_said(file);
     }
   }
@@ -309,7 +315,8 @@ class Trade {
     std::mutex one_at_a_time;
     std::size_t done = 0;
     parallel_for(runs.size(), threads_, [&](std::size_t i) {
-      said[i] = said_in_run(dataset_->run_folder(runs[i]) / "events.aedat4", name_of(dataset_->runs()[runs[i]]), classifier, tick);
+      said[i] =
+          said_in_run(dataset_->run_folder(runs[i]) / "events.aedat4", name_of(dataset_->runs()[runs[i]]), classifier, tick);
       const std::scoped_lock lock(one_at_a_time);
       tell(progress, ++done, runs.size(), fmt::format("every tick of {}, by {}", said[i].run, network.name()));
     });
@@ -342,9 +349,10 @@ class Trade {
                             {"ticks", options_.timing.ticks},
                             {"turns", options_.timing.turns}},
                  .outputs = [file] { return hash_of_file(file); },
-                 .work = [&](const ProgressCallback& progress) {
-                   write_times(file, time_ticks(ways_, recordings_, options_.timing, progress));
-                 }});
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       write_times(file, time_ticks(ways_, recordings_, options_.timing, progress));
+                     }});
     times_ = read_times(file);
     if (times_.size() != ways_.size()) throw Error(file.string() + ": times of other ways; expected those asked for");
   }
@@ -465,9 +473,10 @@ class Trade {
                             {"ticks", growth.ticks},
                             {"turns", growth.turns}},
                  .outputs = [file] { return hash_of_file(file); },
-                 .work = [&](const ProgressCallback& progress) {
-                   write_json(file, measure_growth(moving_events(recordings), dataset_->sensor(), growth, progress));
-                 }});
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       write_json(file, measure_growth(moving_events(recordings), dataset_->sensor(), growth, progress));
+                     }});
     growth_ = read_json(file);
   }
 
@@ -475,7 +484,7 @@ class Trade {
 
   void recommend_one() {
     const TradeWish& wish = options_.wish;
-    recommendation_ = {{"wish", wish}, {"setting", nullptr}, {"id", nullptr}, {"met", false}, {"chosen_in_interval", nullptr},
+    recommendation_ = {{"wish", wish},    {"setting", nullptr}, {"id", nullptr}, {"met", false}, {"chosen_in_interval", nullptr},
                        {"again", nullptr}};
     std::vector<TradeFigures> candidates;
     for (const TradePoint& point : points_) candidates.push_back(point.choice.figures);
@@ -567,16 +576,12 @@ class Trade {
   json point_json(const TradePoint& point) const {
     json networks = json::array();
     for (const TradeNetwork& network : point.networks) networks.push_back(network.name());
-    json entry = {{"id", id_of(point.setting)},
-                  {"text", text_of(point.setting, options_.usual)},
-                  {"design", point.design},
-                  {"setting", point.setting},
-                  {"models", networks},
-                  {"seeds", point.networks.size()},
-                  {"choice", point.choice},
-                  {"reported", point.reported},
-                  {"difference", nullptr},
-                  {"front", {{"accuracy", point.on_accuracy_front}, {"delay", point.on_delay_front}}}};
+    json entry = {
+        {"id", id_of(point.setting)}, {"text", text_of(point.setting, options_.usual)},
+        {"design", point.design},     {"setting", point.setting},
+        {"models", networks},         {"seeds", point.networks.size()},
+        {"choice", point.choice},     {"reported", point.reported},
+        {"difference", nullptr},      {"front", {{"accuracy", point.on_accuracy_front}, {"delay", point.on_delay_front}}}};
     if (point.difference) entry["difference"] = *point.difference;
     return entry;
   }
@@ -598,10 +603,11 @@ class Trade {
         {"title", fmt::format("Speed against accuracy on {} runs", dataset_->simulated() ? "simulated" : "real")},
         {"simulated", dataset_->simulated()},
         {"times_are",
-         fmt::format("Time per tick is that of counting events, rendering and network, on one thread of one process: of {} ticks in "
-                     "each of {} pieces of every run the shortest of {} turns, in which all settings come one after the other, so "
-                     "that what else the machine does falls on all alike.",
-                     options_.timing.ticks, options_.timing.pieces, options_.timing.turns)},
+         fmt::format(
+             "Time per tick is that of counting events, rendering and network, on one thread of one process: of {} ticks in "
+             "each of {} pieces of every run the shortest of {} turns, in which all settings come one after the other, so "
+             "that what else the machine does falls on all alike.",
+             options_.timing.ticks, options_.timing.pieces, options_.timing.turns)},
         {"settings",
          {{"data", from_trade(options_.data)},
           {"models", from_trade(options_.models)},
@@ -638,9 +644,8 @@ class Trade {
         {"steps", json::array()}};
     for (const TradePoint& point : points_) trade["points"].push_back(point_json(point));
     for (const LeftOutPair& pair : left_out_pairs(options_.levels)) {
-      trade["left_out"].push_back({{"th_ms", in_ms(pair.history)},
-                                   {"tick_ms", in_ms(pair.tick)},
-                                   {"why", "the history is no whole number of ticks"}});
+      trade["left_out"].push_back(
+          {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is no whole number of ticks"}});
     }
     for (const NotMeasured& one : not_measured_) trade["not_measured"].push_back({{"setting", one.setting}, {"why", one.why}});
     for (const StepRecord& record : runner_.records()) {
@@ -700,7 +705,9 @@ std::string trade_csv(const json& trade) {
       "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p95_us,missed,"
       "false_alarms_per_min,false_alarms_per_min_low,false_alarms_per_min_high,us_p50,us_p50_low,us_p50_high,"
       "us_p99,us_p99_low,us_p99_high,front_accuracy,front_delay\n";
-  const auto number = [](const json& value) { return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>()); };
+  const auto number = [](const json& value) {
+    return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>());
+  };
   const auto figure = [&](const json& value) {
     return fmt::format("{},{},{}", number(value.at("value")), number(value.at("low")), number(value.at("high")));
   };

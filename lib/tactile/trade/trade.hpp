@@ -19,12 +19,12 @@ namespace tactile {
 /// What the trade of speed for accuracy is to be measured over.
 struct TradeOptions {
   std::filesystem::path data = "data", models = "models", out = "trade";
-  std::string train_run = "01";                  ///< of each object, that networks learn from
+  std::string train_run = "01";                   ///< of each object, that networks learn from
   std::vector<std::string> choice_runs = {"02"};  ///< settings are chosen on them; all others are reported on
-  unsigned epochs = 10;                          ///< of each training, > 0
-  unsigned seeds = 3;                            ///< trainings of each network on the front, and of the usual one, > 0
-  std::uint64_t seed = 1;                        ///< of the first training; others follow on it
-  TradeSetting usual{};                          ///< what one knob at a time is turned from
+  unsigned epochs = 10;                           ///< of each training, > 0
+  unsigned seeds = 3;                             ///< trainings of each network on the front, and of the usual one, > 0
+  std::uint64_t seed = 1;                         ///< of the first training; others follow on it
+  TradeSetting usual{};                           ///< what one knob at a time is turned from
   TradeLevels levels{};
   bool full = false;                       ///< every combination
   std::size_t corners = 6;                 ///< promising combinations of each front

@@ -144,7 +144,8 @@ TradeResult result_of(Runs runs, const BootstrapOptions& options) {
   result.figures.us_p99 = figure(tick_us_in(runs, 0.99));
   result.figures.delay_us = figure(delay_in(runs));
   result.figures.false_alarms_per_min = figure(alarms_in(runs));
-  result.delay_p95_us = figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &RunOutcome::delays_us), 0.95); });
+  result.delay_p95_us =
+      figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &RunOutcome::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));
   add_to(result.figures.delay_us, result.figures.us_p50.value);
   add_to(result.delay_p95_us, result.figures.us_p50.value);
