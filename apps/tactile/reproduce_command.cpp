@@ -67,10 +67,6 @@ std::string check_splits(const std::string& text) {
   }
 }
 
-std::string check_run_id(const std::string& text) {
-  return is_run_id(text) ? "" : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
-}
-
 StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
   StudyOptions options;
   options.data = args.data;
@@ -243,9 +239,7 @@ void add_reproduce_command(CLI::App& app) {
       ->delimiter(',')
       ->check(in_range(0.001, 1e5))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")
-      ->check(CLI::Validator(check_run_id, ""))
-      ->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
   command
       ->add_option("--held-out", args->held_out,
                    "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
