@@ -226,7 +226,7 @@ void add_train_command(CLI::App& app) {
   command->add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
       ->check(one_of({"single-run", "unseen"}))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
   command
       ->add_option(
           "--held-out", args->held_out,
