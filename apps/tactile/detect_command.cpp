@@ -500,6 +500,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   if (summary.ended.empty()) summary.ended = gone.empty() ? "source ended" : gone;
   if (recording) {
     recording->copy->end();
+    // What waits between us and the recorder is still to come to it.
+    for (int i = 0; i < 6'000 && recording->recorder->state().ended.empty(); ++i) std::this_thread::sleep_for(10ms);
     summary.recorded = recording->recorder->end(summary.ended);
     for (const std::string& error : summary.recorded->errors) line.warn(error);
   }

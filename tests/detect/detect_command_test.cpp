@@ -172,6 +172,18 @@ TEST(DetectCommand, SendsARecordEachTick) {
   EXPECT_GT(got, 0U);
 }
 
+TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
+  const auto result = test::run_shell(
+      "'" TACTILE_SCRIPTS "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err & pid=$!; "
+      "until grep -q listening bridge.err; do sleep 0.05; done; port=$(sed 's/.*://' bridge.err); "
+      "'" TACTILE_BINARY "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$port >/dev/null; status=$?; "
+      "sleep 0.5; kill $pid; wait $pid; cat bridge.out; exit $status",
+      trained().folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.out.starts_with("none\n")) << result.out;
+  EXPECT_NE(result.out.find("\nslip\n"), std::string::npos) << result.out;
+}
+
 TEST(DetectCommand, RecordsWhatItSees) {
   const fs::path folder = trained().folder.path();
   const auto result = run_tactile("detect --json --model small --from file:data/fan/02 --speed 0 --record --out recorded --object fan", folder);
