@@ -80,6 +80,9 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
     if (dot.on_front) {
       front.push_back(&dot);
+      for (const double bound : {dot.y.low, dot.y.high}) {
+        if (std::isfinite(bound)) least_y = std::min(least_y, bound), most_y = std::max(most_y, bound);
+      }
     } else {
       others.insert(others.end(), {dot.x, dot.y.value});
     }
@@ -101,7 +104,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   const double across = most_x > least_x ? most_x - least_x : std::max(1.0, most_x),
                up = std::max(most_y - least_y, 1e-3 * std::max(1.0, std::abs(most_y)));
-  if (axes.log_x && least_x > 0) {
+  if (axes.log_x && least_x > 0 && most_x > 8 * least_x) {  // in less there is no decade to be named
     script.add("set logscale x\nset xrange [{:.9g}:{:.9g}]", 0.85 * least_x, 1.2 * most_x);
   } else {
     script.add("set xrange [{:.9g}:{:.9g}]", least_x - 0.04 * across, most_x + 0.06 * across);
