@@ -59,7 +59,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   for (const char* key : {"accuracy_true", "confusion_true", "false_alarms_true", "over_time_true", "above_baselines"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const auto& guard : json.at("accuracy_by_guard")) expect_figure(guard.at("difference").at("mean"));
-  for (const char* touch : {"press", "slip", "both"}) expect_figure(json.at("over_time").at(touch).at("last_minus_first"));
+  for (const char* touch : {"press", "slip", "both"}) expect_figure(json.at("over_time").at(touch).at("last_minus_before"));
   for (const auto& point : json.at("operating_curve")) {
     expect_figure(point.at("delay_ms").at("slip").at("mean"));
     expect_figure(point.at("false_alarms_per_min"));

@@ -74,7 +74,8 @@ struct Evaluation {
   BootstrapOptions bootstrap;
   std::vector<std::string> test_runs;
 
-  std::vector<RunConfusion> runs;  ///< of the balanced samples of each test run, in order
+  std::vector<RunConfusion> runs;         ///< of the balanced samples of each test run, in order
+  std::vector<RunDetections> detections;  ///< likewise: how each labelled interval was met
   Accuracy accuracy;
   Confusion confusion;
   ClassScores classes;
