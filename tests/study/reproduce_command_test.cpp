@@ -61,6 +61,8 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first.at("steps_kept"), 0);
+  EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("One training each"), std::string::npos);
+  EXPECT_TRUE(first.at("left_out").is_array());
   const fs::path file = folder / "study/study.json";
   const std::string text = read_text(file);
   const nlohmann::json study = read_json(file);
@@ -85,7 +87,9 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
 
   // Every file that it names is there.
   const fs::path out = folder / "study";
-  std::vector<std::string> named{study.at("dataset").at("file"), study.at("full_runs")[0].at("csv")};
+  std::vector<std::string> named{study.at("dataset").at("file"), study.at("full_runs")[0].at("csv"),
+                                 study.at("unseen").at("trainings")[0].at("history"),
+                                 study.at("splits")[0].at("training").at("history")};
   for (const auto& history : study.at("histories")) {
     for (const char* key : {"history", "samples"}) named.push_back(history.at("models")[0].at(key));
   }
@@ -219,6 +223,9 @@ TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
   EXPECT_EQ(study.at("claims")[2].at("id"), "marginal-past-20");
   EXPECT_TRUE(study.at("claims")[2].at("measured").at("value").is_null()) << "no history past 20 ms was asked for";
   EXPECT_FALSE(study.at("claims")[7].at("measured").at("low").is_null()) << "three objects";
+  EXPECT_EQ(study.at("claims")[7].at("why"), "too few objects: 3, 5 wanted");
+  EXPECT_NE(study.at("bootstrap").at("trainings").get<std::string>().find("2 trainings each"), std::string::npos);
+  EXPECT_EQ(study.at("unseen").at("trainings").size(), 2U);
 }
 
 TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
