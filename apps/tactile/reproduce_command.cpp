@@ -159,7 +159,8 @@ std::string text_of(const StudySummary& summary) {
   }
   text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "in the paper's way"}, rows) + "\n";
   for (const auto& claim : study.at("claims")) {
-    std::string words = claim.at("id").get<std::string>() + ": " + claim.at("in_words").get<std::string>();
+    std::string words = claim.at("id").get<std::string>() + ":";
+    if (const auto said = claim.at("in_words").get<std::string>(); !said.empty()) words += " " + said;
     if (const auto why = claim.at("why").get<std::string>(); !why.empty()) words += fmt::format(" One cannot tell: {}.", why);
     text += wrapped(words, 2) + "\n";
   }

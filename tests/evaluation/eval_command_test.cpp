@@ -136,6 +136,10 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
     for (const char* extension : {".csv", ".png", ".svg"})
       EXPECT_GT(std::filesystem::file_size(trained.bundle.folder / "runs" / (std::string(name) + extension)), 1000U) << name;
   }
+  const auto outcome = read_json(trained.bundle.folder / "runs/fan-02.json");
+  EXPECT_EQ(outcome.at("intervals"), json.at("runs").at(0).at("intervals"));
+  EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
+  EXPECT_TRUE(read_json(trained.bundle.folder / "runs/new-07.json").at("false_alarms").is_null());
   EXPECT_FALSE(std::filesystem::exists(trained.bundle.evaluation()));
 
   EXPECT_EQ(run_tactile("eval --run fan/01 --out shown", trained.folder.path()).exit_code, 0);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -113,6 +114,18 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(second.at("steps_done"), 0);
   EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
   EXPECT_EQ(read_text(file), text);
+
+  // In words it ends with what one may go on with.
+  const auto in_words =
+      test::run_tactile("reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
+  EXPECT_EQ(in_words.exit_code, 0) << in_words.err;
+  const std::string model = "models/" + study.at("choice").at("model").get<std::string>();
+  EXPECT_NE(in_words.out.find("  tactile eval --model " + model + "\n"), std::string::npos) << in_words.out;
+  EXPECT_NE(in_words.out.find("  tactile export --model " + model + " --onnx model.onnx\n"), std::string::npos) << in_words.out;
+  const std::string on_one_line = std::regex_replace(in_words.out, std::regex("\\s+"), " ");
+  for (const char* words : {"side by side", "history-2-worst: One cannot tell: not measured.",
+                            "One cannot tell: too few runs: 1 each, 3 wanted.", "One training each"})
+    EXPECT_NE(on_one_line.find(words), std::string::npos) << words << in_words.out;
 
   // Without gnuplot the study is told and kept all the same, and what is missing is named.
   fs::remove_all(folder / "study/report");
