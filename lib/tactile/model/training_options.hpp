@@ -15,6 +15,12 @@ namespace tactile {
 /// gradient descent with a momentum of 0.9.
 enum class OptimizerKind : std::uint8_t { adam, adamw, sgd };
 
+/// What works out a step. Their results agree but for rounding.
+enum class TrainingEngine : std::uint8_t {
+  fast,     ///< convolution, ReLU and max-pool in one pass, and the optimizer's step in one; other layers are libtorch's
+  libtorch  ///< its layers and optimizers one by one
+};
+
 /// How the learning rate goes over a training's steps: as it is; down a half cosine to 0; or a tenth of it from half of the
 /// epochs on and a hundredth from three quarters on.
 enum class Schedule : std::uint8_t { constant, cosine, step };
@@ -44,6 +50,7 @@ struct TrainingOptions {
   Schedule schedule = Schedule::constant;
   Augmentation augmentation{};
   ClassWeights class_weights{};
+  TrainingEngine engine = TrainingEngine::fast;
   double validation_share = 0;  ///< of the training runs' samples, the last of each class in time; in [0, 0.5]
   unsigned early_stop = 0;      ///< epochs without a smaller validation loss that end it; 0: never, else validation_share > 0
 
@@ -52,15 +59,18 @@ struct TrainingOptions {
 
 std::string_view name_of(OptimizerKind optimizer);        ///< "adam", "adamw", "sgd"
 std::string_view name_of(Schedule schedule);              ///< "constant", "cosine", "step"
+std::string_view name_of(TrainingEngine engine);          ///< "fast", "libtorch"
 OptimizerKind optimizer_named(std::string_view name);     ///< @throws Error
 Schedule schedule_named(std::string_view name);           ///< @throws Error
+TrainingEngine training_engine_named(std::string_view name);  ///< @throws Error
 Augmentation augmentation_named(std::string_view names);  ///< "none", "flip", "shift" or "flip,shift". @throws Error
 ClassWeights class_weights_named(std::string_view text);  ///< "none", "balanced", or a weight each: "1,2,1". @throws Error
 std::string text_of(const Augmentation& augmentation);    ///< as `augmentation_named` reads it
 std::string text_of(const ClassWeights& weights);         ///< as `class_weights_named` reads it
 
 void to_json(nlohmann::json& json, const TrainingOptions& options);
-void from_json(const nlohmann::json& json, TrainingOptions& options);  ///< @throws Error
+/// Settings without an engine are older than the fast one: libtorch's. @throws Error
+void from_json(const nlohmann::json& json, TrainingOptions& options);
 
 /// @throws Error  if an option is out of its range
 void check(const TrainingOptions& options);
