@@ -41,7 +41,7 @@ struct ReproduceArguments {
   std::vector<std::string> held_out = default_held_out();
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
-  std::string splits = "0";
+  std::string engine = "fast", splits = "0";
   bool without_report = false;
 };
 
@@ -83,6 +83,7 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.train_run = args.train_run;
   options.held_out = args.held_out;
   if (args.epochs > 0) options.epochs = args.epochs;
+  options.engine = training_engine_named(args.engine);
   options.seeds = args.seeds;
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
@@ -248,6 +249,9 @@ void add_reproduce_command(CLI::App& app) {
   command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
       ->check(in_range(1U, 100'000U))
       ->type_name("N");
+  command->add_option("--engine", args->engine, "What works out the trainings' steps, as for 'tactile train'")
+      ->check(one_of({"fast", "libtorch"}))
+      ->capture_default_str();
   command->add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
       ->check(in_range(1U, 1000U))
       ->capture_default_str();

@@ -221,7 +221,7 @@ TEST(OptimizerSteps, AreThoseOfTheirFormulas) {
     for (std::size_t i = 0; i < count; ++i) {
       EXPECT_NEAR(weights[i], w[i], 1e-5) << name_of(kind);
       EXPECT_NEAR(first[i], m[i], 1e-5) << name_of(kind);
-      if (kind != OptimizerKind::sgd) EXPECT_NEAR(second[i], v[i], 1e-6) << name_of(kind);
+      EXPECT_NEAR(second[i], v[i], 1e-6) << name_of(kind);
     }
   }
 }

@@ -38,6 +38,11 @@ std::size_t strip_columns(const LeNetLayers& layers) { return static_cast<std::s
 /// The cells that are not 0, row by row.
 void find_cells(const LeNetLayers& layers, const std::uint8_t* heatmap, Workspace& work) {
   const auto width = static_cast<std::size_t>(layers.input.width), height = static_cast<std::size_t>(layers.input.height);
+  static const std::array<float, 256> value_of = [] {
+    std::array<float, 256> values;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) / 255.0F;
+    return values;
+  }();
   std::uint32_t count = 0;
   for (std::size_t y = 0; y < height; ++y) {
     work.row_begin[y] = count;
@@ -45,7 +50,7 @@ void find_cells(const LeNetLayers& layers, const std::uint8_t* heatmap, Workspac
     const auto take = [&](std::size_t begin, std::size_t end) {
       for (std::size_t x = begin; x < end; ++x) {
         work.cell_x[count] = static_cast<std::uint16_t>(x);
-        work.cell_value[count] = static_cast<float>(row[x]) / 255.0F;
+        work.cell_value[count] = value_of[row[x]];
         count += row[x] != 0 ? 1 : 0;
       }
     };

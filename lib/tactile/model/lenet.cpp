@@ -5,6 +5,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <sstream>
 #include <type_traits>
@@ -114,9 +115,10 @@ struct Network : torch::nn::Module {
     return activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))).flatten(1);
   }
 
-  torch::Tensor connected(const torch::Tensor& x) {
-    return fc3->forward(activated(fc2->forward(activated(fc1->forward(x)))));
-  }
+  torch::Tensor connected(const torch::Tensor& x) { return connected_behind(fc1->forward(x)); }
+
+  /// Behind the first fully connected layer, which has all but all of the weights.
+  torch::Tensor connected_behind(const torch::Tensor& x) { return fc3->forward(activated(fc2->forward(activated(x)))); }
 
   torch::Tensor forward(const torch::Tensor& x) { return connected(convolved(x)); }
 
@@ -129,8 +131,13 @@ struct Network : torch::nn::Module {
 /// A batch on its way through the fused layers and back, and the memory for it, which later batches use again.
 class FusedBatch {
  public:
-  explicit FusedBatch(const LeNetLayers& layers)
-      : layers_(layers), cells_(static_cast<std::size_t>(layers.input.width) * static_cast<std::size_t>(layers.input.height)), passes_(layers) {}
+  FusedBatch(const LeNetLayers& layers, unsigned threads)
+      : layers_(layers),
+        cells_(static_cast<std::size_t>(layers.input.width) * static_cast<std::size_t>(layers.input.height)),
+        passes_(layers),
+        workspaces_(threads, passes_.make_workspace()) {}
+
+  unsigned threads() const { return static_cast<unsigned>(workspaces_.size()); }
 
   /// What the next pass is of; must outlive it.
   void set_heatmaps(std::span<const std::uint8_t> heatmaps) { heatmaps_ = heatmaps; }
@@ -138,8 +145,6 @@ class FusedBatch {
   torch::Tensor forward(const ConvolutionValues<const float>& weights) {
     passes_.set(weights);
     while (kept_.size() < count()) kept_.push_back(passes_.make_kept());
-    const auto threads = static_cast<std::size_t>(at::get_num_threads());
-    while (workspaces_.size() < threads) workspaces_.push_back(passes_.make_workspace());
     torch::Tensor flat = torch::empty({static_cast<std::int64_t>(count()), static_cast<std::int64_t>(layers_.flat)});
     const std::span<float> values(flat.data_ptr<float>(), count() * layers_.flat);
     for_slices([&](std::size_t, std::size_t i, FusedConvolutions::Workspace& workspace) {
@@ -166,12 +171,14 @@ class FusedBatch {
   std::size_t slices() const { return (count() + slice_size - 1) / slice_size; }
   std::span<const std::uint8_t> heatmap(std::size_t i) const { return heatmaps_.subspan(i * cells_, cells_); }
 
+  /// Each slice on whichever thread is free: what it comes to does not depend on that.
   template <class Work>
   void for_slices(const Work& work) {
-    at::parallel_for(0, static_cast<std::int64_t>(slices()), 1, [&](std::int64_t begin, std::int64_t end) {
-      FusedConvolutions::Workspace& workspace = workspaces_[static_cast<std::size_t>(at::get_thread_num())];
-      for (auto slice = static_cast<std::size_t>(begin); slice < static_cast<std::size_t>(end); ++slice) {
-        for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i) work(slice, i, workspace);
+    std::atomic<std::size_t> next{0};
+    parallel_for(workspaces_.size(), threads(), [&](std::size_t thread) {
+      for (std::size_t slice = next++; slice < slices(); slice = next++) {
+        for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i)
+          work(slice, i, workspaces_[thread]);
       }
     });
   }
@@ -204,6 +211,50 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
     batch->backward(gradients[0].contiguous(), {first_weight.data_ptr<float>(), first_bias.data_ptr<float>(),
                                                 second_weight.data_ptr<float>(), second_bias.data_ptr<float>()});
     return {first_weight, first_bias, second_weight, second_bias, torch::Tensor()};
+  }
+};
+
+/// A fully connected layer whose units are shared out among threads, as libtorch's layer gives it. OpenBLAS, which has one thread,
+/// is called by each.
+class SharedLinear : public torch::autograd::Function<SharedLinear> {
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,
+                               const torch::Tensor& bias, std::int64_t threads) {
+    context->save_for_backward({input, weight});
+    context->saved_data["threads"] = threads;
+    const torch::Tensor output = torch::empty({input.size(0), weight.size(0)});
+    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      output.narrow(1, first, count).copy_(torch::addmm(bias.narrow(0, first, count), input, weight.narrow(0, first, count).t()));
+    });
+    return output;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& gradients) {
+    const torch::Tensor input = context->get_saved_variables()[0], weight = context->get_saved_variables()[1];
+    const torch::Tensor& gradient = gradients[0];
+    const std::int64_t threads = context->saved_data["threads"].toInt();
+    const torch::Tensor of_input = torch::empty_like(input), of_weight = torch::empty_like(weight);
+    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      torch::Tensor rows = of_weight.narrow(0, first, count);
+      torch::mm_out(rows, gradient.narrow(1, first, count).t(), input);
+    });
+    share(input.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      torch::Tensor rows = of_input.narrow(0, first, count);
+      torch::mm_out(rows, gradient.narrow(0, first, count), weight);
+    });
+    return {of_input, of_weight, gradient.sum(0), torch::Tensor()};
+  }
+
+ private:
+  template <class Work>
+  static void share(std::int64_t count, std::int64_t threads, const Work& work) {
+    parallel_for(static_cast<std::size_t>(threads), static_cast<unsigned>(threads), [&](std::size_t i) {
+      const torch::NoGradGuard no_gradients;  // of each thread
+      const auto part = static_cast<std::int64_t>(i);
+      const std::int64_t first = count * part / threads, end = count * (part + 1) / threads;
+      if (end > first) work(first, end - first);
+    });
   }
 };
 
@@ -376,7 +427,7 @@ struct LeNetTrainer::State {
       trained->to(torch::kFloat64);
     }
     parameters = trained->parameters();
-    if (fast && trained->options == LeNetOptions{}) batch = std::make_unique<FusedBatch>(of.layers());
+    if (fast && trained->options == LeNetOptions{}) batch = std::make_unique<FusedBatch>(of.layers(), threads);
     if (fast)
       forget();
     else
@@ -400,8 +451,11 @@ struct LeNetTrainer::State {
   torch::Tensor logits_of(std::span<const std::uint8_t> heatmaps) {
     if (!batch) return trained->forward(input_of(heatmaps, network.layers().input).to(parameters[0].scalar_type()));
     batch->set_heatmaps(heatmaps);
-    return trained->connected(FusedLayers::apply(trained->conv1->weight, trained->conv1->bias, trained->conv2->weight,
-                                                 trained->conv2->bias, batch.get()));
+    const torch::Tensor flat = FusedLayers::apply(trained->conv1->weight, trained->conv1->bias, trained->conv2->weight,
+                                                  trained->conv2->bias, batch.get());
+    if (threads == 1) return trained->connected(flat);
+    return trained->connected_behind(
+        SharedLinear::apply(flat, trained->fc1->weight, trained->fc1->bias, static_cast<std::int64_t>(threads)));
   }
 
   /// @return whether the slope is finite and no accident
@@ -434,11 +488,12 @@ struct LeNetTrainer::State {
       for (std::size_t i = 0; i < parameters.size(); ++i) torch::Tensor(rounded[i]).copy_(parameters[i]);
       return;
     }
-    constexpr std::int64_t piece = 65536;  // values that a thread takes at once
+    constexpr std::size_t piece = 65536;  // values that a thread takes at once
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      at::parallel_for(0, parameters[i].numel(), piece, [&](std::int64_t begin, std::int64_t end) {
+      const auto count = static_cast<std::size_t>(parameters[i].numel()), pieces = (count + piece - 1) / piece;
+      parallel_for(pieces, threads, [&](std::size_t k) {
         const auto part = [&](const torch::Tensor& tensor) {
-          return values_in(tensor).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+          return values_in(tensor).subspan(k * piece, std::min(piece, count - k * piece));
         };
         take_step({kind, learning_rate, step},
                   {part(parameters[i]), part(parameters[i].grad()), part(moments[i][0]),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/core/time.hpp"
+#include "tactile/model/training_options.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile {
@@ -26,6 +27,7 @@ struct StudyOptions {
   std::string train_run = "01";
   std::vector<std::string> held_out = default_held_out();  ///< those of them that the dataset has
   std::optional<unsigned> epochs = {};                     ///< the preset's where it is not given
+  TrainingEngine engine = TrainingEngine::fast;            ///< of every training
   unsigned seeds = 1;                                      ///< trainings of each kind, > 0
   std::uint64_t seed = 1;  ///< of the simulation, the samples, the drawn splits and the first training; the others follow on it
   std::size_t splits = 0;  ///< drawn of all ways to hold so many objects out
