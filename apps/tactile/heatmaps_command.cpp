@@ -9,6 +9,8 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "text_table.hpp"
 
@@ -29,8 +31,13 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   const bool is_file = fs::is_regular_file(given) || (!fs::exists(given) && given.extension() == ".h5");
   const fs::path file = is_file ? given : given / "dataset.h5";
   if (!fs::exists(file)) {
+    if (fs::exists(RunFolder{.folder = given, .object = "", .run = ""}.events())) {
+      const fs::path data = (given / "../.." / "x").lexically_normal().parent_path();
+      throw Error(fmt::format("{}: a run; expected a dataset of runs, as in 'tactile heatmaps {}', or 'tactile view' for one run",
+                              args.data, shell_word(data.empty() ? "." : data.string())));
+    }
     throw Error(fmt::format("{}: no such dataset; expected one, run 'tactile windows{}' first", file.string(),
-                            args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + args.data));
+                            args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + shell_word(args.data)));
   }
   std::vector<HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {

@@ -20,6 +20,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/study/study.hpp"
@@ -38,7 +39,7 @@ struct ReproduceArguments {
   bool force = false;
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::string train_run = "01";
-  std::vector<std::string> held_out = default_held_out();
+  std::vector<std::string> held_out;
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string engine = "fast", splits = "0";
@@ -62,10 +63,6 @@ std::string check_splits(const std::string& text) {
   } catch (const Error& e) {
     return e.what();
   }
-}
-
-std::string check_run_id(const std::string& text) {
-  return is_run_id(text) ? "" : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
 }
 
 StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
@@ -171,7 +168,7 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const NewPr
   };
   StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .tell = tell_step});
   runner.run({.name = "report",
-              .command = "tactile report " + study.string(),
+              .command = "tactile report " + shell_word(study.string()),
               .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
               .outputs = page_made,
               .work = [&](const ProgressCallback& progress) {
@@ -240,12 +237,12 @@ void add_reproduce_command(CLI::App& app) {
       ->delimiter(',')
       ->check(in_range(0.001, 1e5))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")
-      ->check(CLI::Validator(check_run_id, ""))
-      ->capture_default_str();
-  command->add_option("--held-out", args->held_out, "Objects of the unseen test, a list with commas; those that there are")
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
+  command
+      ->add_option("--held-out", args->held_out,
+                   "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
       ->delimiter(',')
-      ->capture_default_str();
+      ->type_name("NAME,...");
   command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
       ->check(in_range(1U, 100'000U))
       ->type_name("N");

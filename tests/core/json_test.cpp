@@ -13,6 +13,20 @@
 namespace tactile {
 namespace {
 
+TEST(Json, DifferencesAreToldByTheirMembers) {
+  const auto before = nlohmann::json::parse(R"({"a": {"b": 10, "c": "x"}, "list": [1, 2], "gone": true})");
+  EXPECT_EQ(differences(before, before), "");
+  auto now = before;
+  now["a"]["b"] = 6;
+  EXPECT_EQ(differences(before, now), "a.b: 10 before, 6 now");
+  now["list"] = {1, 3, 4};
+  now.erase("gone");
+  EXPECT_EQ(differences(before, now),
+            "a.b: 10 before, 6 now; gone: true before, null now; list.1: 2 before, 3 now; list.2: null before, 4 now");
+  now["a"]["c"] = "y";
+  EXPECT_NE(differences(before, now).find("; and 1 more"), std::string::npos) << differences(before, now);
+}
+
 TEST(Json, HashDoesNotDependOnTheOrderOfKeys) {
   EXPECT_EQ(hash_of(nlohmann::json::parse(R"({"a": 1, "b": 2})")), hash_of(nlohmann::json::parse(R"({"b": 2, "a": 1})")));
   EXPECT_NE(hash_of(nlohmann::json::parse(R"({"a": 1})")), hash_of(nlohmann::json::parse(R"({"a": 2})")));

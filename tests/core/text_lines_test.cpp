@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/run_command.hpp"
+
 namespace tactile {
 namespace {
 
@@ -18,6 +20,14 @@ TEST(Wrapped, BreaksBetweenWordsAndIndentsAllButTheFirst) {
 }
 
 TEST(Wrapped, LeavesAWordWhole) { EXPECT_EQ(wrapped("a unbreakable b", 0, 4), "a\nunbreakable\nb"); }
+
+TEST(ShellWord, IsReadAsOneWordByAShell) {
+  EXPECT_EQ(shell_word("data/fan/01"), "data/fan/01");
+  for (const std::string text : {"my runs/fan", "it's", "$HOME", "", "a;b", "*", "~", "Größe", "-n", "\\"}) {
+    const auto told = test::run_shell("printf %s " + shell_word(text));
+    EXPECT_EQ(told.out, text) << shell_word(text);
+  }
+}
 
 }  // namespace
 }  // namespace tactile

@@ -118,6 +118,8 @@ TEST(TrainCommand, BrokenOffTrainingWantsResumeOrForce) {
   const auto other = test::run_tactile(arguments + std::string("--threads 1 --name mine --resume --seed 2"), folder.path());
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.err.find("other settings"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("seed: 1 before, 2 now"), std::string::npos) << other.err;
+  EXPECT_EQ(other.err.find("going on"), std::string::npos) << other.err;
   EXPECT_TRUE(CheckpointFolder::holds_state(kept));
   const auto resumed = test::run_tactile(arguments + std::string("--name mine --resume --threads 2"), folder.path());
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;

@@ -148,7 +148,7 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   for (const char* words : {"The data is simulated",
                             "First claim",
                             "asked: above 95 %",
-                            "96.5 % (96.49 to 96.51)",
+                            "96.50 % (96.49 to 96.51)",
                             "✓ holds",
                             "? cannot tell",
                             "✗ does not",

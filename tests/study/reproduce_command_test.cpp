@@ -100,8 +100,8 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(evaluation.at("accuracy"), study.at("histories")[1].at("accuracy").at("reported"));
 
   // The page that tells it all lies beside it, and is drawn anew only of another study.
-  const fs::path page = folder / study.at("report").get<std::string>();
-  EXPECT_NE(read_text(page).find("<svg"), std::string::npos);
+  const fs::path page = folder / first.at("report").get<std::string>();
+  EXPECT_NE(read_text(page).find("<figure"), std::string::npos);
   const auto drawn_at = fs::last_write_time(page);
 
   const nlohmann::json second = run_study(folder.path(), small + "--splits 1");
@@ -175,6 +175,21 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_EQ(relabelled.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
   EXPECT_EQ(finished_at(relabelled, "simulate"), finished_at(first, "simulate"));
   EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
+}
+
+TEST(ReproduceCommand, WhatCannotBeMeantIsRefused) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects fan,white-box --quiet", folder.path()).exit_code, 0);
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const auto result = test::run_tactile("reproduce --preset tiny --th 40 --epochs 1 " + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "study/study.json"));
+  };
+  refused("--objects fan", "holds runs already");
+  refused("--runs 3", "holds runs already");
+  refused("--held-out cup", "'cup'");
+  refused("--held-out fan,white-box", "nothing is left to learn from");
 }
 
 TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {

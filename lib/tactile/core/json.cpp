@@ -1,7 +1,10 @@
 #include "tactile/core/json.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
@@ -115,6 +118,28 @@ void write_json(const std::filesystem::path& file, const nlohmann::json& json) {
 }
 
 std::string hash_of(const nlohmann::json& json) { return sha256_of(json.dump()); }
+
+std::string differences(const nlohmann::json& before, const nlohmann::json& now) {
+  constexpr std::size_t most = 4;
+  // By their paths: a value that only one of them has is null in the other.
+  const nlohmann::json flat_before = before.flatten(), flat_now = now.flatten();
+  std::map<std::string, std::pair<nlohmann::json, nlohmann::json>> others;
+  for (const auto& [path, value] : flat_before.items()) {
+    if (!flat_now.contains(path) || flat_now[path] != value) others[path] = {value, nullptr};
+  }
+  for (const auto& [path, value] : flat_now.items()) {
+    if (!flat_before.contains(path) || flat_before[path] != value) others[path].second = value;
+  }
+  std::string text;
+  std::size_t told = 0;
+  for (const auto& [path, values] : others) {
+    if (told == most) return text + "; and " + std::to_string(others.size() - most) + " more";
+    std::string name = path.substr(std::min<std::size_t>(1, path.size()));
+    std::replace(name.begin(), name.end(), '/', '.');
+    text += (told++ == 0 ? "" : "; ") + name + ": " + values.first.dump() + " before, " + values.second.dump() + " now";
+  }
+  return text;
+}
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {

@@ -29,6 +29,10 @@ std::string hash_of(const nlohmann::json& json);
 template <class T>
 T member(const nlohmann::json& json, std::string_view key, std::string_view where);
 
+/// What is other in `now` than it was, member by member: "training.epochs: 10 before, 6 now; ..."; four at most, and how many
+/// more there are. Empty where nothing is.
+std::string differences(const nlohmann::json& before, const nlohmann::json& now);
+
 /// The one of `names` that takes the fewest single-letter edits to reach from `name`; empty if there is none.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 

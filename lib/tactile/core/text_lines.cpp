@@ -1,6 +1,7 @@
 #include "tactile/core/text_lines.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace tactile {
 
@@ -27,6 +28,18 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
     begin = end + 1;
   }
   return lines;
+}
+
+std::string shell_word(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("-_./,=+:@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  // Double quotes where they will do: commands are told within single ones.
+  if (text.find_first_of("$`\"\\!") == std::string::npos) return "\"" + text + "\"";
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 }  // namespace tactile

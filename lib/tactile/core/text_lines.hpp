@@ -12,4 +12,7 @@ std::size_t characters_in(std::string_view text);
 /// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.
 std::string wrapped(const std::string& text, std::size_t indent = 0, std::size_t width = 80);
 
+/// `text` as one word of a command that a shell reads: as it is where that does, else in quotes.
+std::string shell_word(const std::string& text);
+
 }  // namespace tactile

@@ -94,8 +94,13 @@ void check(const HeatmapOptions& options) {
   if (options.tick <= microseconds{0})
     throw Error("tick of " + std::to_string(options.tick.count()) + " us; expected more than 0");
   if (options.history <= microseconds{0} || options.history % options.tick != microseconds{0}) {
-    throw Error("history of " + std::to_string(options.history.count()) + " us; expected a whole number of ticks of " +
-                std::to_string(options.tick.count()) + " us, at least one");
+    const auto ms = [](microseconds time) {
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), "%g ms", static_cast<double>(time.count()) / 1000);
+      return std::string(text.data());
+    };
+    throw Error("history t_h of " + ms(options.history) + "; expected a whole number of ticks of " + ms(options.tick) +
+                ", at least one (--th, --tick-us)");
   }
   const bool in_range = options.factor > 0.0 && options.factor <= 1.0 && 1.0 / options.factor <= 32767.0;
   if (!in_range || std::abs(1.0 / options.factor - step_of(options.factor)) > 1e-9 * step_of(options.factor)) {

@@ -113,10 +113,11 @@ std::optional<TrainingState> CheckpointFolder::load(const nlohmann::json& task, 
   if (!fs::exists(file)) return std::nullopt;
   const std::string where = file.string();
   const auto metadata = read_metadata(file);
-  if (parsed(metadata, "task", where) != task) {
-    throw Error(folder_.string() +
-                ": holds a training with other settings or of another dataset; expected those that it began with, or --force to "
-                "begin anew");
+  if (const nlohmann::json begun = parsed(metadata, "task", where); begun != task) {
+    throw Error(
+        fmt::format("{}: holds a training with other settings or of another dataset ({}); expected those that it began "
+                    "with, or --force to begin anew",
+                    folder_.string(), differences(begun, task)));
   }
   const nlohmann::json json = parsed(metadata, "state", where);
   TrainingState state = state_from(json, where);

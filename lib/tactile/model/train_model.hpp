@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@ std::string name_of(const DatasetRun& run);
 
 /// The split of a dataset's runs. @throws Error as `split_runs`
 Split split_of(const Dataset& dataset, const SplitOptions& options);
+
+/// The runs that a model may be tested on: those of its split, in another dataset all (of the objects held out), but for those
+/// that it, or a model that it went on from, learned from. @throws Error  if none with samples is left
+std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model);
 
 /// The samples of these runs, by their index, in the dataset's order.
 std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes);
@@ -42,7 +47,8 @@ enum class BundleState : std::uint8_t {
 BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
 
 /// The model to go on from, for settings that are otherwise as given.
-/// @throws Error  if it is no whole bundle, or its rendering, its network or its heatmaps' size are others
+/// @throws Error  if it is no whole bundle, its rendering, its network or its heatmaps' size are others, or it learned from an
+/// object that is to be held out
 StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings);
 
 struct TrainModelOptions {
@@ -50,6 +56,10 @@ struct TrainModelOptions {
   bool resume = false;                           ///< goes on from the state that a training of this name left, where it left one
   std::chrono::duration<double> save_every{30};  ///< between two states that are kept, beside those at each epoch's end; >= 0
   std::filesystem::path from{};                  ///< the bundle that `settings.from` names
+
+  /// Told once it is known whether there is a state to go on from: its epoch, from 1 on, and how much of that is done, in [0, 1];
+  /// 1 and 0 where a training begins. May be empty.
+  std::function<void(unsigned epoch, double done)> begins{};
 };
 
 /// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole. Until then what

@@ -51,6 +51,12 @@ small { display: block; color: var(--faint); font-weight: 400; }
 figure { margin: 1.25rem 0; }
 figure img { display: block; height: auto; width: 100%; background: #fff; border: 1px solid var(--line); border-radius: .3rem; }
 figcaption { color: var(--faint); font-size: .92rem; margin-top: .4rem; max-width: 46rem; }
+@media (max-width: 40rem) {
+  .stacks thead { display: none; }
+  .stacks, .stacks caption, .stacks tbody, .stacks tr, .stacks td, .stacks tbody th { display: block; }
+  .stacks tr { border-bottom: 1px solid var(--line); padding: .5rem 0; }
+  .stacks th, .stacks td { border: 0; padding: .2rem 0; }
+  .stacks td::before { content: attr(data-head); display: block; color: var(--faint); font-size: .8rem; } }
 @media print { .scroll { overflow: visible; } nav { display: none; } figure, tr { break-inside: avoid; } }
 )css";
 
@@ -147,8 +153,8 @@ void HtmlPage::table(const HtmlTable& table) {
   // What scrolls must be reachable without a mouse.
   page += fmt::format(
       "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
-      "aria-label=\"{0}\"><table>\n<caption><span>{0}</span></caption>\n<thead><tr>",
-      html_text(table.caption));
+      "aria-label=\"{0}\"><table{1}>\n<caption><span>{0}</span></caption>\n<thead><tr>",
+      html_text(table.caption), table.stacks ? " class=\"stacks\"" : "");
   for (std::size_t i = 0; i < table.head.size(); ++i) {
     const bool over_numbers = i > 0 && i < table.rows.front().size() && table.rows.front()[i].tone == HtmlTone::number;
     page += fmt::format("<th scope=\"col\"{}>{}</th>", over_numbers ? " class=\"number\"" : "", html_text(table.head[i]));
@@ -158,11 +164,13 @@ void HtmlPage::table(const HtmlTable& table) {
     page += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool is_number = row[i].tone == HtmlTone::number, is_long = characters_in(row[i].text) > long_text;
-      page += fmt::format("<{}{}>{}</{}>", i == 0 ? "th scope=\"row\"" : "td",
+      const bool is_named = table.stacks && i > 0 && i < table.head.size();
+      page += fmt::format("<{}{}{}>{}</{}>", i == 0 ? "th scope=\"row\"" : "td",
                           is_number ? " class=\"number\""
                           : is_long ? " class=\"long\""
                                     : "",
-                          words_of(row[i]), i == 0 ? "th" : "td");
+                          is_named ? fmt::format(" data-head=\"{}\"", html_text(table.head[i])) : "", words_of(row[i]),
+                          i == 0 ? "th" : "td");
     }
     page += "</tr>\n";
   }

@@ -28,6 +28,7 @@ struct HtmlTable {
   std::string caption;
   std::vector<std::string> head;
   std::vector<std::vector<HtmlCell>> rows;  ///< as long as `head`; the first cell names the row
+  bool stacks = false;                      ///< on a narrow screen each row is a list of its fields: for tables of much text
 };
 
 struct HtmlFigure {
@@ -49,7 +50,8 @@ class HtmlPage {
   void paragraph(std::string_view text);
   void warning(std::string_view text);  ///< framed
   void list(const std::vector<std::string>& items);
-  void table(const HtmlTable& table);  ///< scrolls in itself where it is wider than the page; one without rows is left out
+  void table(const HtmlTable&
+                 table);  ///< scrolls in itself where it is wider than the page and does not stack; one without rows is left out
   void figure(const HtmlFigure& figure);
 
   std::string text() const;  ///< the whole page

@@ -53,8 +53,12 @@ HtmlTable table_of(const ReportedTable& table) {
 
 std::string with_unit(const Measured& measured, const std::string& unit) {
   if (!std::isfinite(measured.value)) return "not measured";
-  std::string text = fmt::format("{:.4g} {}", measured.value, unit);
-  const auto bound = [](double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("unknown"); };
+  const bool is_whole = measured.value == std::round(measured.value);  // a count, or a delay of whole ticks
+  const bool is_one = measured.value == 1 && unit.ends_with('s') && unit != "ms";
+  std::string text = fmt::format("{:.{}f} {}", measured.value, is_whole ? 0 : 2, is_one ? unit.substr(0, unit.size() - 1) : unit);
+  const auto bound = [&](double value) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, value == std::round(value) ? 0 : 2) : std::string("unknown");
+  };
   text += std::isfinite(measured.low) || std::isfinite(measured.high)
               ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
               : std::string(" (no interval)");
@@ -148,23 +152,23 @@ class Report {
         "on the runs "
         "reported on, which no setting was chosen on; beside it the paper's own way, on all test runs.");
     HtmlTable table{.caption = "The paper's claims, one by one",
-                    .head = {"claim", "verdict", "paper", "measured", "measured the paper's way", "verdict of it"},
-                    .rows = {}};
-    const auto measured_cell = [](const ReportedClaim& claim, const ReportedClaim::Side& side) {
-      return HtmlCell{.text = with_unit(side.measured, claim.unit), .second_line = side.note};
-    };
+                    .head = {"claim", "verdict", "paper", "measured", "in the paper's way"},
+                    .rows = {},
+                    .stacks = true};
     for (const ReportedClaim& claim : input_.claims) {
       const std::string asked =
           std::isfinite(claim.limit) ? fmt::format("asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
       std::vector<HtmlCell> row{{.text = claim.claim, .second_line = asked},
                                 {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict)},
                                 {.text = claim.paper},
-                                measured_cell(claim, claim.reported)};
+                                {.text = with_unit(claim.reported.measured, claim.unit), .second_line = claim.reported.note}};
       if (claim.all_test) {
-        row.push_back(measured_cell(claim, *claim.all_test));
-        row.push_back({.text = claim.all_test->verdict, .tone = tone_of(claim.all_test->verdict)});
+        const std::string measured = with_unit(claim.all_test->measured, claim.unit);
+        row.push_back({.text = claim.all_test->verdict,
+                       .tone = tone_of(claim.all_test->verdict),
+                       .second_line = claim.all_test->note.empty() ? measured : measured + ". " + claim.all_test->note});
       } else {
-        row.insert(row.end(), 2, {.text = "-"});
+        row.push_back({.text = "-"});
       }
       table.rows.push_back(std::move(row));
     }

@@ -11,6 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/report/json_view.hpp"
 
@@ -465,7 +466,8 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
         add_settings(settings, "bootstrap ", json["bootstrap"]);
       }
     } else if (is_first) {
-      input.missing.push_back(fmt::format("{} was not evaluated; 'tactile eval --model {}' does so.", name, folder.string()));
+      input.missing.push_back(
+          fmt::format("{} was not evaluated; 'tactile eval --model {}' does so.", name, shell_word(folder.string())));
     }
     if (const fs::path unseen_file = folder / "eval-unseen.json";
         input.unseen.empty() && fs::is_regular_file(unseen_file, ignored)) {
@@ -500,8 +502,9 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
         input.remarks.push_back(fmt::format("Of {} runs over time the first {} are shown.", files.size(), most_runs));
     }
     if (input.runs.empty()) {
-      input.missing.push_back(fmt::format(
-          "No run over time (the paper's figure 8); 'tactile eval --model {} --run OBJECT/RUN' makes one.", folder.string()));
+      input.missing.push_back(
+          fmt::format("No run over time (the paper's figure 8); 'tactile eval --model {} --run OBJECT/RUN' makes one.",
+                      shell_word(folder.string())));
     }
   }
   std::stable_sort(by_history.begin(), by_history.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -12,6 +12,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset_layout.hpp"
@@ -336,7 +337,7 @@ void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
        {std::pair(folder.events(), run.events_sha256), std::pair(folder.labels(), run.labels_sha256)}) {
     if (!fs::exists(file)) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " is gone; expected the file that " +
-                  dataset.file().string() + " was made from, 'tactile windows DATA --out " + dataset.file().string() +
+                  dataset.file().string() + " was made from, 'tactile windows DATA --out " + shell_word(dataset.file().string()) +
                   "' finds runs that have moved");
     }
     if (sha256_of_file(file) != hash) {

@@ -10,6 +10,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
@@ -156,7 +157,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   if (chosen.empty()) {
     throw Error(data.string() + ": none of its " + std::to_string(unlabelled.size()) +
                 (any_real && !simulated.empty() ? " real" : "") +
-                " runs has labels; expected labels.json in each, run 'tactile label " + data.string() + "'");
+                " runs has labels; expected labels.json in each, run 'tactile label " + shell_word(data.string()) + "'");
   }
   if (!unlabelled.empty())
     plan.warnings.push_back("runs without labels are left out ('tactile label' makes them): " + list_of(unlabelled));
