@@ -12,8 +12,9 @@
 #include "tactile/model/onnx_model.hpp"
 
 // model_benchmark train|train-libtorch|infer THREADS IMAGES [SHARE]: for each line that comes, learns from or judges IMAGES
-// heatmaps, a SHARE [0.2] of whose cells is active, and prints how many a second that were. train-libtorch: by its layers. benchmarks/model_peers.py runs it beside the same network in other frameworks. model_benchmark onnx
-// FILE: writes that network for them.
+// heatmaps, a SHARE [0.2] of whose cells is active, and prints how many a second that were. train-libtorch: by its layers.
+// benchmarks/model_peers.py runs it beside the same network in other frameworks. model_benchmark onnx FILE: writes that network
+// for them.
 //
 // As in `tactile train` and `eval`: batches of 32 to learn from, 256 to a call to judge.
 
@@ -32,7 +33,8 @@ std::vector<std::uint8_t> heatmaps_at_random(std::size_t count, double share) {
   Random random(1);
   std::vector<std::uint8_t> heatmaps(count * cells);
   for (std::uint8_t& cell : heatmaps)
-    cell = random.below(1'000'000) < static_cast<std::uint64_t>(share * 1e6) ? static_cast<std::uint8_t>(random.below(256)) : std::uint8_t{0};
+    cell = random.below(1'000'000) < static_cast<std::uint64_t>(share * 1e6) ? static_cast<std::uint8_t>(random.below(256))
+                                                                             : std::uint8_t{0};
   return heatmaps;
 }
 
@@ -75,7 +77,7 @@ int main(int argc, char** argv) {
   const auto heatmaps = heatmaps_at_random(batches * batch, share);
   std::vector<Touch> truth(batches * batch);
   for (std::size_t i = 0; i < truth.size(); ++i) truth[i] = all_touches[i % touch_count];
-  const auto engine = what == "train" ? TrainingEngine::fast : TrainingEngine::libtorch;
+  const auto engine = what == "train" ? EngineKind::fast : EngineKind::libtorch;
   LeNetTrainer trainer(network, OptimizerKind::adam, {1, 1, 1}, threads, {.engine = engine});
   std::size_t next = 0;
   answer_each_line(images, batch, [&] {

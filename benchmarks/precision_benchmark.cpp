@@ -11,9 +11,9 @@
 #include "tactile/model/training.hpp"
 #include "tactile/windows/dataset.hpp"
 
-// precision_benchmark DATASET SEEDS EPOCHS THREADS: what rounding costs. With each seed a network learns three times from the same
-// samples in the same order: in float32 by the fast engine and by libtorch, and in float64. Prints their accuracies on the test
-// runs, and how far they differ, with 95 % intervals.
+// precision_benchmark DATASET SEEDS EPOCHS THREADS: what rounding costs. With each seed a network learns three times from the
+// same samples in the same order: in float32 by the fast engine and by libtorch, and in float64. Prints their accuracies on the
+// test runs, and how far they differ, with 95 % intervals.
 
 namespace {
 
@@ -26,11 +26,11 @@ struct RunCounts {
 
 struct Way {
   const char* name;
-  TrainingEngine engine;
+  EngineKind engine;
   bool float64;
 };
-constexpr std::array ways{Way{"float32, fast", TrainingEngine::fast, false}, Way{"float32, libtorch", TrainingEngine::libtorch, false},
-                          Way{"float64", TrainingEngine::libtorch, true}};
+constexpr std::array ways{Way{"float32, fast", EngineKind::fast, false}, Way{"float32, libtorch", EngineKind::libtorch, false},
+                          Way{"float64", EngineKind::libtorch, true}};
 
 std::vector<Touch> truth_of(const Dataset& dataset, const std::vector<std::uint32_t>& samples) {
   std::vector<Touch> truth;
@@ -102,14 +102,17 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
   };
   const auto difference = [&](std::size_t way, std::size_t place, std::size_t other_way, std::size_t other_place) {
     return figure_over_objects(runs, mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
-                                 const auto ours = accuracy(way, place, of_runs), theirs = accuracy(other_way, other_place, of_runs);
+                                 const auto ours = accuracy(way, place, of_runs),
+                                            theirs = accuracy(other_way, other_place, of_runs);
                                  return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
                                }));
   };
   fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
   for (std::size_t way = 0; way + 1 < ways.size(); ++way)
-    fmt::print("| {} less float64, {} seeds together | {} |\n", ways[way].name, seeds, text_of(difference(way, seeds, ways.size() - 1, seeds)));
-  if (seeds > 1) fmt::print("| float64, seed 1 less seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
+    fmt::print("| {} less float64, {} seeds together | {} |\n", ways[way].name, seeds,
+               text_of(difference(way, seeds, ways.size() - 1, seeds)));
+  if (seeds > 1)
+    fmt::print("| float64, seed 1 less seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
 }
 
 }  // namespace

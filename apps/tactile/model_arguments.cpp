@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 /// Forward and back, on a common core.
 double common_images_per_s_and_thread(const ModelSettings& settings) {
-  const bool fused = settings.training.engine == TrainingEngine::fast && settings.network == LeNetOptions{};
+  const bool fused = settings.training.engine == EngineKind::fast && settings.network == LeNetOptions{};
   return fused ? 1200 : 333;
 }
 
@@ -56,6 +57,14 @@ std::string training_estimate(const Dataset& dataset, const ModelSettings& setti
   const double rate = images_per_s.value_or(common_images_per_s_and_thread(settings) * threads);
   return fmt::format("{}, {}, about {} (min:s)", counted(samples, "sample"), counted(settings.training.epochs, "epoch"),
                      clock_text(static_cast<double>(samples) * settings.training.epochs / rate));
+}
+
+void add_engine_option(CLI::App& command, std::string& engine) {
+  command
+      .add_option("--engine", engine,
+                  "What runs the network: fast, tactile's own, or libtorch, which knows every activation and pooling")
+      ->check(one_of({"fast", "libtorch"}))
+      ->capture_default_str();
 }
 
 }  // namespace tactile

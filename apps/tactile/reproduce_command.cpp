@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -42,7 +43,8 @@ struct ReproduceArguments {
   std::vector<std::string> held_out;
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
-  std::string engine = "fast", splits = "0";
+  std::string splits = "0";
+  std::string engine = "fast";
   bool without_report = false;
 };
 
@@ -80,11 +82,11 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.train_run = args.train_run;
   options.held_out = args.held_out;
   if (args.epochs > 0) options.epochs = args.epochs;
-  options.engine = training_engine_named(args.engine);
   options.seeds = args.seeds;
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
+  options.engine = engine_named(args.engine);
   options.threads = common.threads;
   return options;
 }
@@ -246,9 +248,6 @@ void add_reproduce_command(CLI::App& app) {
   command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
       ->check(in_range(1U, 100'000U))
       ->type_name("N");
-  command->add_option("--engine", args->engine, "What works out the trainings' steps, as for 'tactile train'")
-      ->check(one_of({"fast", "libtorch"}))
-      ->capture_default_str();
   command->add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
       ->check(in_range(1U, 1000U))
       ->capture_default_str();
@@ -261,6 +260,7 @@ void add_reproduce_command(CLI::App& app) {
                    "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
       ->check(CLI::Validator(check_splits, "N|all"))
       ->capture_default_str();
+  add_engine_option(*command, args->engine);
   command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--out", args->out, "Folder of the study")->capture_default_str();

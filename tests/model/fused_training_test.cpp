@@ -18,7 +18,7 @@ namespace {
 using test::noise_heatmaps;
 using test::NoiseHeatmaps;
 
-constexpr TrainerOptions fast{}, libtorch{.engine = TrainingEngine::libtorch}, float64{.float64 = true};
+constexpr TrainerOptions fast{}, libtorch{.engine = EngineKind::libtorch}, float64{.float64 = true};
 
 /// The gradients of one batch, by the names of the weights: what SGD remembers of its first step.
 Weights gradients_of(LeNet network, const NoiseHeatmaps& samples, const TrainerOptions& options, unsigned threads = 1) {
@@ -55,7 +55,8 @@ NoiseHeatmaps patches(std::size_t count, SensorSize size, std::uint64_t seed) {
     for (int patch = 0; patch < 3; ++patch) {
       const std::size_t x = random.below(width - side), y = random.below(height - side);
       for (std::size_t cell = 0; cell < side * side; ++cell)
-        samples.heatmaps[(i * height + y + cell / side) * width + x + cell % side] = static_cast<std::uint8_t>(1 + random.below(255));
+        samples.heatmaps[(i * height + y + cell / side) * width + x + cell % side] =
+            static_cast<std::uint8_t>(1 + random.below(255));
     }
   }
   return samples;
@@ -104,7 +105,8 @@ TEST(FusedTraining, EmptyHeatmapsTeachTheFirstKernelNothing) {
 TEST(FusedTraining, FullHeatmapsToo) {
   NoiseHeatmaps samples = noise_heatmaps(5, {48, 40}, 2);
   std::fill(samples.heatmaps.begin(), samples.heatmaps.end(), std::uint8_t{255});
-  expect_alike(gradients_of(LeNet(samples.size, 3), samples, fast), gradients_of(LeNet(samples.size, 3), samples, float64), "full");
+  expect_alike(gradients_of(LeNet(samples.size, 3), samples, fast), gradients_of(LeNet(samples.size, 3), samples, float64),
+               "full");
 }
 
 TEST(FusedTraining, GradientsOfTheConvolutionsDependNotOnTheThreads) {
@@ -123,13 +125,14 @@ TEST(FusedTraining, OtherLayersAreLibtorchs) {
 TEST(FusedTraining, LearnsAsLibtorchsLayersDo) {
   const auto samples = patches(192, {64, 48}, 9);
   for (const OptimizerKind optimizer : {OptimizerKind::adam, OptimizerKind::adamw, OptimizerKind::sgd}) {
-    const auto history = [&](TrainingEngine engine) {
-      TrainingOptions options{.epochs = 6, .learning_rate = optimizer == OptimizerKind::sgd ? 0.02 : 1e-3, .optimizer = optimizer};
+    const auto history = [&](EngineKind engine) {
+      TrainingOptions options{
+          .epochs = 6, .learning_rate = optimizer == OptimizerKind::sgd ? 0.02 : 1e-3, .optimizer = optimizer};
       options.engine = engine;
       return train_lenet({.size = samples.size, .training = {samples.heatmaps, samples.truth}, .options = options, .threads = 1})
           .summary.history;
     };
-    const auto ours = history(TrainingEngine::fast), theirs = history(TrainingEngine::libtorch);
+    const auto ours = history(EngineKind::fast), theirs = history(EngineKind::libtorch);
     ASSERT_EQ(ours.size(), theirs.size());
     for (std::size_t i = 0; i < ours.size(); ++i)
       EXPECT_NEAR(ours[i].loss, theirs[i].loss, 0.01 * theirs[0].loss) << name_of(optimizer) << ", epoch " << i + 1;
@@ -279,10 +282,11 @@ TEST(TrainingAtExtremes, ALearningRateThatDivergesEndsInWords) {
   const auto samples = noise_heatmaps(30, {24, 20}, 1);
   for (const OptimizerKind optimizer : {OptimizerKind::adam, OptimizerKind::sgd}) {
     TrainingOptions options{.epochs = 20, .batch = 3, .learning_rate = 1e5, .optimizer = optimizer};
-    for (const TrainingEngine engine : {TrainingEngine::fast, TrainingEngine::libtorch}) {
+    for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
       options.engine = engine;
       EXPECT_THROW(
-          train_lenet({.size = samples.size, .training = {samples.heatmaps, samples.truth}, .options = options, .threads = 1}), Error)
+          train_lenet({.size = samples.size, .training = {samples.heatmaps, samples.truth}, .options = options, .threads = 1}),
+          Error)
           << name_of(optimizer) << " by " << name_of(engine);
     }
   }

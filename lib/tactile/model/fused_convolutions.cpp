@@ -22,11 +22,11 @@ using Workspace = FusedConvolutions::Workspace;
 using Gradients = FusedConvolutions::Gradients;
 
 constexpr std::size_t kernel = 5, first_channels = 6, second_channels = 16;
-constexpr std::size_t lanes_of_first = 8;     // its 6 channels and two that are 0
-constexpr std::size_t margin = 4;             // columns left of a strip, where a kernel hangs over
-constexpr std::size_t row_of_second = 30;     // floats of the second layer's kernel that lie in a row: 5 places of 6 channels
-constexpr std::size_t padded_row = 32;        // with two that are 0
-constexpr std::uint8_t cut_off = 4;           // in place of which is the largest: ReLU lets none of them through
+constexpr std::size_t lanes_of_first = 8;  // its 6 channels and two that are 0
+constexpr std::size_t margin = 4;          // columns left of a strip, where a kernel hangs over
+constexpr std::size_t row_of_second = 30;  // floats of the second layer's kernel that lie in a row: 5 places of 6 channels
+constexpr std::size_t padded_row = 32;     // with two that are 0
+constexpr std::uint8_t cut_off = 4;        // in place of which is the largest: ReLU lets none of them through
 
 using Eight = hn::CappedTag<float, 8>;
 using Sixteen = hn::CappedTag<float, 16>;
@@ -357,9 +357,8 @@ void second_backward(const LeNetLayers& layers, const Packed& packed, const Kept
         ++counts[c];
         bias[c] += slopes[c];
       }
-      for_rows([&](auto rows, std::size_t row) HWY_ATTR {
-        add_to_pooled<rows>(packed, channels, slopes, row, work.pooled_gradient.data() + at, stride);
-      });
+      for_rows([&](auto rows, std::size_t row)
+                   HWY_ATTR { add_to_pooled<rows>(packed, channels, slopes, row, work.pooled_gradient.data() + at, stride); });
     }
   }
   for (std::size_t c = 0; c < second_channels; ++c) {
@@ -458,7 +457,8 @@ constexpr std::size_t channels_1 = 6, channels_2 = 16, side = 5, beyond = 64;  /
 
 std::size_t cells_of(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
 
-/// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its place in the passes' layout and libtorch's.
+/// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its place in the passes' layout and
+/// libtorch's.
 template <class First, class Second>
 void for_weights(const First& first, const Second& second) {
   for (std::size_t c = 0; c < channels_1; ++c) {
@@ -467,7 +467,8 @@ void for_weights(const First& first, const Second& second) {
   for (std::size_t c = 0; c < channels_2; ++c) {
     for (std::size_t in = 0; in < channels_1; ++in) {
       for (std::size_t dy = 0; dy < side; ++dy) {
-        for (std::size_t dx = 0; dx < side; ++dx) second(c, dy, dx * channels_1 + in, ((c * channels_1 + in) * side + dy) * side + dx);
+        for (std::size_t dx = 0; dx < side; ++dx)
+          second(c, dy, dx * channels_1 + in, ((c * channels_1 + in) * side + dy) * side + dx);
       }
     }
   }

@@ -54,9 +54,9 @@ class FusedConvolutions {
 
   /// What a heatmap's way back needs of its way forward.
   struct Kept {
-    LineVector pooled;                        ///< the first layer's answer, [height][width][6]
-    std::vector<std::uint8_t> first_largest;  ///< which of four, 0 to 3 row by row; 4: none, cut off by ReLU. As `pooled`
-    std::vector<std::uint8_t> second_largest; ///< as above, [height][width][16]
+    LineVector pooled;                         ///< the first layer's answer, [height][width][6]
+    std::vector<std::uint8_t> first_largest;   ///< which of four, 0 to 3 row by row; 4: none, cut off by ReLU. As `pooled`
+    std::vector<std::uint8_t> second_largest;  ///< as above, [height][width][16]
   };
   Kept make_kept() const;
 
@@ -94,10 +94,10 @@ class FusedConvolutions {
 
   /// The weights as the passes read them.
   struct Packed {
-    LineVector first = LineVector(25 * 8), first_bias = LineVector(8);           ///< [5][5][8 of 6 channels]
+    LineVector first = LineVector(25 * 8), first_bias = LineVector(8);                    ///< [5][5][8 of 6 channels]
     LineVector second = LineVector(std::size_t{150} * 16), second_bias = LineVector(16);  ///< [5][5 * 6][16 channels]
-    LineVector second_back = LineVector(std::size_t{16} * 5 * 32);               ///< [16][5][32 of 5 * 6]
-    std::array<float, 16> empty_answer{};            ///< the second layer's to an empty heatmap
+    LineVector second_back = LineVector(std::size_t{16} * 5 * 32);                        ///< [16][5][32 of 5 * 6]
+    std::array<float, 16> empty_answer{};  ///< the second layer's to an empty heatmap
     std::array<std::uint8_t, 16> empty_largest{};
   };
 

@@ -187,9 +187,9 @@ class FusedBatch {
   std::size_t cells_;
   FusedConvolutions passes_;
   std::span<const std::uint8_t> heatmaps_;
-  std::vector<FusedConvolutions::Kept> kept_;                ///< of each heatmap
-  std::vector<FusedConvolutions::Workspace> workspaces_;     ///< of each thread
-  std::vector<FusedConvolutions::Gradients> sums_;           ///< of each slice
+  std::vector<FusedConvolutions::Kept> kept_;             ///< of each heatmap
+  std::vector<FusedConvolutions::Workspace> workspaces_;  ///< of each thread
+  std::vector<FusedConvolutions::Gradients> sums_;        ///< of each slice
 };
 
 /// The convolution layers of a batch as libtorch sees them.
@@ -214,8 +214,8 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
   }
 };
 
-/// A fully connected layer whose units are shared out among threads, as libtorch's layer gives it. OpenBLAS, which has one thread,
-/// is called by each.
+/// A fully connected layer whose units are shared out among threads, as libtorch's layer gives it. OpenBLAS, which has one
+/// thread, is called by each.
 class SharedLinear : public torch::autograd::Function<SharedLinear> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,
@@ -416,7 +416,7 @@ struct LeNetTrainer::State {
       : network(of),
         trained(of.state_->network),
         kind(optimizer_kind),
-        fast(options.engine == TrainingEngine::fast && !options.float64),
+        fast(options.engine == EngineKind::fast && !options.float64),
         weights(class_weights),
         threads(thread_count) {
     if (options.float64) {
@@ -495,9 +495,8 @@ struct LeNetTrainer::State {
         const auto part = [&](const torch::Tensor& tensor) {
           return values_in(tensor).subspan(k * piece, std::min(piece, count - k * piece));
         };
-        take_step({kind, learning_rate, step},
-                  {part(parameters[i]), part(parameters[i].grad()), part(moments[i][0]),
-                   moments[i].size() > 1 ? part(moments[i][1]) : std::span<float>()});
+        take_step({kind, learning_rate, step}, {part(parameters[i]), part(parameters[i].grad()), part(moments[i][0]),
+                                                moments[i].size() > 1 ? part(moments[i][1]) : std::span<float>()});
       });
     }
   }

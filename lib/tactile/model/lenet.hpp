@@ -67,7 +67,7 @@ struct OptimizerState {
 std::vector<ParameterShape> moment_shapes(OptimizerKind optimizer, const std::vector<ParameterShape>& parameters);
 
 struct TrainerOptions {
-  TrainingEngine engine = TrainingEngine::fast;  ///< which takes libtorch's layers where they are not the paper's
+  EngineKind engine = EngineKind::fast;  ///< which takes libtorch's layers where they are not the paper's
 
   /// Works in float64 with libtorch's layers, several times slower: what float32 costs is measured by it. The network's weights
   /// and the state are rounded.

@@ -64,8 +64,8 @@ HWY_INLINE std::size_t take_sgd(D d, float momentum, float rate, const WeightSli
   const std::size_t lanes = hn::Lanes(d), count = slice.weights.size();
   std::size_t i = begin;
   for (; i + lanes <= count; i += lanes) {
-    const auto first = hn::MulAdd(hn::LoadU(d, slice.first_moment.data() + i), hn::Set(d, momentum),
-                                  hn::LoadU(d, slice.gradients.data() + i));
+    const auto first =
+        hn::MulAdd(hn::LoadU(d, slice.first_moment.data() + i), hn::Set(d, momentum), hn::LoadU(d, slice.gradients.data() + i));
     hn::StoreU(first, d, slice.first_moment.data() + i);
     hn::StoreU(hn::NegMulAdd(first, hn::Set(d, rate), hn::LoadU(d, slice.weights.data() + i)), d, slice.weights.data() + i);
   }

@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::array optimizer_names{"adam", "adamw", "sgd"};
 constexpr std::array schedule_names{"constant", "cosine", "step"};
-constexpr std::array engine_names{"fast", "libtorch"};
 constexpr double largest_share = 0.5;
 
 std::vector<std::string> parts_of(std::string_view text) {
@@ -30,7 +29,6 @@ std::vector<std::string> parts_of(std::string_view text) {
 
 std::string_view name_of(OptimizerKind optimizer) { return optimizer_names.at(static_cast<std::size_t>(optimizer)); }
 std::string_view name_of(Schedule schedule) { return schedule_names.at(static_cast<std::size_t>(schedule)); }
-std::string_view name_of(TrainingEngine engine) { return engine_names.at(static_cast<std::size_t>(engine)); }
 
 OptimizerKind optimizer_named(std::string_view name) {
   for (const OptimizerKind kind : {OptimizerKind::adam, OptimizerKind::adamw, OptimizerKind::sgd}) {
@@ -44,13 +42,6 @@ Schedule schedule_named(std::string_view name) {
     if (name == name_of(schedule)) return schedule;
   }
   throw Error(fmt::format("schedule '{}' is unknown; expected constant, cosine or step", name));
-}
-
-TrainingEngine training_engine_named(std::string_view name) {
-  for (const TrainingEngine engine : {TrainingEngine::fast, TrainingEngine::libtorch}) {
-    if (name == name_of(engine)) return engine;
-  }
-  throw Error(fmt::format("training engine '{}' is unknown; expected fast or libtorch", name));
 }
 
 Augmentation augmentation_named(std::string_view names) {
@@ -122,7 +113,7 @@ void from_json(const nlohmann::json& json, TrainingOptions& options) {
   options.schedule = schedule_named(member<std::string>(json, "schedule", where));
   options.augmentation = augmentation_named(member<std::string>(json, "augment", where));
   options.class_weights = class_weights_named(member<std::string>(json, "class_weights", where));
-  options.engine = json.contains("engine") ? training_engine_named(member<std::string>(json, "engine", where)) : TrainingEngine::libtorch;
+  options.engine = json.contains("engine") ? engine_named(member<std::string>(json, "engine", where)) : EngineKind::libtorch;
   options.validation_share = member<double>(json, "validation_share", where);
   options.early_stop = member<unsigned>(json, "early_stop", where);
 }

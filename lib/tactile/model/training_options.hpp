@@ -8,18 +8,13 @@
 #include <string_view>
 
 #include "tactile/core/touch.hpp"
+#include "tactile/model/engine_kind.hpp"
 
 namespace tactile {
 
 /// What moves the weights: Adam (betas 0.9 and 0.999, epsilon 1e-8), AdamW (the same with a weight decay of 0.01), or stochastic
 /// gradient descent with a momentum of 0.9.
 enum class OptimizerKind : std::uint8_t { adam, adamw, sgd };
-
-/// What works out a step. Their results agree but for rounding.
-enum class TrainingEngine : std::uint8_t {
-  fast,     ///< convolution, ReLU and max-pool in one pass, and the optimizer's step in one; other layers are libtorch's
-  libtorch  ///< its layers and optimizers one by one
-};
 
 /// How the learning rate goes over a training's steps: as it is; down a half cosine to 0; or a tenth of it from half of the
 /// epochs on and a hundredth from three quarters on.
@@ -50,7 +45,10 @@ struct TrainingOptions {
   Schedule schedule = Schedule::constant;
   Augmentation augmentation{};
   ClassWeights class_weights{};
-  TrainingEngine engine = TrainingEngine::fast;
+
+  /// What works out a step, with results that agree but for rounding. fast: convolution, ReLU and max-pool in one pass and the
+  /// optimizer's step in one, other layers being libtorch's; libtorch: its layers and optimizers one by one.
+  EngineKind engine = EngineKind::fast;
   double validation_share = 0;  ///< of the training runs' samples, the last of each class in time; in [0, 0.5]
   unsigned early_stop = 0;      ///< epochs without a smaller validation loss that end it; 0: never, else validation_share > 0
 
@@ -59,10 +57,8 @@ struct TrainingOptions {
 
 std::string_view name_of(OptimizerKind optimizer);        ///< "adam", "adamw", "sgd"
 std::string_view name_of(Schedule schedule);              ///< "constant", "cosine", "step"
-std::string_view name_of(TrainingEngine engine);          ///< "fast", "libtorch"
 OptimizerKind optimizer_named(std::string_view name);     ///< @throws Error
 Schedule schedule_named(std::string_view name);           ///< @throws Error
-TrainingEngine training_engine_named(std::string_view name);  ///< @throws Error
 Augmentation augmentation_named(std::string_view names);  ///< "none", "flip", "shift" or "flip,shift". @throws Error
 ClassWeights class_weights_named(std::string_view text);  ///< "none", "balanced", or a weight each: "1,2,1". @throws Error
 std::string text_of(const Augmentation& augmentation);    ///< as `augmentation_named` reads it

@@ -360,7 +360,7 @@ class Study {
                                    "--epochs",  std::to_string(epochs_),
                                    "--threads", "1",
                                    "--models",  options_.models.string()};
-    if (options_.engine != TrainingEngine::fast) words.insert(words.end(), {"--engine", std::string(name_of(options_.engine))});
+    if (options_.engine != EngineKind::fast) words.insert(words.end(), {"--engine", std::string(name_of(options_.engine))});
     if (options_.train_run != "01") words.insert(words.end(), {"--train-run", options_.train_run});
     if (model.settings.split.kind == SplitKind::unseen) {
       words.insert(words.end(),
