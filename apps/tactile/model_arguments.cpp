@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -13,7 +14,11 @@
 namespace tactile {
 namespace {
 
-constexpr double common_images_per_s_and_thread = 333;  // 3 ms for each, forward and back
+/// Forward and back, on a common core.
+double common_images_per_s_and_thread(const ModelSettings& settings) {
+  const bool fused = settings.training.engine == EngineKind::fast && settings.network == LeNetOptions{};
+  return fused ? 1200 : 333;
+}
 
 }  // namespace
 
@@ -49,9 +54,17 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads) {
   const std::size_t samples = samples_of_runs(dataset, split_of(dataset, settings.split).train_runs).size();
-  const double rate = images_per_s.value_or(common_images_per_s_and_thread * threads);
+  const double rate = images_per_s.value_or(common_images_per_s_and_thread(settings) * threads);
   return fmt::format("{}, {}, about {} (min:s)", counted(samples, "sample"), counted(settings.training.epochs, "epoch"),
                      clock_text(static_cast<double>(samples) * settings.training.epochs / rate));
+}
+
+void add_engine_option(CLI::App& command, std::string& engine) {
+  command
+      .add_option("--engine", engine,
+                  "What runs the network: fast, tactile's own, or libtorch, which knows every activation and pooling")
+      ->check(one_of({"fast", "libtorch"}))
+      ->capture_default_str();
 }
 
 }  // namespace tactile

@@ -26,4 +26,7 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads);
 
+/// `--engine`, what a model is run with.
+void add_engine_option(CLI::App& command, std::string& engine);
+
 }  // namespace tactile

@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -43,6 +44,7 @@ struct ReproduceArguments {
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string splits = "0";
+  std::string engine = "fast";
   bool without_report = false;
 };
 
@@ -84,6 +86,7 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
+  options.engine = engine_named(args.engine);
   options.threads = common.threads;
   return options;
 }
@@ -280,6 +283,7 @@ void add_reproduce_command(CLI::App& app) {
                    "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
       ->check(CLI::Validator(check_splits, "N|all"))
       ->capture_default_str();
+  add_engine_option(*command, args->engine);
   command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--out", args->out, "Folder of the study")->capture_default_str();

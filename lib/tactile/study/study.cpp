@@ -342,6 +342,7 @@ class Study {
     model.settings.rendering.history = history;
     model.settings.training.seed = seed;
     model.settings.training.epochs = epochs_;
+    model.settings.training.engine = options_.engine;
     model.settings.split.train_run = options_.train_run;
     if (!held_out.empty()) model.settings.split = {SplitKind::unseen, options_.train_run, held_out};
     model.bundle = {options_.models / default_name(model.settings)};
@@ -361,6 +362,7 @@ class Study {
                                    "--epochs",  std::to_string(epochs_),
                                    "--threads", "1",
                                    "--models",  options_.models.string()};
+    if (options_.engine != EngineKind::fast) words.insert(words.end(), {"--engine", std::string(name_of(options_.engine))});
     if (options_.train_run != "01") words.insert(words.end(), {"--train-run", options_.train_run});
     if (model.settings.split.kind == SplitKind::unseen) {
       words.insert(words.end(),
@@ -747,6 +749,7 @@ class Study {
             {"held_out", held_out_},
             {"histories_ms", histories},
             {"epochs", epochs_},
+            {"engine", name_of(options_.engine)},
             {"splits", splits_.size()},
             {"objects", simulated_here_ && !options_.objects.empty() ? json(options_.objects) : json()},
             {"runs", simulated_here_ && options_.runs ? json(*options_.runs) : json()}};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/core/time.hpp"
+#include "tactile/model/engine_kind.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile {
@@ -30,6 +31,7 @@ struct StudyOptions {
   std::uint64_t seed = 1;  ///< of the simulation, the samples, the drawn splits and the first training; the others follow on it
   std::size_t splits = 0;  ///< drawn of all ways to hold so many objects out
 
+  EngineKind engine = EngineKind::fast;              ///< that runs the models
   std::filesystem::path program = "/proc/self/exe";  ///< that trains
   unsigned threads = 0;                              ///< 0: as many as the machine has cores
 };
