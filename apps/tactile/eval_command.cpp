@@ -82,7 +82,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   }
   check_writable(bundle->folder);
   spdlog::info("evaluating {}", bundle->folder.string());
-  const Classifier classifier(bundle->folder, common.threads);
+  const Classifier classifier(bundle->folder, common.threads, engine_named(args.engine));
   const auto runs = test_runs_of(dataset, classifier.model());
   EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
@@ -119,7 +119,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   check_writable(seen.folder);
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 
-  const Classifier with(seen.folder, common.threads), without(held_out.folder, common.threads);
+  const EngineKind engine = engine_named(args.engine);
+  const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
   const auto runs = runs_neither_saw(dataset, with.model(), without.model());
   const EvaluationOptions options = options_of(args, common);
   const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
@@ -174,6 +175,7 @@ void add_eval_command(CLI::App& app) {
                    "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
       ->check(CLI::Validator(check_confirmation, "k/n"))
       ->capture_default_str();
+  add_engine_option(*command, args->engine);
   CLI::Option* run =
       command
           ->add_option("--run", args->runs,

@@ -118,6 +118,7 @@ nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundl
                       {"simulated", prediction.simulated},
                       {"learned_from", learned_from},
                       {"ticks", prediction.verdicts.size()},
+                      {"close_ticks", prediction.full.close},
                       {"csv", stem.string() + ".csv"},
                       {"json", stem.string() + ".json"},
                       {"png", stem.string() + ".png"},
@@ -152,7 +153,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   std::vector<ChosenRun> runs;
   for (const std::string& given : args.runs) runs.push_back(chosen_run(given, args, dataset));
   const ModelBundle bundle = model_for_runs(args, dataset);
-  const Classifier classifier(bundle.folder, common.threads);
+  const Classifier classifier(bundle.folder, common.threads, engine_named(args.engine));
   const ModelDescription& model = classifier.model();
   spdlog::info("every tick as {} sees it", bundle.folder.string());
 
@@ -171,7 +172,8 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   for (const std::size_t ticks : expected) total += ticks;
 
   const ProgressCallback progress = progress_line(common);
-  nlohmann::json json = {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"runs", nlohmann::json::array()}};
+  nlohmann::json json = {
+      {"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", nlohmann::json::array()}};
   std::vector<std::vector<std::string>> rows;
   for (const ChosenRun& run : runs) {
     const std::string name = run.folder.name();

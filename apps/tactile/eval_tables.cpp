@@ -196,13 +196,23 @@ std::string false_alarms_text(const Evaluation& evaluation) {
          "\n\n";
 }
 
+std::string engine_text(const Evaluation& evaluation) {
+  return "\n" +
+         wrapped(
+             fmt::format("Run with the engine {}: of {} ticks, {} have their two largest logits less than 0.0001 apart, where "
+                         "another engine's verdict may be another.",
+                         name_of(evaluation.engine), evaluation.ticks, evaluation.close_ticks)) +
+         "\n";
+}
+
 }  // namespace
 
 std::string text_of(const Evaluation& evaluation) {
   std::string title = title_of(evaluation);
   if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
   return title + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
-         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation);
+         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation) +
+         engine_text(evaluation);
 }
 
 std::string text_of(const UnseenComparison& comparison, bool simulated) {

@@ -42,10 +42,16 @@ std::string error_of(const ModelBundle& bundle) {
 
 TEST(Classifier, SaysWhatTheNetworkThatWasWrittenSays) {
   const test::TemporaryFolder folder;
-  const Classifier classifier(small_bundle(folder).folder, 2);
+  const ModelBundle bundle = small_bundle(folder);
+  const Classifier classifier(bundle.folder, 2);
   const auto noise = test::noise_heatmaps(40, {32, 24}, 1);
   const auto logits = LeNet({32, 24}, 3).logits(noise.heatmaps, 1);
-  EXPECT_EQ(classifier.classify(noise.heatmaps), logits);
+  EXPECT_EQ(Classifier(bundle.folder, 2, EngineKind::libtorch).classify(noise.heatmaps), logits);
+  const auto own = classifier.classify(noise.heatmaps);
+  ASSERT_EQ(own.size(), logits.size());
+  for (std::size_t i = 0; i < logits.size(); ++i) {
+    for (std::size_t k = 0; k < touch_count; ++k) EXPECT_NEAR(own[i][k], logits[i][k], 1e-6);
+  }
   const auto verdicts = classifier.verdicts(noise.heatmaps);
   for (std::size_t i = 0; i < logits.size(); ++i) EXPECT_EQ(verdicts[i], verdict_of(logits[i]));
   EXPECT_EQ(classifier.input_size(), (SensorSize{32, 24}));

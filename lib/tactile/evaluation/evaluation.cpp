@@ -172,6 +172,7 @@ RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::
 
 /// All that is kept of a run.
 struct RunResult {
+  std::size_t ticks = 0, close_ticks = 0;
   Confusion confusion;
   Reliability reliability;
   std::vector<Confusion> by_guard;
@@ -215,6 +216,8 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
   const RunTruth truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   const std::vector<TouchInterval> labelled = truth.used(), all = truth.all_labelled();
 
+  result.ticks = run.verdicts.size();
+  result.close_ticks = run.close;
   result.has_truth = truth.has_truth;
   for (const Sample& sample : samples) {
     const std::size_t k = place_of(sample, run.ticks, name);
@@ -381,6 +384,8 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
                   runs[i] = score_run(scoring, test_runs[i], threads_each, advance);
                 });
 
+  evaluation.engine = classifier.engine();
+  for (const RunResult& run : runs) evaluation.ticks += run.ticks, evaluation.close_ticks += run.close_ticks;
   evaluation.runs = of_runs<RunConfusion>(runs, objects, [](const RunResult& run) { return run.confusion; });
   evaluation.detections = of_runs<RunDetections>(runs, objects, [](const RunResult& run) { return run.network.detections; });
   evaluation.accuracy = accuracy_of(evaluation.runs, bootstrap);

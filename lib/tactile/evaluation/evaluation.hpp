@@ -76,6 +76,8 @@ struct Evaluation {
   Confirmation confirmation;
   BootstrapOptions bootstrap;
   std::vector<std::string> test_runs;
+  EngineKind engine = EngineKind::fast;
+  std::uint64_t ticks = 0, close_ticks = 0;  ///< of all test runs; of them those where another engine's verdict may differ
 
   std::vector<RunConfusion> runs;         ///< of the balanced samples of each test run, in order
   std::vector<RunDetections> detections;  ///< likewise: how each labelled interval was met

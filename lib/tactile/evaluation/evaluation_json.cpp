@@ -32,28 +32,30 @@ void add_truth(nlohmann::json& json, const TruthScore& truth) {
 }  // namespace
 
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
-  json = {{"title", title_of(evaluation)},
-          {"simulated", evaluation.simulated},
-          {"model", evaluation.model},
-          {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
-          {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
-          {"bootstrap",
-           {{"draws", evaluation.bootstrap.draws},
-            {"confidence", evaluation.bootstrap.confidence},
-            {"seed", evaluation.bootstrap.seed}}},
-          {"guard_ms", in_ms(evaluation.guard)},
-          {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
-          {"tick_ms", in_ms(evaluation.tick)},
-          {"confirm", text_of(evaluation.confirmation)},
-          {"classes", nlohmann::json::array()},
-          {"test_runs", evaluation.test_runs},
-          {"accuracy", evaluation.accuracy},
-          {"confusion", evaluation.confusion},
-          {"per_class", evaluation.classes},
-          {"calibration", evaluation.calibration},
-          {"accuracy_by_guard", nlohmann::json::array()},
-          {"over_time", evaluation.over_time},
-          {"operating_curve", evaluation.operating_curve}};
+  json = {
+      {"title", title_of(evaluation)},
+      {"simulated", evaluation.simulated},
+      {"model", evaluation.model},
+      {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
+      {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+      {"bootstrap",
+       {{"draws", evaluation.bootstrap.draws},
+        {"confidence", evaluation.bootstrap.confidence},
+        {"seed", evaluation.bootstrap.seed}}},
+      {"guard_ms", in_ms(evaluation.guard)},
+      {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
+      {"tick_ms", in_ms(evaluation.tick)},
+      {"confirm", text_of(evaluation.confirmation)},
+      {"classes", nlohmann::json::array()},
+      {"test_runs", evaluation.test_runs},
+      {"engine", {{"name", name_of(evaluation.engine)}, {"ticks", evaluation.ticks}, {"close_ticks", evaluation.close_ticks}}},
+      {"accuracy", evaluation.accuracy},
+      {"confusion", evaluation.confusion},
+      {"per_class", evaluation.classes},
+      {"calibration", evaluation.calibration},
+      {"accuracy_by_guard", nlohmann::json::array()},
+      {"over_time", evaluation.over_time},
+      {"operating_curve", evaluation.operating_curve}};
   for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
   for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
   json.update(detector_json(evaluation.network));

@@ -32,6 +32,7 @@ FullRun classify_full_run(const std::filesystem::path& recording, const Classifi
     const auto logits = classifier.classify(waiting, threads);
     std::transform(logits.begin(), logits.end(), std::back_inserter(run.verdicts), verdict_of);
     std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities), probabilities_of);
+    run.close += static_cast<std::size_t>(std::count_if(logits.begin(), logits.end(), is_close));
     waiting.clear();
     if (advance) advance(logits.size());
   };

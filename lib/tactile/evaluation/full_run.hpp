@@ -18,6 +18,7 @@ struct FullRun {
   std::vector<Touch> verdicts;               ///< the likeliest, unconfirmed
   std::vector<Probabilities> probabilities;  ///< of none, press, slip
   std::vector<std::uint64_t> events;         ///< in [t_c - t_h, t_c)
+  std::size_t close = 0;                     ///< ticks of logits so close that another engine may give another verdict
 };
 
 /// Renders every full tick of a recording with the model's own settings and classifies it, batch by batch: memory follows the

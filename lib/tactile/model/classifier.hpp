@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "tactile/engine/lenet_engine.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/engine_kind.hpp"
 #include "tactile/model/logits.hpp"
 #include "tactile/model/model_bundle.hpp"
 
@@ -20,10 +22,12 @@ class Classifier {
  public:
   /// Opens the model bundle `models/<name>/`.
   /// @param threads  0: as many as the machine has cores; the logits do not depend on it
-  /// @throws Error  if it is missing, incomplete or damaged: another format, weights that are not those of its hash, of the
-  /// network's
-  ///                sizes, or finite
-  explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0);
+  /// @param engine   what runs it; verdicts of both are the same but where `is_close` the logits
+  /// @param options  of the fast engine
+  /// @throws Error   if it is missing, incomplete or damaged: another format, weights that are not those of its hash, of the
+  ///                 network's sizes, or finite; if the fast engine does not know its layers
+  explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, EngineKind engine = EngineKind::fast,
+                      const EngineOptions& options = {});
   ~Classifier();
   Classifier(Classifier&&) noexcept;
   Classifier& operator=(Classifier&&) noexcept;
@@ -33,9 +37,11 @@ class Classifier {
   const ModelDescription& model() const;      ///< the same, read
   const HeatmapOptions& rendering() const;
   SensorSize input_size() const;
+  EngineKind engine() const;
 
   /// @param heatmaps  [n, height, width] of `input_size()`, one after the other
-  /// @return n times the logits of none, press, slip
+  /// @return n times the logits of none, press, slip. May be called from several threads at once
+  /// @throws Error  if the heatmaps are no whole number of this network's input
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 

@@ -9,6 +9,13 @@ Touch verdict_of(const Logits& logits) {
   return all_touches[static_cast<std::size_t>(std::max_element(logits.begin(), logits.end()) - logits.begin())];
 }
 
+bool is_close(const Logits& logits) {
+  constexpr float apart = 1e-4F;
+  Logits ascending = logits;
+  std::sort(ascending.begin(), ascending.end());
+  return ascending[touch_count - 1] - ascending[touch_count - 2] < apart;
+}
+
 Probabilities probabilities_of(const Logits& logits) {
   const double largest = *std::max_element(logits.begin(), logits.end());
   std::array<double, touch_count> weights{};

@@ -390,19 +390,25 @@ class Study {
                 }};
   }
 
+  /// Named where it is not the usual one, whose results stay as they are.
+  json with_engine(json inputs) const {
+    if (options_.engine != EngineKind::fast) inputs["engine"] = name_of(options_.engine);
+    return inputs;
+  }
+
   fs::path samples_file(const StudyModel& model) const { return options_.out / "samples" / (model.name() + ".json"); }
 
   Step judging_of(const StudyModel& model) const {
     const fs::path file = samples_file(model);
     return {.name = "judge-" + model.name(),
             .command = "",
-            .inputs = {{"manifest", dataset_->manifest_hash()},
-                       {"weights", read_description(model.bundle).weights_sha256},
-                       {"runs", names_of(*dataset_, model.runs)}},
+            .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                   {"weights", read_description(model.bundle).weights_sha256},
+                                   {"runs", names_of(*dataset_, model.runs)}}),
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, model, file](const ProgressCallback& progress) {
-                  const Classifier classifier(model.bundle.folder, threads_);
+                  const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                   const auto confusions = sample_confusions(*dataset_, classifier, model.runs, {.threads = threads_}, progress);
                   std::vector<RunVerdicts> verdicts;
                   for (std::size_t i = 0; i < model.runs.size(); ++i)
@@ -509,18 +515,18 @@ class Study {
     const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
     runner_.run({.name = "evaluate-" + set.name + "-" + model.name(),
                  .command = "",
-                 .inputs = {{"manifest", dataset_->manifest_hash()},
-                            {"weights", read_description(model.bundle).weights_sha256},
-                            {"truth", truths_of(set.runs)},
-                            {"form", evaluation_form},
-                            {"runs", set.names}},
+                 .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                        {"weights", read_description(model.bundle).weights_sha256},
+                                        {"truth", truths_of(set.runs)},
+                                        {"form", evaluation_form},
+                                        {"runs", set.names}}),
                  .outputs =
                      [json_file, csv_file] {
                        return hashes_of({json_file, csv_file});
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       const Classifier classifier(model.bundle.folder, threads_);
+                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                        const Evaluation evaluation = evaluate(*dataset_, classifier, set.runs, {.threads = threads_}, progress);
                        write_whole(csv_file, table_of(evaluation));
                        write_json(json_file, evaluation);
@@ -549,11 +555,12 @@ class Study {
     full_run_file_ = options_.out / "runs" / (run.object + "-" + run.run + ".csv");
     runner_.run({.name = "run-" + run.object + "-" + run.run,
                  .command = command_of({"eval", options_.data.string(), "--run", full_run_, "--models", options_.models.string(),
-                                        "--model", model.name(), "--out", (options_.out / "runs").string()}),
-                 .inputs = {{"manifest", dataset_->manifest_hash()},
-                            {"weights", read_description(model.bundle).weights_sha256},
-                            {"form", evaluation_form},
-                            {"truth", truths_of({shown})}},
+                                        "--model", model.name(), "--out", (options_.out / "runs").string(), "--engine",
+                                        std::string(name_of(options_.engine))}),
+                 .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                        {"weights", read_description(model.bundle).weights_sha256},
+                                        {"form", evaluation_form},
+                                        {"truth", truths_of({shown})}}),
                  .outputs =
                      [this] {
                        return hashes_of({full_run_file_, outcome_of_full_run()});
@@ -561,7 +568,7 @@ class Study {
                  .work =
                      [&](const ProgressCallback& progress) {
                        check_unchanged(*dataset_, shown);
-                       const Classifier classifier(model.bundle.folder, threads_);
+                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
                        const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
                        std::map<CameraTime, Touch> samples;
                        for (const Sample& sample : dataset_->samples()) {

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+namespace tactile {
+
+inline constexpr std::size_t cache_line = 64;  ///< bytes; also the widest vector there is
+
+template <class T>
+struct CacheLineAllocator {
+  using value_type = T;
+
+  CacheLineAllocator() = default;
+  template <class Other>
+  CacheLineAllocator(const CacheLineAllocator<Other>& /*other*/) {}  // NOLINT(google-explicit-constructor): as allocators are
+
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{cache_line})); }
+  void deallocate(T* values, std::size_t /*count*/) { ::operator delete (values, std::align_val_t{cache_line}); }
+
+  friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
+};
+
+/// A vector that begins at a cache line, copies of it too.
+template <class T>
+using AlignedValues = std::vector<T, CacheLineAllocator<T>>;
+
+}  // namespace tactile
