@@ -17,6 +17,7 @@ void add_heatmaps_command(CLI::App& app);
 void add_view_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
+void add_detect_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);

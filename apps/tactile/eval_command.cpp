@@ -32,6 +32,7 @@ EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& c
   EvaluationOptions options;
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   options.confirmation = confirmation_in(args.confirm);
+  options.gate = args.gate;
   options.threads = common.threads;
   return options;
 }
@@ -51,6 +52,7 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const Eva
   if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
+  if (options.gate) name += "-gate";
   if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
   return usual.parent_path() / (name + ".json");
 }
@@ -133,15 +135,6 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
       text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" + text_of(evaluation) + written);
 }
 
-std::string check_confirmation(const std::string& text) {
-  try {
-    confirmation_in(text);
-    return "";
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
 }  // namespace
 
 void add_eval_command(CLI::App& app) {
@@ -173,8 +166,10 @@ void add_eval_command(CLI::App& app) {
   command
       ->add_option("--confirm", args->confirm,
                    "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
-      ->check(CLI::Validator(check_confirmation, "k/n"))
+      ->check(is_confirmation())
       ->capture_default_str();
+  command->add_flag("--gate", args->gate,
+                    "A verdict is none below the model's limit of events, without the network; reported with it on and off");
   add_engine_option(*command, args->engine);
   CLI::Option* run =
       command

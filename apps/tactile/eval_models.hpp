@@ -17,6 +17,7 @@ struct EvalArguments {
   bool unseen = false, no_train = false;
   double guard_ms = -1;
   std::string confirm = "1/1";
+  bool gate = false;
   std::string engine = "fast";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five that there are
   std::vector<std::string> runs;      ///< to be shown over time; the rest is left undone then

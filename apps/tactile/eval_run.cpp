@@ -158,6 +158,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   spdlog::info("every tick as {} sees it", bundle.folder.string());
 
   PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = common.threads};
+  if (args.gate) options.gate = gate_limit(bundle, model);
   if (dataset) options.guard = dataset->sampling().guard;
   if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};

@@ -116,6 +116,26 @@ std::string over_time_text(const Evaluation& evaluation) {
   return text_table(header, rows) + "\n";
 }
 
+std::string gate_text(const Evaluation& evaluation) {
+  if (!evaluation.gate_off) return {};
+  const GateOff& off = *evaluation.gate_off;
+  const auto row = [](const std::string& name, const Accuracy& accuracy, const DetectorScore& score) {
+    return Row{name,
+               percent(accuracy.mean),
+               number(score.press.all.mean_ms),
+               fmt::format("{} + {}", score.press.all.misses, score.press.all.early),
+               number(score.slip.all.mean_ms),
+               fmt::format("{} + {}", score.slip.all.misses, score.slip.all.early),
+               std::to_string(score.false_alarms.total.alarms),
+               number(score.false_alarms.per_min)};
+  };
+  const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
+  return text_table({fmt::format("gate: none below {} events", off.limit), "accuracy [%]", "press [ms]", "miss + early",
+                     "slip [ms]", "miss + early", "false alarms", "per min"},
+                    {row("on", evaluation.accuracy, evaluation.network), row("off", off.accuracy, off.network)}) +
+         fmt::format("The gate spares the network {:.1f} % of {} ticks.\n\n", share, off.ticks);
+}
+
 std::string operating_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
   const auto told = [](const DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); };
@@ -210,9 +230,10 @@ std::string engine_text(const Evaluation& evaluation) {
 std::string text_of(const Evaluation& evaluation) {
   std::string title = title_of(evaluation);
   if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
+  if (evaluation.gate_off) title += ", gated";
   return title + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
-         delays_text(evaluation) + false_alarms_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation) +
-         engine_text(evaluation);
+         delays_text(evaluation) + false_alarms_text(evaluation) + gate_text(evaluation) + over_time_text(evaluation) +
+         operating_text(evaluation) + engine_text(evaluation);
 }
 
 std::string text_of(const UnseenComparison& comparison, bool simulated) {

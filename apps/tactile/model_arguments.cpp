@@ -9,6 +9,7 @@
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/evaluation/confirmation.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -24,6 +25,19 @@ double common_images_per_s_and_thread(const ModelSettings& settings) {
 
 std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
+}
+
+CLI::Validator is_confirmation() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        try {
+          confirmation_in(text);
+          return "";
+        } catch (const Error& e) {
+          return e.what();
+        }
+      },
+      "k/n");
 }
 
 bool make_missing_dataset(const std::string& data, const CommonArguments& common) {

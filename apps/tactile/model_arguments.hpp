@@ -18,6 +18,9 @@ std::filesystem::path dataset_file(const std::string& data);
 /// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
 bool make_missing_dataset(const std::string& data, const CommonArguments& common);
 
+/// k/n of `--confirm`.
+CLI::Validator is_confirmation();
+
 /// The objects to hold out: those named, or those of the paper's five that the dataset has.
 /// @throws Error  where none was named and none of those, or nothing else, is there
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);

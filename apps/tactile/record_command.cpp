@@ -17,6 +17,7 @@
 #include "live_line.hpp"
 #include "option_checks.hpp"
 #include "record_runs.hpp"
+#include "source_arguments.hpp"
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/capture/find_sources.hpp"
 #include "tactile/capture/readout_mode.hpp"
@@ -61,44 +62,6 @@ void list_sources(const CommonArguments& common) {
   if (cameras.empty()) lines.emplace_back("-", "no camera, and no stream at " + SourcePlaces{}.stream);
   if (videos.empty()) lines.emplace_back("-", "no video device");
   print_result(common, {{"sources", cameras}, {"videos", videos}}, text_list(lines));
-}
-
-/// The one camera that is there, else the stream that DV and its like serve.
-std::string usual_source() {
-  std::vector<std::string> cameras, streams;
-  std::string out_of_reach;
-  for (const FoundSource& source : find_camera_sources()) {
-    if (source.text.empty()) {
-      out_of_reach += "; " + source.description;
-    } else {
-      (source.text.starts_with("camera") ? cameras : streams).push_back(source.text);
-    }
-  }
-  if (cameras.size() > 1) {
-    std::string names;
-    for (const std::string& camera : cameras) names += (names.empty() ? "" : ", ") + camera;
-    throw Error("record: several cameras are there (" + names + "); expected --from with one of them");
-  }
-  if (!cameras.empty()) return cameras.front();
-  if (!streams.empty()) return streams.front();
-  throw Error(
-      fmt::format("record: no camera that can be opened, and no stream at {}{}; expected one of them, or --from "
-                  "tcp://HOST:PORT, unix:PATH, file:PATH, sim or camera:SERIAL",
-                  SourcePlaces{}.stream, out_of_reach));
-}
-
-/// `HOST` or `HOST:PORT`; an IPv6 address with a port in brackets.
-NetworkAddress robot_address(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  const std::size_t bracket = text.rfind(']');
-  const bool has_port = colon != std::string::npos && (bracket == std::string::npos ? text.find(':') == colon : colon > bracket);
-  const bool is_bare_ipv6 = !has_port && colon != std::string::npos && bracket == std::string::npos;
-  const std::string host = is_bare_ipv6 ? "[" + text + "]" : text;
-  try {
-    return network_address("tcp://" + host + (has_port ? "" : ":30004"));
-  } catch (const Error&) {
-    throw Error("--robot '" + text + "': is no address; expected HOST or HOST:PORT with a port from 1 to 65535");
-  }
 }
 
 std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) {
@@ -231,7 +194,7 @@ void record(RecordArguments args, const CommonArguments& common) {
   if (!args.readout_mode.empty()) readout_mode(args.readout_mode);
   RunsToRecord wanted{
       .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
-  if (args.from.empty()) args.from.push_back(usual_source());
+  if (args.from.empty()) args.from.push_back(usual_source("record"));
   wanted.settings = settings_json(args, wanted.plan);
 
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said, and what is there is kept

@@ -222,6 +222,8 @@ struct Shared {
 
   std::mutex mutex;
   std::vector<double> sent;
+  std::map<std::string, bool> inputs;
+  std::size_t writes = 0;
   std::atomic<std::size_t> accepted{0};
   std::atomic<std::size_t> not_drained{0};
 
@@ -327,10 +329,10 @@ class Client : public std::enable_shared_from_this<Client> {
         break;
       }
       case RtdePackageType::setup_inputs:
-        send(rtde_setup_reply(package.type, {.recipe_id = 0, .types = {"NOT_FOUND"}}));
+        send(rtde_setup_reply(package.type, take_inputs(inputs_request_in(package.payload))));
         break;
       case RtdePackageType::start:
-        send(rtde_accepted_reply(package.type, valid_));
+        send(rtde_accepted_reply(package.type, valid_ || !inputs_.fields.empty()));
         if (valid_ && !std::exchange(started_, true)) {
           tick_ = (shared_.tick_now() / step_ + 1) * step_;
           due_ = SteadyClock::time_point::min();
@@ -341,10 +343,37 @@ class Client : public std::enable_shared_from_this<Client> {
         started_ = false;
         send(rtde_accepted_reply(package.type, true));
         break;
-      case RtdePackageType::text:
       case RtdePackageType::data:
+        if (read_rtde_data(inputs_, package.payload, numbers_)) {
+          const std::lock_guard lock(shared_.mutex);
+          ++shared_.writes;
+          for (std::size_t i = 0; i < numbers_.size(); ++i) shared_.inputs[inputs_.fields[i].name] = as_double(numbers_[i]) != 0;
+        }
+        break;
+      case RtdePackageType::text:
         break;
     }
+  }
+
+  /// Bit registers 64 to 127, as a controller of version 5 leaves them to clients other than its fieldbus.
+  RtdeSetupReply take_inputs(const std::vector<std::string>& names) {
+    const auto is_among = [](const std::vector<std::string>& all, const std::string& name) {
+      return std::find(all.begin(), all.end(), name) != all.end();
+    };
+    RtdeSetupReply reply{.recipe_id = 2, .types = {}};
+    inputs_ = {.id = 2, .fields = {}};
+    for (const std::string& name : names) {
+      constexpr std::string_view begin = "input_bit_register_";
+      const int number = name.starts_with(begin) ? std::atoi(name.c_str() + begin.size()) : 0;
+      const bool is_there = number >= 64 && number <= 127 && !is_among(shared_.options.not_found, name);
+      const bool is_free = !is_among(shared_.options.in_use, name);
+      reply.types.emplace_back(!is_there ? "NOT_FOUND" : !is_free ? "IN_USE" : "BOOL");
+      if (is_there && is_free) inputs_.fields.push_back({name, RtdeFieldType::boolean});
+    }
+    if (inputs_.fields.size() == names.size()) return reply;
+    inputs_.fields.clear();
+    reply.recipe_id = 0;
+    return reply;
   }
 
   void wait_for_tick() {
@@ -427,7 +456,8 @@ class Client : public std::enable_shared_from_this<Client> {
   RtdeReassembly reassembly_;
   std::vector<std::byte> out_, going_;
   bool writing_ = false, closed_ = false, close_when_written_ = false;
-  RtdeRecipe recipe_;
+  RtdeRecipe recipe_, inputs_;
+  std::vector<RtdeNumber> numbers_;
   bool valid_ = false, started_ = false;
   std::int64_t step_ = 1, tick_ = 0;
   SteadyClock::time_point due_{};
@@ -564,6 +594,16 @@ void FakeController::send_package_of_size(std::uint16_t size) {
 std::vector<double> FakeController::sent() const {
   const std::lock_guard lock(state_->shared.mutex);
   return state_->shared.sent;
+}
+
+std::optional<bool> FakeController::input(const std::string& name) const {
+  const std::lock_guard lock(state_->shared.mutex);
+  const auto found = state_->shared.inputs.find(name);
+  return found == state_->shared.inputs.end() ? std::nullopt : std::optional(found->second);
+}
+std::size_t FakeController::writes() const {
+  const std::lock_guard lock(state_->shared.mutex);
+  return state_->shared.writes;
 }
 
 std::size_t FakeController::accepted() const { return state_->shared.accepted; }

@@ -23,7 +23,8 @@ struct FakeControllerOptions {
   std::size_t text_every = 0;           ///< a text message ahead of each so manieth package, and of each answer
   bool speaks_version_2 = true;
   bool sends_nan = false;                ///< as the speed of every tenth package
-  std::vector<std::string> not_found{};  ///< outputs that this controller does not have
+  std::vector<std::string> not_found{};  ///< outputs and inputs that this controller does not have
+  std::vector<std::string> in_use{};     ///< inputs that another client writes
   std::uint64_t seed = 1;
 };
 
@@ -46,6 +47,9 @@ class FakeController {
   void send_garbage();                            ///< bytes that are no RTDE, to whoever is connected
   void send_half_a_package();                     ///< and closes
   void send_package_of_size(std::uint16_t size);  ///< a data package that claims and has that size, whatever the recipe says
+
+  std::optional<bool> input(const std::string& name) const;  ///< as a client last wrote it; nothing if none has
+  std::size_t writes() const;                                ///< packages of inputs so far
 
   std::vector<double> sent() const;  ///< timestamps of all data packages that were put on their way
   std::size_t accepted() const;      ///< connections so far

@@ -67,7 +67,7 @@ bool PacketQueue::push(Packet& packet, bool wait) {
   return true;
 }
 
-bool PacketQueue::pop(Packet& packet, std::chrono::milliseconds patience) {
+bool PacketQueue::pop(Packet& packet, std::chrono::microseconds patience) {
   std::unique_lock lock(guard_);
   filled_.wait_for(lock, patience, [&] { return !open_ || !waiting_.empty(); });
   if (waiting_.empty()) return open_;

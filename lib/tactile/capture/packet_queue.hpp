@@ -37,7 +37,7 @@ class PacketQueue {
   bool push(Packet& packet, bool wait);
 
   /// The next packet into `packet`, or none if none came within `patience`; false once the queue is closed and empty.
-  bool pop(Packet& packet, std::chrono::milliseconds patience);
+  bool pop(Packet& packet, std::chrono::microseconds patience);
 
   void give_back(Packet packet);  ///< to be taken again
 

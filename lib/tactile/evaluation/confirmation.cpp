@@ -1,7 +1,6 @@
 #include "tactile/evaluation/confirmation.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
@@ -24,16 +23,26 @@ std::string text_of(const Confirmation& confirmation) {
 }
 
 std::vector<Touch> confirmed(std::span<const Touch> said, const Confirmation& confirmation) {
-  std::vector<Touch> verdicts(said.size(), Touch::none);
-  std::array<unsigned, touch_count> counts{};
-  for (std::size_t i = 0; i < said.size(); ++i) {
-    ++counts[static_cast<std::size_t>(said[i])];
-    if (i >= confirmation.of) --counts[static_cast<std::size_t>(said[i - confirmation.of])];
-    for (const Touch touch : {Touch::press, Touch::slip}) {
-      if (counts[static_cast<std::size_t>(touch)] >= confirmation.needed) verdicts[i] = touch;
-    }
-  }
+  RunningConfirmation running(confirmation);
+  std::vector<Touch> verdicts(said.size());
+  std::transform(said.begin(), said.end(), verdicts.begin(), [&running](Touch touch) { return running.next(touch); });
   return verdicts;
+}
+
+Touch RunningConfirmation::next(Touch said) {
+  --counts_[static_cast<std::size_t>(last_[oldest_])];
+  ++counts_[static_cast<std::size_t>(said)];
+  last_[oldest_] = said;
+  if (++oldest_ == last_.size()) oldest_ = 0;
+  for (const Touch touch : {Touch::press, Touch::slip}) {
+    if (counts_[static_cast<std::size_t>(touch)] >= confirmation_.needed) return touch;
+  }
+  return Touch::none;
+}
+
+void RunningConfirmation::restart() {
+  std::fill(last_.begin(), last_.end(), Touch::none);
+  counts_ = {confirmation_.of, 0, 0};
 }
 
 }  // namespace tactile

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,5 +32,22 @@ std::string text_of(const Confirmation& confirmation);  ///< "2/3"
 ///
 /// @param said  one class for each tick
 std::vector<Touch> confirmed(std::span<const Touch> said, const Confirmation& confirmation);
+
+/// The same, tick by tick. Asks for memory when it is made alone.
+class RunningConfirmation {
+ public:
+  explicit RunningConfirmation(const Confirmation& confirmation) : confirmation_(confirmation), last_(confirmation.of) {
+    restart();
+  }
+
+  Touch next(Touch said);  ///< the verdict at the next tick
+  void restart();          ///< ticks before the next one count as none
+
+ private:
+  Confirmation confirmation_;
+  std::vector<Touch> last_;  ///< the last `of` ticks, the oldest at `oldest_`
+  std::size_t oldest_ = 0;
+  std::array<unsigned, touch_count> counts_{};
+};
 
 }  // namespace tactile

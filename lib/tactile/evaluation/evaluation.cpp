@@ -15,6 +15,7 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/train_model.hpp"
+#include "tactile/windows/event_counts.hpp"
 
 namespace tactile {
 namespace {
@@ -48,6 +49,12 @@ std::vector<std::uint32_t> training_runs_of(const Dataset& dataset, const ModelD
   return runs;
 }
 
+/// The limit of the model's gate, where it is to be used.
+std::optional<std::uint64_t> gate_of(const Classifier& classifier, const EvaluationOptions& options) {
+  if (!options.gate) return std::nullopt;
+  return gate_limit({classifier.bundle()}, classifier.model());
+}
+
 /// The balanced samples of one run as the baselines see them.
 struct RunSamples {
   std::vector<Touch> truth;
@@ -61,20 +68,6 @@ struct RunSamples {
     fields.push_back(shares_of_fields(heatmap, size));
   }
 };
-
-std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
-                                        microseconds history) {
-  const std::vector<Event> events = dataset.events(run);
-  const auto place_of = [&events](CameraTime t) {
-    return std::lower_bound(events.begin(), events.end(), t, [](const Event& event, CameraTime time) { return event.t < time; });
-  };
-  std::vector<std::uint64_t> counts;
-  for (const std::uint32_t sample : samples) {
-    const CameraTime t = dataset.samples()[sample].t;
-    counts.push_back(static_cast<std::uint64_t>(place_of(t) - place_of(before(t, history))));
-  }
-  return counts;
-}
 
 void add_samples(RunSamples& samples, const Dataset& dataset, const Classifier& classifier, std::uint32_t run, unsigned threads) {
   const auto indexes = samples_of_runs(dataset, {&run, 1});
@@ -186,6 +179,9 @@ struct RunResult {
   RunScore against_truth;
   std::vector<Detection> gross;
   OverTimeOfRun true_over_time;
+  std::uint64_t gated = 0;
+  Confusion open_confusion;  ///< without the gate, as is the next
+  RunScore open;
 };
 
 /// What every run is scored by.
@@ -195,6 +191,7 @@ struct Scoring {
   const EvaluationOptions& options;
   microseconds guard;                         ///< of false alarms
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
+  std::optional<std::uint64_t> gate;          ///< its limit
 };
 
 RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned threads,
@@ -211,7 +208,17 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
     result.samples.add(samples[next].touch, events, heatmap, scoring.classifier.input_size());
     ++next;
   };
-  const FullRun run = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
+  FullRun run = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
+  for (const Sample& sample : samples) {
+    const std::size_t k = place_of(sample, run.ticks, name);
+    result.reliability.add(static_cast<double>(run.probabilities[k][static_cast<std::size_t>(run.verdicts[k])]),
+                           run.verdicts[k] == sample.touch);
+  }
+  std::vector<Touch> open_verdicts;
+  if (scoring.gate) {
+    open_verdicts = confirmed(run.verdicts, options.confirmation);
+    result.gated = apply_gate(run, *scoring.gate);
+  }
   const std::vector<Touch> verdicts = confirmed(run.verdicts, options.confirmation);
   const RunTruth truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   const std::vector<TouchInterval> labelled = truth.used(), all = truth.all_labelled();
@@ -222,8 +229,7 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
   for (const Sample& sample : samples) {
     const std::size_t k = place_of(sample, run.ticks, name);
     result.confusion.add(sample.touch, verdicts[k]);
-    result.reliability.add(static_cast<double>(run.probabilities[k][static_cast<std::size_t>(run.verdicts[k])]),
-                           run.verdicts[k] == sample.touch);
+    if (scoring.gate) result.open_confusion.add(sample.touch, open_verdicts[k]);
     if (truth.has_truth) result.true_confusion.add(touch_at(sample.t, truth.true_ones), verdicts[k]);
   }
   for (const microseconds guard : scoring.sampling_guards) {
@@ -237,6 +243,7 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
     return score_of(run.ticks, said, labelled, all, truth.unlabelled, scoring.guard, options.delay);
   };
   result.network = score(verdicts);
+  if (scoring.gate) result.open = score(open_verdicts);
   for (std::size_t i = 0; i < trivial_count; ++i)
     result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, name));
   for (const double threshold : default_thresholds())
@@ -377,7 +384,8 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   }
 
   // Full runs first: a run folder that has changed is told before anything else is worked on.
-  const Scoring scoring{dataset, classifier, options, evaluation.guard, guards_beside(evaluation.sampling_guard)};
+  const Scoring scoring{
+      dataset, classifier, options, evaluation.guard, guards_beside(evaluation.sampling_guard), gate_of(classifier, options)};
   std::vector<RunResult> runs(test_runs.size());
   for_full_runs(dataset, classifier, test_runs, threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
@@ -400,6 +408,15 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   }
   evaluation.network =
       detector_score(runs, objects, bootstrap, [](const RunResult& run) -> const RunScore& { return run.network; });
+  if (scoring.gate) {
+    GateOff& off = evaluation.gate_off.emplace();
+    off.limit = *scoring.gate;
+    for (const RunResult& run : runs) off.ticks += run.ticks, off.gated += run.gated;
+    const auto open = of_runs<RunConfusion>(runs, objects, [](const RunResult& run) { return run.open_confusion; });
+    off.accuracy = accuracy_of(open, bootstrap);
+    off.confusion = sum_of(open);
+    off.network = detector_score(runs, objects, bootstrap, [](const RunResult& run) -> const RunScore& { return run.open; });
+  }
   for (std::size_t i = 0; i < trivial_count; ++i) {
     evaluation.trivial[trivial_names[i]] =
         detector_score(runs, objects, bootstrap, [i](const RunResult& run) -> const RunScore& { return run.trivial[i]; });
@@ -444,7 +461,8 @@ std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classi
     confusions[i].object = dataset.runs()[runs[i]].object;
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, said_of(k));
   };
-  if (options.confirmation.of == 1) {
+  const std::optional<std::uint64_t> gate = gate_of(classifier, options);
+  if (options.confirmation.of == 1 && !gate) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       tell(progress, i, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
       const auto indexes = samples_of_runs(dataset, {&runs[i], 1});
@@ -455,7 +473,8 @@ std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classi
   }
   for_full_runs(dataset, classifier, runs, threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-                  const FullRun run = classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
+                  FullRun run = classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
+                  if (gate) apply_gate(run, *gate);
                   const auto verdicts = confirmed(run.verdicts, options.confirmation);
                   const auto samples = samples_in(dataset, runs[i]);
                   add(i, samples,

@@ -28,6 +28,7 @@ struct EvaluationOptions {
   std::optional<microseconds> guard =
       std::nullopt;  ///< after an interval, alarms are counted apart for so long; >= 0, the dataset's own if not given
   Confirmation confirmation{};
+  bool gate = false;  ///< the verdict is none below the model's limit of events
   DelayOptions delay{};
   OverTimeOptions over_time{};
   BootstrapOptions bootstrap{};
@@ -67,6 +68,15 @@ struct TruthScore {
   OverTime over_time;
 };
 
+/// The same without the gate, and how often it is closed.
+struct GateOff {
+  std::uint64_t limit = 0;  ///< events in t_h
+  std::uint64_t ticks = 0, gated = 0;
+  Accuracy accuracy;
+  Confusion confusion;
+  DetectorScore network;
+};
+
 /// What a model does on runs that it was not trained on.
 struct Evaluation {
   nlohmann::json model;  ///< its name, settings and the hash of its weights
@@ -88,6 +98,7 @@ struct Evaluation {
   std::vector<GuardScore> guards;        ///< the dataset's own first, then 100 ms and 0 where they are others
   std::vector<BaselineScore> baselines;  ///< empty where the dataset has no run that the model learned from
   DetectorScore network;                 ///< against the labels
+  std::optional<GateOff> gate_off;       ///< where the gate is on, beside all the rest
   std::map<std::string, DetectorScore>
       trivial;  ///< "always_press", "always_slip", "random", unconfirmed, against the same labels
   OverTime over_time;

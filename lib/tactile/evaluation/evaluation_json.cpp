@@ -20,6 +20,13 @@ nlohmann::json guard_json(const GuardScore& score) {
   return json;
 }
 
+nlohmann::json gate_json(const GateOff& off) {
+  nlohmann::json without = detector_json(off.network);
+  without["accuracy"] = off.accuracy;
+  without["confusion"] = off.confusion;
+  return {{"limit_events", off.limit}, {"ticks", off.ticks}, {"gated", off.gated}, {"off", without}};
+}
+
 void add_truth(nlohmann::json& json, const TruthScore& truth) {
   json["accuracy_true"] = truth.accuracy;
   json["confusion_true"] = truth.confusion;
@@ -64,6 +71,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const BaselineScore& baseline : evaluation.baselines) {
     json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
   }
+  json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
   json["runs"] = nlohmann::json::array();
   for (std::size_t i = 0; i < evaluation.detections.size(); ++i) {

@@ -152,6 +152,15 @@ std::string table_of(const Evaluation& evaluation) {
   for (const BaselineScore& baseline : evaluation.baselines) table.accuracy("baseline:" + baseline.name, baseline.accuracy);
   add_detector(table, "", evaluation.network);
   for (const auto& [name, score] : evaluation.trivial) add_detector(table, ":" + name, score);
+  if (evaluation.gate_off) {
+    const GateOff& off = *evaluation.gate_off;
+    table.count("gate", "all", "", "limit_events", off.limit);
+    table.count("gate", "all", "", "ticks", off.ticks);
+    table.count("gate", "all", "", "gated", off.gated);
+    table.accuracy("accuracy:gate_off", off.accuracy);
+    table.confusion("confusion:gate_off", off.confusion);
+    add_detector(table, ":gate_off", off.network);
+  }
   add_over_time(table, "over_time", evaluation.over_time);
   for (const OperatingPoint& point : evaluation.operating_curve) {
     const std::string group = fmt::format("threshold:{}", point.threshold);

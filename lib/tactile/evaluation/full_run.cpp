@@ -47,6 +47,17 @@ FullRun classify_full_run(const std::filesystem::path& recording, const Classifi
   return run;
 }
 
+std::uint64_t apply_gate(FullRun& run, std::uint64_t limit) {
+  std::uint64_t gated = 0;
+  for (std::size_t k = 0; k < run.events.size(); ++k) {
+    if (run.events[k] >= limit) continue;
+    ++gated;
+    run.verdicts[k] = Touch::none;
+    run.probabilities[k] = {1, 0, 0};
+  }
+  return gated;
+}
+
 std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options) {
   const RecordingReader reader(recording);
   const std::int32_t id = event_stream(reader).id;

@@ -31,6 +31,10 @@ struct FullRun {
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
                           const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {});
 
+/// Takes the ticks with fewer than `limit` events for none, with the probabilities {1, 0, 0}, as if the network had not been
+/// asked. @return how many
+std::uint64_t apply_gate(FullRun& run, std::uint64_t limit);
+
 /// About how many full ticks a recording holds, from its list of packets.
 std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options);
 

@@ -27,6 +27,7 @@ RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, co
   prediction.truth = read_run_truth(run, options.include_flagged);
   prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
   prediction.confirmation = options.confirmation;
+  if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = confirmed(prediction.full.verdicts, options.confirmation);
   const TickRange& ticks = prediction.full.ticks;
   prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct RunPrediction {
 
 struct PredictionOptions {
   Confirmation confirmation{};
+  std::optional<std::uint64_t> gate = std::nullopt;  ///< none below so many events in t_h
   DelayOptions delay{};
   microseconds guard{100'000};   ///< after an interval, alarms are counted apart for so long, >= 0
   bool include_flagged = false;  ///< flags stand in no interval's way

@@ -58,6 +58,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                {"test_runs", description.test_runs},
                {"learned_from", learned_json(description.learned_from)},
                {"samples", description.samples},
+               {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
                {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
@@ -88,6 +89,7 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
     description.learned_from.push_back(
         {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
   description.samples = member<std::uint64_t>(json, "samples", where);
+  if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
   description.threads = member<unsigned>(json, "threads", where);
   description.trained_at = member<std::string>(json, "trained_at", where);
   const auto software = member<nlohmann::json>(json, "software", where);
@@ -173,6 +175,12 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
                 ": not the weights that model.json names by their hash; expected the bundle as it was written");
   }
   return read_weights(bundle.weights(), layers.parameters());
+}
+
+std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description) {
+  if (description.gate) return description.gate->limit;
+  throw Error(bundle.folder.string() +
+              ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
 }
 
 std::optional<double> images_per_s(const ModelBundle& bundle) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/model/gate.hpp"
 #include "tactile/model/model_settings.hpp"
 #include "tactile/model/training.hpp"
 #include "tactile/model/weights.hpp"
@@ -35,6 +36,7 @@ struct ModelDescription {
   std::vector<std::string> test_runs;
   std::vector<LearnedRun> learned_from;  ///< the training runs, and those of every model that it went on from
   std::uint64_t samples = 0;             ///< learned from
+  std::optional<Gate> gate;              ///< calibrated on the training runs; bundles of earlier versions have none
   unsigned threads = 1;
   std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
   std::string version, revision;  ///< of the software
@@ -85,6 +87,10 @@ ModelDescription read_description(const ModelBundle& bundle);
 /// The bundle's weights. @throws Error  if they are not those that `description` names by hash, of the network's sizes, and
 /// finite
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description);
+
+/// The least number of events in t_h that the network is to be asked about.
+/// @throws Error  if the bundle was made without a gate
+std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description);
 
 /// Images per second of the last epoch that `history.csv` tells of; nothing if it cannot be read.
 std::optional<double> images_per_s(const ModelBundle& bundle);

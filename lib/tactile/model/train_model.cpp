@@ -12,6 +12,7 @@
 #include "tactile/core/version.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/validation_cut.hpp"
+#include "tactile/windows/event_counts.hpp"
 
 namespace tactile {
 namespace {
@@ -57,6 +58,18 @@ CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, st
                             settings.training.validation_share, samples.size()));
   }
   return result;
+}
+
+/// Of presses and slips of these runs.
+Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
+  std::vector<std::uint64_t> counts;
+  for (const std::uint32_t run : runs) {
+    std::vector<std::uint32_t> touches = samples_of_runs(dataset, {&run, 1});
+    std::erase_if(touches, [&](std::uint32_t sample) { return dataset.samples()[sample].touch == Touch::none; });
+    const auto of_run = event_counts(dataset, run, touches, history);
+    counts.insert(counts.end(), of_run.begin(), of_run.end());
+  }
+  return calibrated_gate(std::move(counts));
 }
 
 }  // namespace
@@ -211,6 +224,7 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
   description.samples = samples.training.size();
+  description.gate = gate_of(dataset, split.train_runs, settings.rendering.history);
   description.threads = threads;
   description.trained_at = now_utc();
   description.version = version();

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -68,6 +69,7 @@ class PredictionScript {
 
     begin_panel(probability_top, probability_top + probability_height, false);
     shade_labels();
+    mark_first_right();
     add("set ylabel 'probability' textcolor rgb '{}'\nset yrange [-0.02:1.02]\nset ytics 0, 0.25, 1", ink);
     add("plot {} lc rgb '{}' lw 1.2 notitle, {} lc rgb '{}' lw 1.2 notitle",
         line([](const PredictedTick& tick) { return tick.press; }), colours_of(Touch::press).strong,
@@ -100,7 +102,8 @@ class PredictionScript {
     constexpr double character = 8.5, row = 17;  // [px]
     double free_from = 0;
     bool raised = false;
-    for (const auto& [interval, words] : picture_.labels) {
+    for (const PredictedInterval& label : picture_.labels) {
+      const auto& [interval, words] = std::tie(label.interval, label.words);
       std::string name(name_of(interval.touch));
       if (!words.empty()) name += ": " + words;
       const double x = screen_x(shown(interval.start)) * picture_width;
@@ -152,6 +155,14 @@ class PredictionScript {
           from, to, colours_of(label.interval.touch).area);
       add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead lc rgb '{1}' lw 0.8", from,
           colours_of(label.interval.touch).strong);
+    }
+  }
+
+  void mark_first_right() {
+    for (const PredictedInterval& label : picture_.labels) {
+      if (!label.first_right) continue;
+      add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead dashtype 2 lc rgb '{1}' lw 1",
+          shown(*label.first_right), ink);
     }
   }
 

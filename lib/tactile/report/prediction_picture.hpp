@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct PredictedTick {
 struct PredictedInterval {
   TouchInterval interval;
   std::string words;
+  std::optional<CameraTime> first_right = std::nullopt;  ///< a tick, marked by a dashed line
 };
 
 /// What a model says over a whole run, and what was there to be said.

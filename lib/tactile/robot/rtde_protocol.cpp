@@ -72,6 +72,19 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string checked_names(const std::vector<std::string>& names, std::string_view kind, std::string_view example) {
+  for (const std::string& name : names) {
+    if (name.empty() || name.find(',') != std::string::npos)
+      throw Error(fmt::format("'{}' is no name of an RTDE {}; expected one such as {}", name, kind, example));
+  }
+  std::string text = joined(names);
+  if (text.size() > rtde_longest_field_list) {
+    throw Error(fmt::format("the {} names of the RTDE {}s asked for are {} bytes long; expected at most {}", names.size(), kind,
+                            text.size(), rtde_longest_field_list));
+  }
+  return text;
+}
+
 std::vector<std::string> parted(std::string_view text) {
   std::vector<std::string> names;
   if (text.empty()) return names;
@@ -179,18 +192,17 @@ std::vector<std::byte> rtde_protocol_version_request(std::uint16_t version) {
 std::vector<std::byte> rtde_bare_request(RtdePackageType type) { return finished(package_of(type)); }
 
 std::vector<std::byte> rtde_setup_outputs_request(const RtdeOutputsRequest& request) {
-  for (const std::string& name : request.names) {
-    if (name.empty() || name.find(',') != std::string::npos)
-      throw Error(fmt::format("'{}' is no name of an RTDE output; expected one such as output_int_register_0", name));
-  }
-  const std::string names = joined(request.names);
-  if (names.size() > rtde_longest_field_list) {
-    throw Error(fmt::format("the {} names of the RTDE outputs asked for are {} bytes long; expected at most {}",
-                            request.names.size(), names.size(), rtde_longest_field_list));
-  }
+  const std::string names = checked_names(request.names, "output", "output_int_register_0");
   auto package = package_of(RtdePackageType::setup_outputs);
   put(package, std::bit_cast<std::uint64_t>(request.frequency_hz));
   put(package, names);
+  return finished(std::move(package));
+}
+
+std::vector<std::byte> rtde_setup_inputs_request(const std::vector<std::string>& names) {
+  const std::string joined_names = checked_names(names, "input", "input_bit_register_64");
+  auto package = package_of(RtdePackageType::setup_inputs);
+  put(package, joined_names);
   return finished(std::move(package));
 }
 
@@ -283,6 +295,13 @@ RtdeOutputsRequest outputs_request_in(std::span<const std::byte> request) {
   outputs.names = parted(payload.rest());
   if (!outputs.names.empty() && outputs.names.back().empty()) outputs.names.pop_back();  // some clients end the list with a comma
   return outputs;
+}
+
+std::vector<std::string> inputs_request_in(std::span<const std::byte> request) {
+  Payload payload("a request for inputs", request);
+  std::vector<std::string> names = parted(payload.rest());
+  if (!names.empty() && names.back().empty()) names.pop_back();
+  return names;
 }
 
 RtdeSetupReply setup_reply_in(std::span<const std::byte> reply) {

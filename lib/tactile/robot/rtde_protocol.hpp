@@ -109,20 +109,24 @@ std::vector<std::byte> rtde_protocol_version_request(std::uint16_t version);
 std::vector<std::byte> rtde_bare_request(RtdePackageType type);  ///< controller_version, start, pause
 /// @throws Error  if the names are longer than `rtde_longest_field_list`, or one is empty or holds a comma
 std::vector<std::byte> rtde_setup_outputs_request(const RtdeOutputsRequest& request);
+std::vector<std::byte> rtde_setup_inputs_request(const std::vector<std::string>& names);  ///< @throws Error likewise
+
+// What either sends: a controller its outputs, a client the controller's inputs.
+/// `numbers` as `columns_of` the recipe.
+std::vector<std::byte> rtde_data_package(const RtdeRecipe& recipe, std::span<const RtdeNumber> numbers);
 
 // What a controller sends.
 std::vector<std::byte> rtde_accepted_reply(RtdePackageType type, bool accepted);  ///< protocol_version, start, pause
 std::vector<std::byte> rtde_controller_version_reply(const RtdeControllerVersion& version);
 std::vector<std::byte> rtde_setup_reply(RtdePackageType type, const RtdeSetupReply& reply);  ///< setup_outputs, setup_inputs
 std::vector<std::byte> rtde_text_message(const RtdeText& message);                           ///< each text cut at 255 bytes
-/// `numbers` as `columns_of` the recipe.
-std::vector<std::byte> rtde_data_package(const RtdeRecipe& recipe, std::span<const RtdeNumber> numbers);
 
 // Payloads taken apart. @throws Error  if the payload has not the size or form of its kind
 std::uint16_t protocol_version_in(std::span<const std::byte> request);
 bool accepted_in(std::span<const std::byte> reply);
 RtdeControllerVersion controller_version_in(std::span<const std::byte> reply);
 RtdeOutputsRequest outputs_request_in(std::span<const std::byte> request);
+std::vector<std::string> inputs_request_in(std::span<const std::byte> request);
 RtdeSetupReply setup_reply_in(std::span<const std::byte> reply);
 RtdeText text_in(std::span<const std::byte> message);
 /// Puts the numbers of a data package into `numbers`; false if it is another recipe's.

@@ -59,13 +59,48 @@ Answer RtdeSession::answer_to(RtdePackageType type, std::string_view what, Answe
   }
 }
 
-RtdeAgreement RtdeSession::agree(const std::vector<std::string>& names, double frequency_hz) {
+RtdeControllerVersion RtdeSession::greet() {
   send(rtde_protocol_version_request(rtde_protocol_version));
   if (!answer_to(RtdePackageType::protocol_version, "version request", accepted_in))
     refuse("the controller does not speak RTDE version 2; expected a UR controller that does");
-  RtdeAgreement agreed;
   send(rtde_bare_request(RtdePackageType::controller_version));
-  agreed.version = answer_to(RtdePackageType::controller_version, "question for its version", controller_version_in);
+  return answer_to(RtdePackageType::controller_version, "question for its version", controller_version_in);
+}
+
+RtdeFieldType RtdeSession::type_of(const std::string& name, const std::string& type) const {
+  const auto known = rtde_field_type_called(type);
+  if (!known)
+    refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", name, printable(type)));
+  return *known;
+}
+
+RtdeAgreement RtdeSession::agree_on_inputs(const std::vector<std::string>& names) {
+  RtdeAgreement agreed;
+  agreed.version = greet();
+  send(rtde_setup_inputs_request(names));
+  const RtdeSetupReply reply = answer_to(RtdePackageType::setup_inputs, "request for inputs", setup_reply_in);
+  for (std::size_t i = 0; i < std::min(names.size(), reply.types.size()); ++i) {
+    if (reply.types[i] == "IN_USE")
+      refuse(fmt::format("'{}' is written by another client of the controller; expected an input that is free", names[i]));
+    if (reply.types[i] == "NOT_FOUND") {
+      agreed.unknown.push_back(names[i]);
+    } else {
+      agreed.recipe.fields.push_back({names[i], type_of(names[i], reply.types[i])});
+    }
+  }
+  agreed.recipe.id = reply.recipe_id;
+  if (agreed.unknown.empty() && (reply.recipe_id == 0 || reply.types.size() != names.size()))
+    refuse(fmt::format("the controller refuses to take {} inputs{}; expected it to", names.size(), last_words()));
+  return agreed;
+}
+
+void RtdeSession::write(const RtdeRecipe& recipe, std::span<const RtdeNumber> numbers, milliseconds patience) {
+  connection_.send(rtde_data_package(recipe, numbers), patience);
+}
+
+RtdeAgreement RtdeSession::agree(const std::vector<std::string>& names, double frequency_hz) {
+  RtdeAgreement agreed;
+  agreed.version = greet();
   const double highest = agreed.version.major < first_fast_version ? old_highest_hz : highest_hz;
   agreed.frequency_hz = frequency_hz > 0 ? frequency_hz : highest;
 
@@ -73,14 +108,10 @@ RtdeAgreement RtdeSession::agree(const std::vector<std::string>& names, double f
   const RtdeSetupReply reply = answer_to(RtdePackageType::setup_outputs, "request for outputs", setup_reply_in);
   if (reply.types.size() == names.size()) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto type = rtde_field_type_called(reply.types[i]);
-      if (type) {
-        agreed.recipe.fields.push_back({names[i], *type});
-      } else if (reply.types[i] == "NOT_FOUND") {
+      if (reply.types[i] == "NOT_FOUND") {
         agreed.unknown.push_back(names[i]);
       } else {
-        refuse(
-            fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", names[i], printable(reply.types[i])));
+        agreed.recipe.fields.push_back({names[i], type_of(names[i], reply.types[i])});
       }
     }
   }

@@ -37,6 +37,13 @@ class RtdeSession {
   /// @throws Error        if it speaks no RTDE 2 or refuses, but not for names that it does not have
   RtdeAgreement agree(const std::vector<std::string>& names, double frequency_hz);
 
+  /// Agrees on what this client writes, ahead of any other that writes the same: `unknown` names inputs that the controller does
+  /// not have. @throws Error  if it speaks no RTDE 2, or another client writes one of them already
+  RtdeAgreement agree_on_inputs(const std::vector<std::string>& names);
+
+  /// Sends numbers of inputs that were agreed on. @throws Error  if the connection is over, or nothing is taken within `patience`
+  void write(const RtdeRecipe& recipe, std::span<const RtdeNumber> numbers, std::chrono::milliseconds patience);
+
   void start();  ///< @throws Error if the controller refuses
   void pause();  ///< asks it to end; nobody waits for the answer
 
@@ -59,6 +66,8 @@ class RtdeSession {
  private:
   [[noreturn]] void refuse(const std::string& what) const;
   void send(const std::vector<std::byte>& package);
+  RtdeControllerVersion greet();
+  RtdeFieldType type_of(const std::string& name, const std::string& type) const;
   std::string last_words() const;
   template <class Answer>
   Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>));

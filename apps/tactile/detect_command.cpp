@@ -1,0 +1,592 @@
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "detect_plot.hpp"
+#include "detect_report.hpp"
+#include "interruption.hpp"
+#include "live_line.hpp"
+#include "model_arguments.hpp"
+#include "openmp_threads.hpp"
+#include "option_checks.hpp"
+#include "quantity_text.hpp"
+#include "record_runs.hpp"
+#include "source_arguments.hpp"
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/new_run.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
+#include "tactile/detect/event_feed.hpp"
+#include "tactile/detect/live_detector.hpp"
+#include "tactile/detect/real_time.hpp"
+#include "tactile/detect/recorded_copy.hpp"
+#include "tactile/detect/robot_bits.hpp"
+#include "tactile/detect/tick_log.hpp"
+#include "tactile/detect/udp_records.hpp"
+#include "tactile/engine/lenet_engine.hpp"
+#include "tactile/model/classifier.hpp"
+#include "tactile/robot/robot_inputs.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets ahead of the detector
+constexpr std::size_t waiting_ticks = 16'384;                 // told, and not yet shown or written
+constexpr std::size_t drawn_ticks = 2'000'000;                // more than an hour
+constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
+
+struct DetectArguments {
+  std::string model, models = "models";
+  std::string from;
+  double speed = 1;
+  std::uint64_t seed = 1;
+  std::string stream, readout_mode;
+  double reconnect_s = 10, duration_s = 0;
+  std::string engine = "fast", precision = "fp32";
+  std::string confirm = "1/1";
+  bool gate = false;
+  std::int64_t slack_us = 2000;
+  std::string ticks, plot, udp, robot;
+  std::optional<int> bit, press_bit, slip_bit;
+  double clear_ms = 0;
+  bool latch = false, no_real_time = false;
+  bool record = false;
+  std::string out = "data", object = "unnamed", run;
+};
+
+ModelBundle chosen_model(const DetectArguments& args) {
+  if (!args.model.empty()) {
+    const fs::path given(args.model);
+    if (fs::exists(given)) return {given.filename().empty() ? given.parent_path() : given};
+    return {fs::path(args.models) / given};
+  }
+  const auto is_single_run = [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; };
+  auto found = newest_bundle(args.models, is_single_run);
+  if (!found) found = newest_bundle(args.models, [](const ModelDescription&) { return true; });
+  if (!found) throw Error(args.models + ": no model; expected one, run 'tactile train' first");
+  return *found;
+}
+
+/// What runs the network, for one thread.
+ClassifyHeatmap network_of(const DetectArguments& args, const ModelBundle& bundle, const ModelDescription& model) {
+  const EngineKind kind = engine_named(args.engine);
+  const Precision precision = precision_named(args.precision);
+  if (kind == EngineKind::fast) {
+    const auto engine = std::make_shared<LeNetEngine>(model.input, read_bundle_weights(bundle, model), model.settings.network,
+                                                      EngineOptions{.precision = precision});
+    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+  }
+  if (precision != Precision::fp32) throw Error("--precision int8: libtorch runs fp32 alone; expected --engine fast");
+  const auto classifier = std::make_shared<const Classifier>(bundle.folder, 1, kind);
+  return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
+}
+
+/// The run's folder that a file source plays, where it is one.
+std::optional<RunFolder> played_run(const std::string& source) {
+  if (!source.starts_with("file:")) return std::nullopt;
+  const fs::path path = source.substr(5);
+  const fs::path folder = fs::is_directory(path) ? path : path.parent_path();
+  const bool is_run = fs::exists(folder / "labels.json") || fs::exists(folder / "truth.json");
+  if (!is_run || (!fs::is_directory(path) && path.filename() != "events.aedat4")) return std::nullopt;
+  return run_folder_at(folder);
+}
+
+/// The bits that were asked for, and what raises each.
+struct BitsAskedFor {
+  std::vector<int> bits;
+  std::vector<RobotBitRule> rules;
+};
+
+BitsAskedFor bits_of(const DetectArguments& args) {
+  BitsAskedFor asked;
+  const auto add = [&asked](const std::optional<int>& bit, const RobotBitRule& rule) {
+    if (!bit) return;
+    asked.bits.push_back(*bit);
+    asked.rules.push_back(rule);
+  };
+  add(args.bit, {.at_press = true, .at_slip = true});
+  add(args.press_bit, {.at_press = true, .at_slip = false});
+  add(args.slip_bit, {.at_press = false, .at_slip = true});
+  if (asked.bits.empty() && !args.robot.empty())
+    throw Error("--robot: there is no bit to tell it; expected --bit, --press-bit or --slip-bit with a register from 64 to 127");
+  if (!asked.bits.empty() && args.robot.empty())
+    throw Error("--bit: there is no robot to tell; expected --robot HOST beside it");
+  for (std::size_t i = 0; i < asked.bits.size(); ++i) {
+    if (std::find(asked.bits.begin(), asked.bits.begin() + static_cast<std::ptrdiff_t>(i), asked.bits[i]) !=
+        asked.bits.begin() + static_cast<std::ptrdiff_t>(i))
+      throw Error(fmt::format("--bit: register {} stands for two things; expected another one for each", asked.bits[i]));
+  }
+  return asked;
+}
+
+/// A fault from whatever thread finds it: said, counted, and the first ones kept.
+class Faults {
+ public:
+  explicit Faults(LiveLine& line) : line_(line) {}
+
+  void add(const DetectionFault& fault) {
+    line_.warn(fault.text);
+    const std::scoped_lock lock(guard_);
+    ++kinds_[fault.kind];
+    if (first_.size() < most_faults_told) first_.push_back(fault);
+  }
+  void tell(DetectSummary& summary) const {
+    const std::scoped_lock lock(guard_);
+    summary.faults = kinds_;
+    summary.first_faults = first_;
+  }
+
+ private:
+  LiveLine& line_;
+  mutable std::mutex guard_;
+  std::map<std::string, std::uint64_t> kinds_;
+  std::vector<DetectionFault> first_;
+};
+
+/// Tells the robot, and how long that took.
+class RobotTeller {
+ public:
+  RobotTeller(const DetectArguments& args, const BitsAskedFor& asked, Faults& faults, bool real_time)
+      : bits_(asked.rules, {.never = args.latch, .hold = microseconds{std::llround(1000 * args.clear_ms)}}) {
+    const NetworkAddress address = robot_address(args.robot);
+    RobotInputsOptions options{.host = address.host, .port = address.port, .bits = asked.bits};
+    options.log = [&faults](const std::string& text) { faults.add({"robot", text, host_now()}); };
+    if (real_time) options.prepare = [] { go_ahead_of_others(robot_priority); };
+    inputs_ = std::make_unique<RobotInputs>(std::move(options));
+  }
+
+  void tell(const ToldTick& tick) {
+    const std::uint64_t high = bits_.next(tick.verdict.t, tick.verdict.verdict);
+    const bool rises = (high & ~high_) != 0;
+    if (high == high_) return;
+    high_ = high;
+    if (!rises) return inputs_->set(high);
+    ++raised_;
+    inputs_->set(high, [this, event = tick.last_arrival.value_or(tick.due.closed)] {
+      const std::scoped_lock lock(guard_);
+      from_event_.add(host_now() - event);
+    });
+  }
+  void forget() {
+    const std::uint64_t high = bits_.forget();
+    if (std::exchange(high_, high) != high) inputs_->set(high);
+  }
+  ToldToRobot summary() const {
+    const std::scoped_lock lock(guard_);
+    return {inputs_->state(), raised_, from_event_};
+  }
+
+ private:
+  RobotBits bits_;
+  std::uint64_t high_ = 0, raised_ = 0;
+  mutable std::mutex guard_;
+  DurationHistogram from_event_;
+  std::unique_ptr<RobotInputs> inputs_;  ///< its thread ends first
+};
+
+/// What is shown, written and kept of the ticks, on a thread that may take its time.
+class TickReader {
+ public:
+  TickReader(const DetectArguments& args, LiveLine& line, bool prints, DetectSummary& summary)
+      : line_(line), prints_(prints), keeps_(!args.plot.empty()), path_(args.ticks), summary_(summary) {
+    if (path_.empty()) return;
+    file_.open(path_, std::ios::binary | std::ios::trunc);
+    file_ << "t_us,p_none,p_press,p_slip,verdict,said,events,gated,closed,skipped,beginning,incomplete\n";
+    check_file();
+  }
+
+  void read(TickLog& log) {
+    log.take(ticks_);
+    for (const ToldTick& tick : ticks_) read(tick);
+    if (!path_.empty() && !ticks_.empty()) check_file();
+    if (!ticks_.empty()) newest_ = ticks_.back();
+    draw();
+  }
+  void end() {
+    if (path_.empty()) return;
+    file_.close();
+    check_file();
+  }
+  std::uint64_t not_kept() const { return not_kept_; }
+  const std::vector<ToldTick>& kept() const { return kept_; }
+
+ private:
+  void check_file() const {
+    if (!file_) throw Error(path_ + ": cannot be written; expected a place with room");
+  }
+
+  void read(const ToldTick& tick) {
+    const TickVerdict& verdict = tick.verdict;
+    const auto touch = static_cast<std::size_t>(verdict.verdict);
+    ++summary_.verdicts[touch];
+    skipped_ += tick.due.skipped;
+    if (!summary_.first_tick) summary_.first_tick = verdict.t;
+    summary_.last_tick = verdict.t;
+    const bool goes_on = last_ == verdict.verdict && beginning_ == tick.beginning;
+    if (verdict.verdict != Touch::none && !goes_on) begin_episode(tick);
+    if (verdict.verdict != Touch::none && goes_on && episode_is_kept_) summary_.first_episodes.back().last = verdict.t;
+    last_ = verdict.verdict;
+    beginning_ = tick.beginning;
+    if (keeps_) kept_.size() < drawn_ticks ? kept_.push_back(tick) : void(++not_kept_);
+    if (path_.empty()) return;
+    const Probabilities& p = verdict.probabilities;
+    file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
+                         name_of(verdict.verdict), name_of(verdict.said), verdict.events, verdict.gated ? 1 : 0,
+                         tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
+  }
+
+  void begin_episode(const ToldTick& tick) {
+    const Touch touch = tick.verdict.verdict;
+    ++summary_.episodes[static_cast<std::size_t>(touch)];
+    episode_is_kept_ = summary_.first_episodes.size() < most_episodes_told;
+    if (episode_is_kept_) summary_.first_episodes.push_back({touch, tick.verdict.t, tick.verdict.t});
+    if (!prints_) return;
+    line_.clear();
+    const double seconds = 1e-6 * static_cast<double>(us_of(tick.verdict.t));
+    const std::string text =
+        fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
+                    static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)]));
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    std::fflush(stdout);
+  }
+
+  void draw() {
+    const SteadyClock::time_point now = SteadyClock::now();
+    if (!line_.draws() || !newest_ || now - drawn_ < 250ms) return;
+    drawn_ = now;
+    const TickVerdict& verdict = newest_->verdict;
+    const double seconds = std::chrono::duration<double>(now - begun_).count();
+    line_.draw(fmt::format("{}  {:<5} {:.2f}  {} events in t_h  {}  {} skipped", clock_text(seconds), name_of(verdict.verdict),
+                           static_cast<double>(verdict.probabilities[static_cast<std::size_t>(verdict.said)]), verdict.events,
+                           counted(newest_->number + 1, "tick"), skipped_));
+  }
+
+  LiveLine& line_;
+  const bool prints_, keeps_;
+  const std::string path_;
+  DetectSummary& summary_;
+  std::ofstream file_;
+  std::vector<ToldTick> ticks_, kept_;
+  std::optional<ToldTick> newest_;
+  std::uint64_t skipped_ = 0, not_kept_ = 0;
+  Touch last_ = Touch::none;
+  std::uint32_t beginning_ = 0;
+  bool episode_is_kept_ = false;
+  SteadyClock::time_point begun_ = SteadyClock::now(), drawn_{};
+};
+
+double cpu_seconds() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+/// The run that is recorded at the same time.
+struct Recording {
+  std::shared_ptr<RecordedCopy> copy;
+  std::unique_ptr<RunRecorder> recorder;
+  RunFolder run;
+};
+
+/// Its sources are a copy of this one.
+Recording begin_recording(const DetectArguments& args, CameraSource& source, bool plays, LiveLine& line) {
+  /// A recorder owns its sources; this one is fed by someone else too.
+  struct Shared final : CameraSource {
+    explicit Shared(std::shared_ptr<RecordedCopy> shared) : copy(std::move(shared)) {}
+    std::string name() const override { return copy->name(); }
+    std::span<const Stream> streams() const override { return copy->streams(); }
+    bool simulated() const override { return copy->simulated(); }
+    bool live() const override { return copy->live(); }
+    nlohmann::json camera() const override { return copy->camera(); }
+    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override { return copy->receive(packet, patience); }
+    SourceDrops drops() const override { return copy->drops(); }
+    void begin_run(const RunFolder& run) override { copy->begin_run(run); }
+    void end_run(const RunFolder& run, bool wants_robot, bool wants_video) override {
+      copy->end_run(run, wants_robot, wants_video);
+    }
+    std::shared_ptr<RecordedCopy> copy;
+  };
+  Recording recording;
+  recording.copy = std::make_shared<RecordedCopy>(source, plays);
+  std::vector<std::unique_ptr<CameraSource>> sources;
+  sources.push_back(std::make_unique<Shared>(recording.copy));
+  recording.recorder = std::make_unique<RunRecorder>(
+      std::move(sources), nullptr, nullptr, RunRecorderOptions{.log = [&line](const std::string& text) { line.warn(text); }});
+  recording.run = make_run_folder(args.out, args.object, args.run);
+  recording.recorder->begin({.run = recording.run,
+                             .session = fmt::format("detect-{}", us_of(host_now())),
+                             .duration = {},
+                             .settings = {{"from", {args.from}}, {"speed", args.speed}, {"seed", args.seed}}});
+  line.inform("recording " + recording.run.folder.string());
+  return recording;
+}
+
+void detect(DetectArguments args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said
+  const BitsAskedFor asked = bits_of(args);
+  std::optional<NetworkAddress> udp_address;
+  if (!args.udp.empty()) {
+    try {
+      udp_address = network_address("tcp://" + args.udp);
+    } catch (const Error&) {
+      throw Error("--udp '" + args.udp + "': is no address; expected HOST:PORT with a port from 1 to 65535");
+    }
+  }
+  const ModelBundle bundle = chosen_model(args);
+  const ModelDescription model = read_description(bundle);
+  LiveLine line(!common.quiet);
+  Faults faults(line);
+  DetectSummary summary;
+  summary.model = bundle.name();
+  summary.engine = args.engine;
+  summary.precision = args.precision;
+  summary.rendering = model.settings.rendering;
+  summary.confirmation = confirmation_in(args.confirm);
+  if (args.gate) summary.gate = gate_limit(bundle, model);
+  line.inform("detecting by " + bundle.folder.string());
+
+  if (args.from.empty()) args.from = usual_source("detect");
+  const bool is_file = args.from.starts_with("file:");
+  const bool plays = is_file || args.speed != 1;
+  const bool real_time = !plays && !args.no_real_time;
+  summary.source = args.from;
+  summary.plays = plays;
+  const CameraSourceOptions source_options{
+      .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
+  std::unique_ptr<CameraSource> source = open_camera_source(args.from, source_options);
+  if (const std::string remark = source->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", args.from, remark));
+  summary.simulated = source->simulated();
+  const SensorSize sensor = *events_of(*source).size;
+
+  LiveDetectorOptions options;
+  options.clock = {.tick = summary.rendering.tick,
+                   .history = summary.rendering.history,
+                   .slack = microseconds{args.slack_us},
+                   .by_events_alone = plays};
+  TickDetector tick_detector(
+      sensor, model.input, network_of(args, bundle, model),
+      {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
+
+  std::unique_ptr<UdpRecords> udp;
+  if (udp_address) udp = std::make_unique<UdpRecords>(*udp_address);
+  std::unique_ptr<RobotTeller> robot;
+  if (!args.robot.empty()) robot = std::make_unique<RobotTeller>(args, asked, faults, real_time);
+
+  TickLog log(waiting_ticks, plays);
+  TickReader reader(args, line, !common.json, summary);
+  std::atomic<bool> is_over{false}, stops{false};
+  const microseconds duration{std::llround(1e6 * args.duration_s)};
+  std::optional<CameraTime> first_tick;
+  const auto tell = [&](const ToldTick& tick) {
+    if (is_over) return;
+    if (plays && args.duration_s > 0) {
+      if (!first_tick) first_tick = tick.verdict.t;
+      if (between(*first_tick, tick.verdict.t) >= duration) {
+        is_over = true;
+        return;
+      }
+    }
+    if (udp) udp->send(tick);
+    if (robot) robot->tell(tick);
+    log.add(tick);
+  };
+  const TellFault tell_fault = [&faults](const DetectionFault& fault) { faults.add(fault); };
+  const auto detector = std::make_unique<LiveDetector>(std::move(tick_detector), options, tell, tell_fault, [&robot] {
+    if (robot) robot->forget();
+  });
+
+  std::optional<Recording> recording;
+  if (args.record) recording = begin_recording(args, *source, plays, line);
+
+  PacketQueue queue(waiting_bytes);
+  EventFeedOptions feed_options;
+  feed_options.waits = plays;
+  feed_options.fault = tell_fault;
+  if (args.from.starts_with("tcp:") || args.from.starts_with("unix:") || args.from.starts_with("camera"))
+    feed_options.open = [&args, source_options] { return open_camera_source(args.from, source_options); };
+  feed_options.reconnect = std::chrono::milliseconds{std::llround(1000 * args.reconnect_s)};
+  if (recording) {
+    feed_options.see = [&, told = false](const CameraPacket& packet) mutable {
+      recording->copy->put(packet);
+      if (recording->copy->ended_early() && !std::exchange(told, true))
+        faults.add({"recording", "the camera's clock began anew: the recording ends here, verdicts go on", host_now()});
+    };
+  }
+  std::vector<std::string> refused;
+  std::mutex refusing;
+  const auto hurry = [&](int priority) {
+    const std::string why = go_ahead_of_others(priority);
+    const std::scoped_lock lock(refusing);
+    if (!why.empty() && std::find(refused.begin(), refused.end(), why) == refused.end()) refused.push_back(why);
+  };
+  if (real_time) {
+    feed_options.prepare = [&hurry] { hurry(feed_priority); };
+    if (const std::string why = lock_memory(); !why.empty()) refused.push_back(why);
+  }
+  summary.asked_for_real_time = real_time;
+  EventFeed feed(std::move(source), queue, std::move(feed_options));
+
+  const HostTime begun = host_now();
+  const double cpu_begun = cpu_seconds();
+  std::exception_ptr failure;
+  feed.start();
+  std::thread working([&] {
+    if (real_time) hurry(detector_priority);
+    try {
+      detector->run(queue, [&] { return stops || is_over; }, [&feed] { return feed.lost_events(); });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    is_over = true;
+  });
+  bool was_interrupted = false;
+  std::exception_ptr cannot_write;
+  while (!is_over) {
+    try {
+      reader.read(log);
+    } catch (...) {
+      cannot_write = std::current_exception();
+      break;
+    }
+    was_interrupted = interrupted();
+    const bool time_is_up = !plays && args.duration_s > 0 && host_now() - begun >= duration;
+    if (time_is_up) summary.ended = "duration";
+    if (was_interrupted || time_is_up) break;
+    std::this_thread::sleep_for(10ms);
+  }
+  stops = true;
+  log.close();
+  summary.elapsed = host_now() - begun;
+  summary.cpu_s = cpu_seconds() - cpu_begun;
+  feed.stop();
+  working.join();
+  try {
+    if (!cannot_write) reader.read(log), reader.end();
+  } catch (...) {
+    cannot_write = std::current_exception();
+  }
+  line.clear();
+
+  const std::string gone = feed.error();
+  const bool by_duration = plays && args.duration_s > 0 && summary.first_tick && first_tick && !was_interrupted && gone.empty() &&
+                           summary.last_tick && between(*first_tick, *summary.last_tick) + options.clock.tick >= duration;
+  if (was_interrupted) summary.ended = "interrupted";
+  if (by_duration) summary.ended = "duration";
+  if (summary.ended.empty()) summary.ended = gone.empty() ? "source ended" : gone;
+  if (recording) {
+    recording->copy->end();
+    // What waits between us and the recorder is still to come to it.
+    for (int i = 0; i < 6'000 && recording->recorder->state().ended.empty(); ++i) std::this_thread::sleep_for(10ms);
+    summary.recorded = recording->recorder->end(summary.ended);
+    for (const std::string& error : summary.recorded->errors) line.warn(error);
+  }
+  summary.counts = detector->counts();
+  summary.deadlines = detector->deadlines();
+  summary.longest_packet = detector->clock().longest_packet();
+  summary.drops = feed.drops();
+  summary.reopened = feed.reopened();
+  summary.real_time = refused;
+  summary.ticks_left_out = log.left_out() + reader.not_kept();
+  if (robot) summary.robot = robot->summary();
+  if (udp) summary.udp = {udp->sent(), udp->failed()};
+  robot.reset();
+  faults.tell(summary);
+
+  std::string drawn;
+  if (!args.plot.empty() && !reader.kept().empty()) {
+    std::optional<RunFolder> run = played_run(args.from);
+    if (recording && fs::exists(recording->run.truth())) run = recording->run;
+    draw_told_ticks(reader.kept(), summary.rendering,
+                    fmt::format("{}{} as {} sees it", args.from, summary.simulated ? " (simulated)" : "", summary.model), run,
+                    args.plot);
+    drawn = fmt::format("\nDrawn in {}\n", args.plot);
+  }
+  print_result(common, json_of(summary), (common.json ? "" : "\n") + text_of(summary) + drawn);
+  if (failure) std::rethrow_exception(failure);
+  if (cannot_write) std::rethrow_exception(cannot_write);
+  if (!gone.empty()) throw Error(gone);
+  if (!args.plot.empty() && reader.kept().empty())
+    throw Error(args.plot + ": there is no tick to draw; expected a stream longer than the history");
+}
+
+}  // namespace
+
+void add_detect_command(CLI::App& app) {
+  auto args = std::make_shared<DetectArguments>();
+  CLI::App* command = add_command(
+      app, "detect", "Tell press and slip live, every tick, and tell the robot",
+      [args](const CommonArguments& common) { detect(*args, common); }, CtrlC::is_the_end);
+  command->add_option("--model", args->model,
+                      "Model, a folder or a name below --models; the newest single-run model if not given");
+  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
+  command
+      ->add_option("--from", args->from,
+                   "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]")
+      ->type_name("SOURCE");
+  command->add_option("--confirm", args->confirm,
+                      "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
+      ->check(is_confirmation())
+      ->capture_default_str();
+  command->add_flag("--gate", args->gate, "A verdict is none below the model's limit of events, without rendering or network");
+  add_engine_option(*command, args->engine);
+  command->add_option("--precision", args->precision, "Of the fast engine's weights")
+      ->check(one_of({"fp32", "int8"}))
+      ->capture_default_str();
+  command->add_option("--slack-us", args->slack_us, "So long after its end a tick without further events waits [us]")
+      ->check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
+      ->capture_default_str();
+  command->add_option("--duration", args->duration_s, "End after this long [s]")->check(in_range(1e-3, 1e9))->type_name("S");
+  command->add_option("--reconnect", args->reconnect_s, "So long a stream that closed or broke is opened again [s]")
+      ->check(in_range(0.0, 1e9))
+      ->type_name("S")
+      ->capture_default_str();
+  CLI::Option* robot = command->add_option("--robot", args->robot, "UR controller to tell")->type_name("HOST[:PORT]");
+  const CLI::Validator is_bit = in_range(64, 127);
+  command->add_option("--bit", args->bit, "Its input bit register that is high at press and slip")->check(is_bit)->type_name("N");
+  command->add_option("--press-bit", args->press_bit, "Likewise, at press alone")->check(is_bit)->type_name("N");
+  command->add_option("--slip-bit", args->slip_bit, "Likewise, at slip alone")->check(is_bit)->type_name("N");
+  CLI::Option* latch = command->add_flag("--latch", args->latch, "A bit that rose stays high until the end")->needs(robot);
+  command->add_option("--clear-ms", args->clear_ms, "A bit falls so long after the last tick that raised it [ms]")
+      ->check(in_range(0.0, 1e6))
+      ->excludes(latch)
+      ->capture_default_str();
+  command->add_option("--udp", args->udp, "Send a record each tick")->type_name("HOST:PORT");
+  command->add_option("--ticks", args->ticks, "Write every tick to this CSV")->type_name("FILE.csv");
+  command->add_option("--plot", args->plot, "Draw probabilities over time beside events and truth")->type_name("FILE.png|FILE.svg");
+  CLI::Option* record = command->add_flag("--record", args->record, "Record the run too, as 'record' does");
+  command->add_option("--out", args->out, "With --record: folder of runs")->needs(record)->capture_default_str();
+  command->add_option("--object", args->object, "With --record: what is touched")->needs(record)->capture_default_str();
+  command->add_option("--run", args->run, "With --record: the run's number instead of the next free one")->needs(record);
+  command->add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
+      ->check(in_range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
+  command->add_option("--stream", args->stream, "Of a file with several event streams this one")->type_name("ID|SOURCE");
+  command->add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000")->type_name("MODE");
+  command->add_flag("--no-real-time", args->no_real_time,
+                    "Neither go ahead of other threads nor lock memory, as is done with live sources where it is permitted");
+}
+
+}  // namespace tactile

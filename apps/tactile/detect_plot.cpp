@@ -1,0 +1,74 @@
+#include "detect_plot.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/core/error.hpp"
+#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+#include "tactile/report/prediction_picture.hpp"
+
+namespace tactile {
+namespace {
+
+std::string words_of(const Detection& detection) {
+  switch (detection.outcome) {
+    case DetectionOutcome::detected:
+      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
+    case DetectionOutcome::missed:
+      return "missed";
+    case DetectionOutcome::early:
+      return "early";
+  }
+  return "";
+}
+
+}  // namespace
+
+void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& rendering, const std::string& title,
+                     const std::optional<RunFolder>& run, const std::filesystem::path& file) {
+  if (ticks.empty()) throw Error(file.string() + ": there is no tick to draw; expected a stream longer than the history");
+  const auto first = std::find_if(ticks.begin(), ticks.end(),
+                                  [&](const ToldTick& tick) { return tick.beginning == ticks.back().beginning; });
+  PredictionPicture picture;
+  picture.title = title;
+  const double history_ms = static_cast<double>(rendering.history.count()) / 1000;
+  TickRange range{.first = first->verdict.t, .count = 0, .tick = rendering.tick};
+  std::vector<Touch> verdicts;
+  const auto add = [&](CameraTime t, const TickVerdict& verdict) {
+    picture.ticks.push_back({t, static_cast<double>(verdict.events) / history_ms, static_cast<double>(verdict.probabilities[1]),
+                             static_cast<double>(verdict.probabilities[2]), verdict.verdict});
+    verdicts.push_back(verdict.verdict);
+    ++range.count;
+  };
+  std::uint64_t skipped = 0;
+  for (auto tick = first; tick != ticks.end(); ++tick) {
+    for (; range.count > 0 && range.at(range.count) < tick->verdict.t; ++skipped)
+      add(range.at(range.count), std::prev(tick)->verdict);
+    add(tick->verdict.t, tick->verdict);
+  }
+  picture.remarks.push_back(fmt::format("History t_h {} ms, a tick every {} ms; {} of {} ticks were skipped.", history_ms,
+                                        static_cast<double>(rendering.tick.count()) / 1000, skipped, range.count));
+  if (run) {
+    const RunTruth truth = read_run_truth(*run);
+    picture.has_labels = !truth.labels.empty();
+    picture.has_truth = truth.has_truth;
+    picture.truth = truth.true_ones;
+    picture.unlabelled = truth.unlabelled;
+    std::vector<TouchInterval> wanted = picture.has_labels ? truth.used() : truth.true_ones;
+    std::erase_if(wanted, [&](const TouchInterval& interval) {
+      return interval.end < range.first || interval.start > range.at(range.count - 1);
+    });
+    for (const Detection& detection : detections_of(range, verdicts, wanted)) {
+      PredictedInterval& interval = picture.labels.emplace_back(PredictedInterval{detection.interval, words_of(detection), {}});
+      if (detection.outcome == DetectionOutcome::detected) interval.first_right = detection.first_right;
+    }
+    if (!picture.labels.empty())
+      picture.remarks.push_back(fmt::format("Line: onset, {}; dashed: first right verdict; over them the detection delay.",
+                                            picture.has_labels ? "as labelled" : "as it truly was"));
+  }
+  draw_prediction(picture, file);
+}
+
+}  // namespace tactile

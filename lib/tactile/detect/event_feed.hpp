@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/packet_queue.hpp"
+#include "tactile/detect/live_detector.hpp"
+
+namespace tactile {
+
+struct EventFeedOptions {
+  /// Opens the source again after it closed or broke; one that cannot be opened again, such as a file, has none.
+  std::function<std::unique_ptr<CameraSource>()> open = {};
+  std::chrono::milliseconds reconnect{10'000};  ///< how long it is tried, >= 0
+  bool waits = false;                           ///< for room in the queue; else what finds none is dropped and counted
+  std::function<void(const CameraPacket&)> see = {};  ///< shown every packet as it comes
+  std::function<void()> prepare = {};                 ///< done first on the thread that receives
+  TellFault fault = {};
+};
+
+/// Brings what a source sends into a queue, on a thread of its own, and opens the source again where it closed or broke. Each
+/// opening has a `source_index` of its own, and so has each time between two: then one empty packet tells that the source is gone.
+/// When it is over the queue is closed.
+class EventFeed {
+ public:
+  /// @param queue  must outlive this
+  EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, EventFeedOptions options);
+  ~EventFeed();  ///< stops
+  EventFeed(const EventFeed&) = delete;
+  EventFeed& operator=(const EventFeed&) = delete;
+
+  void start();
+  void stop();  ///< waits for what it is busy with, and closes the queue
+
+  CameraSource& source() { return *source_; }     ///< while it does not run
+  std::string error() const;                      ///< why the source is gone for good; empty where it ended by itself
+  SourceDrops drops() const;                      ///< of all openings
+  std::uint64_t lost_events() const { return lost_.load(std::memory_order_relaxed); }  ///< for which the queue had no room
+  std::uint64_t reopened() const { return reopened_.load(std::memory_order_relaxed); }
+
+ private:
+  void receive_all();
+  bool receive_one();
+  void hand_over();
+  void note_drops();
+  bool open_again(const std::string& why, bool broke);
+  void say(const char* kind, const std::string& text) const;
+
+  std::unique_ptr<CameraSource> source_;
+  PacketQueue& queue_;
+  const EventFeedOptions options_;
+  const std::string name_;
+  const SensorSize sensor_;
+  std::size_t index_ = 0;
+  PacketQueue::Packet packet_;
+  std::atomic<std::uint64_t> lost_{0}, reopened_{0};
+  HostTime drops_told_{};
+  std::uint64_t drops_known_ = 0;
+
+  mutable std::mutex guard_;  ///< of all that follows
+  std::condition_variable wake_;
+  bool stops_ = false;
+  std::string error_;
+  SourceDrops drops_, drops_of_earlier_;
+  std::thread thread_;
+};
+
+/// The first stream of events. @throws Error  if there is none, or it declares no size
+const Stream& events_of(const CameraSource& source);
+
+}  // namespace tactile

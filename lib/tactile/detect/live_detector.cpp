@@ -1,0 +1,182 @@
+#include "tactile/detect/live_detector.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "tactile/core/host_clock.hpp"
+
+namespace tactile {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr std::size_t chunk = 8192;  // events of what is played, counted ahead of their tick at the most
+constexpr microseconds longest_wait{20'000};
+
+double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
+
+}  // namespace
+
+LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& options,
+                           std::function<void(const ToldTick&)> tell, TellFault fault, std::function<void()> forget)
+    : detector_(std::move(detector)),
+      options_(options),
+      tell_(std::move(tell)),
+      fault_(std::move(fault)),
+      forget_(std::move(forget)),
+      clock_(options.clock),
+      deadlines_(options.clock.tick) {}
+
+void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTime at) {
+  detector_.restart();
+  clock_.restart();
+  ++counts_.beginnings;
+  last_arrival_.reset(), late_since_.reset(), hole_until_.reset();
+  is_silent_ = lost_pending_ = false;
+  if (forget_) forget_();
+  if (!text.empty()) fault_({kind, text, at});
+}
+
+void LiveDetector::take(const QueuedPacket& packet) {
+  const std::span<const Event> events = packet.elements.events;
+  const HostTime at = packet.arrived;
+  if (stream_ && *stream_ != packet.source_index) begin_anew("", "", at);  // who changed the stream has said why
+  stream_ = packet.source_index;
+  if (events.empty()) return;
+  if (is_silent_) fault_({"silence", fmt::format("events again after {:.1f} s", seconds_of(at - *last_arrival_)), at});
+  is_silent_ = false;
+  ++counts_.packets;
+  plays() ? take_played(events, at) : take_live(events, at);
+  last_arrival_ = at;
+}
+
+void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
+  for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
+    const std::span<const Event> part = events.first(std::min(chunk, events.size()));
+    detector_.add(part);
+    counts_.events += part.size();
+    clock_.arrived(part.front().t, part.back().t, at);
+    while (const auto due = clock_.next(at)) tell(*due, at);
+  }
+}
+
+void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
+  const CameraTime first = events.front().t, last = events.back().t;
+  if (last_arrival_ && clock_.last_event()) {
+    const microseconds gap = between(*clock_.last_event(), first), passed = at - *last_arrival_;
+    if (gap > passed + options_.jump) {
+      begin_anew("jump", fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - passed)),
+                 at);
+    }
+  }
+  if (!told_of_long_packets_ && between(first, last) > options_.clock.tick) {
+    told_of_long_packets_ = true;
+    fault_({"long packets",
+            fmt::format("packets of up to {:.1f} ms and more, longer than the tick of {:.1f} ms: verdicts come later by as much; "
+                        "expected a source that sends shorter ones",
+                        1e3 * seconds_of(between(first, last)), 1e3 * seconds_of(options_.clock.tick)),
+            at});
+  }
+  const std::size_t late = clock_.too_late(events);
+  counts_.late_events += late;
+  const std::span<const Event> in_time = events.subspan(late);
+  if (in_time.empty()) {
+    if (!late_since_) late_since_ = at;
+    if (at - *late_since_ < options_.late_for) return;
+    begin_anew("late",
+               fmt::format("every event came too late for {:.1f} s; the stream's delay has grown, and the history begins anew",
+                           seconds_of(at - *late_since_)),
+               at);
+    return;
+  }
+  late_since_.reset();
+  if (std::exchange(lost_pending_, false)) hole_until_ = in_time.front().t;
+  detector_.add(in_time);
+  counts_.events += in_time.size();
+  clock_.arrived(first, last, at);
+}
+
+void LiveDetector::note_lost(std::uint64_t events_so_far) {
+  if (events_so_far == counts_.lost_events) return;
+  if (counts_.lost_events == 0)
+    fault_({"lost", "events come faster than they can be counted: some are dropped, and verdicts of such histories are marked",
+            host_now()});
+  counts_.lost_events = events_so_far;
+  lost_pending_ = true;
+}
+
+bool LiveDetector::tell_due(HostTime now) {
+  std::optional<DueTick> due = clock_.next(now);
+  if (!due) return false;
+  if (!plays() && now - due->closed > options_.clock.tick) {
+    if (const auto newest = clock_.newest(now)) due = newest;
+  }
+  tell(*due, now);
+  return true;
+}
+
+void LiveDetector::tell(const DueTick& due, HostTime now) {
+  using Clock = std::chrono::steady_clock;
+  ToldTick told;
+  told.due = due;
+  told.begun = now;
+  TickCost cost;
+  told.verdict = detector_.verdict_at(due.t, due.skipped, cost);
+  told.number = deadlines_.counts().told;
+  told.beginning = counts_.beginnings;
+  told.last_arrival = last_arrival_;
+  told.incomplete = lost_pending_ || (hole_until_ && before(due.t, options_.clock.history) < *hole_until_);
+  counts_.gated += told.verdict.gated ? 1 : 0;
+  counts_.by_host += due.by_events ? 0 : 1;
+  counts_.incomplete += told.incomplete ? 1 : 0;
+  TickTimes times{.waiting = {}, .queued = {}, .rendering = cost.rendering, .network = cost.network};
+  if (!plays()) {
+    times.waiting = due.closed - clock_.line().host_of(due.t);
+    times.queued = told.begun - due.closed;
+  }
+  const Clock::time_point said = Clock::now();
+  tell_(told);
+  times.output = Clock::now() - said;
+  deadlines_.add(times, due.skipped);
+  clock_.told(due);
+}
+
+HostTime LiveDetector::wakes_at(HostTime now) const {
+  if (clock_.next(now)) return now;
+  const HostTime latest = now + longest_wait;
+  return std::min(latest, clock_.next_by_host().value_or(latest));
+}
+
+void LiveDetector::look_for_silence(HostTime now) {
+  if (plays() || is_silent_ || !last_arrival_ || now - *last_arrival_ < options_.silence) return;
+  is_silent_ = true;
+  fault_({"silence",
+          fmt::format("no event for {:.1f} s: the scene is still, or the stream stalls; verdicts go on",
+                      seconds_of(now - *last_arrival_)),
+          now});
+}
+
+void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop,
+                       const std::function<std::uint64_t()>& lost_so_far) {
+  PacketQueue::Packet packet;
+  for (bool open = true; open && !stop();) {
+    const HostTime waited_from = host_now();
+    open = queue.pop(packet, std::max(microseconds{0}, wakes_at(waited_from) - waited_from));
+    const HostTime begun = host_now();
+    while (!packet.empty()) {
+      note_lost(lost_so_far());
+      take(packet.front());
+      queue.give_back(std::exchange(packet, {}));
+      if (host_now() - begun < options_.clock.tick) queue.pop(packet, microseconds{0});  // all that waits, but not for ever
+    }
+    const HostTime now = host_now();
+    tell_due(now);
+    look_for_silence(now);
+  }
+  while (!stop() && tell_due(host_now())) {
+  }
+}
+
+}  // namespace tactile

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "tactile/capture/packet_queue.hpp"
+#include "tactile/detect/deadline_monitor.hpp"
+#include "tactile/detect/tick_clock.hpp"
+#include "tactile/detect/tick_detector.hpp"
+
+namespace tactile {
+
+/// What went wrong on the way of the events or the verdicts, and what was done.
+struct DetectionFault {
+  std::string kind;  ///< "closed", "broken", "back", "jump", "silence", "late", "long packets", "lost", "robot", "recording"
+  std::string text;  ///< a sentence
+  HostTime at{};
+};
+using TellFault = std::function<void(const DetectionFault&)>;
+
+/// A tick as it is told.
+struct ToldTick {
+  TickVerdict verdict;
+  DueTick due;
+  std::uint64_t number = 0;              ///< of the ticks told, from 0
+  std::uint32_t beginning = 0;           ///< how often the stream began anew: no verdict has events of two beginnings
+  bool incomplete = false;               ///< events of its history are known to be lost
+  HostTime begun{};                      ///< when it was worked on
+  std::optional<HostTime> last_arrival;  ///< of events, whichever they are
+};
+
+struct LiveDetectorOptions {
+  TickClockOptions clock;  ///< `by_events_alone`: every tick is told, none skipped, however late; of what is played at any pace
+  microseconds silence{2'000'000};   ///< after it, that nothing comes is said
+  microseconds jump{1'000'000};      ///< the camera's time is so far ahead of the host's: it jumped
+  microseconds late_for{500'000};    ///< all events have come too late for so long: the stream is another one
+};
+
+struct LiveCounts {
+  std::uint64_t events = 0;         ///< counted in some tick or waiting for one
+  std::uint64_t late_events = 0;    ///< of a tick that was told already; left out
+  std::uint64_t lost_events = 0;    ///< for which there was no room ahead of the detector
+  std::uint64_t packets = 0;        ///< with events
+  std::uint64_t gated = 0, by_host = 0, incomplete = 0;  ///< ticks told
+  std::uint32_t beginnings = 0;
+};
+
+/// Verdicts from packets of events as they come: ticks closed by their clock, told in order, and what becomes of a stream that
+/// stalls, jumps in time or begins anew. Where ticks come too fast to be told within a tick, the newest is told and those before
+/// it are skipped. The host's time is always handed in; only `run` looks at the clock.
+class LiveDetector {
+ public:
+  /// @param tell   told of each tick as soon as there is a verdict; what it takes is the tick's output
+  /// @param fault  told of each fault
+  /// @param forget  told when the stream begins anew: no verdict is known until the next one
+  LiveDetector(TickDetector detector, const LiveDetectorOptions& options, std::function<void(const ToldTick&)> tell,
+               TellFault fault, std::function<void()> forget = {});
+
+  /// A packet; where `source_index` is another than before the stream began anew, and whatever was known of it is forgotten.
+  /// Ticks of a stream that is closed by events alone are told at once.
+  /// @throws Error  if events lie outside the sensor or go back in time
+  void take(const QueuedPacket& packet);
+
+  bool tell_due(HostTime now);            ///< the next tick that is due, or the newest; false if none is
+  HostTime wakes_at(HostTime now) const;  ///< when there is something to do if nothing comes
+  void look_for_silence(HostTime now);
+  void note_lost(std::uint64_t events_so_far);  ///< what the queue had no room for, all in all
+
+  /// Takes packets until the queue is closed and empty, or `stop` says so, by the host's clock.
+  void run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far);
+
+  const LiveCounts& counts() const { return counts_; }
+  const DeadlineMonitor& deadlines() const { return deadlines_; }
+  const TickClock& clock() const { return clock_; }
+
+ private:
+  bool plays() const { return options_.clock.by_events_alone; }
+  void begin_anew(const char* kind, const std::string& text, HostTime at);
+  void take_played(std::span<const Event> events, HostTime at);
+  void take_live(std::span<const Event> events, HostTime at);
+  void tell(const DueTick& due, HostTime now);
+
+  TickDetector detector_;
+  LiveDetectorOptions options_;
+  std::function<void(const ToldTick&)> tell_;
+  TellFault fault_;
+  std::function<void()> forget_;
+  TickClock clock_;
+  DeadlineMonitor deadlines_;
+  LiveCounts counts_;
+  std::optional<std::size_t> stream_;       ///< `source_index` of the packets
+  std::optional<HostTime> last_arrival_;    ///< of events of this beginning
+  std::optional<HostTime> late_since_;      ///< from when on no event was in time
+  std::optional<CameraTime> hole_until_;    ///< histories that begin before it lack events
+  bool is_silent_ = false, told_of_long_packets_ = false, lost_pending_ = false;
+};
+
+}  // namespace tactile

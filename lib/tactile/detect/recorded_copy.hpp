@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/packet_queue.hpp"
+
+namespace tactile {
+
+/// A source that gives what it is shown: so a stream is recorded while something else takes it. Where its memory is full packets
+/// are left out and counted, or waited with. It ends where the stream's time goes back, as it does when the camera begins anew:
+/// one recording has one clock.
+class RecordedCopy final : public CameraSource {
+ public:
+  /// @param original  must outlive this unless it is opened again; asked for what only it can do ahead of the first packet and
+  ///                  behind the last one
+  RecordedCopy(CameraSource& original, bool waits);
+
+  void put(const CameraPacket& packet);  ///< from one thread
+  void end();                            ///< nothing more will be put
+  bool ended_early() const { return ended_early_; }
+
+  std::string name() const override { return name_; }
+  std::span<const Stream> streams() const override { return streams_; }
+  bool simulated() const override { return simulated_; }
+  bool live() const override { return live_; }
+  nlohmann::json camera() const override { return camera_; }
+  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override;
+  SourceDrops drops() const override;
+  bool begins_again() const override { return false; }
+  void begin_run(const RunFolder& run) override { original_.begin_run(run); }
+  void end_run(const RunFolder& run, bool wants_robot, bool wants_video) override;
+
+ private:
+  CameraSource& original_;
+  const bool waits_, simulated_, live_, writes_files_;
+  std::string name_;
+  std::vector<Stream> streams_;
+  nlohmann::json camera_;
+  PacketQueue queue_{std::size_t{256} << 20};
+  std::optional<CameraTime> last_event_;
+  std::atomic<bool> ended_early_{false};
+  mutable std::mutex guard_;
+  SourceDrops lost_;
+};
+
+}  // namespace tactile

@@ -1,0 +1,48 @@
+#include "tactile/detect/tick_detector.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+
+TickDetector::TickDetector(SensorSize sensor, SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options)
+    : sensor_(sensor),
+      options_(options),
+      classify_(std::move(classify)),
+      renderer_(sensor, options.rendering),
+      confirmation_(options.confirmation),
+      heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
+  if (renderer_.size() == input) return;
+  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
+                          renderer_.size().width, renderer_.size().height, input.width, input.height));
+}
+
+TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = Clock::now();
+  renderer_.move_to(t);
+  TickVerdict verdict{.t = t, .events = renderer_.events()};
+  verdict.gated = options_.gate && verdict.events < *options_.gate;
+  if (!verdict.gated) renderer_.render(std::span(heatmap_));
+  const Clock::time_point rendered = Clock::now();
+  if (!verdict.gated) {
+    const Logits logits = classify_(heatmap_);
+    verdict.said = verdict_of(logits);
+    verdict.probabilities = probabilities_of(logits);
+  }
+  for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
+  verdict.verdict = confirmation_.next(verdict.said);
+  cost = {.rendering = rendered - begun, .network = Clock::now() - rendered};
+  return verdict;
+}
+
+void TickDetector::restart() {
+  renderer_ = HeatmapRenderer(sensor_, options_.rendering);
+  confirmation_.restart();
+}
+
+}  // namespace tactile

@@ -1,0 +1,319 @@
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "evaluation/trained_model.hpp"
+#include "network/dv_stream_bytes.hpp"
+#include "network/scripted_server.hpp"
+#include "robot/fake_controller.hpp"
+#include "support/comes_true.hpp"
+#include "support/events_in_file.hpp"
+#include "support/run_command.hpp"
+#include "support/running_command.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::comes_true;
+using test::FakeController;
+using test::run_tactile;
+using test::RunningCommand;
+using test::Trained;
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<Row> rows_of(const fs::path& file) {
+  std::istringstream text(read_text(file));
+  std::vector<std::string> header;
+  std::vector<Row> rows;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream cells(line);
+    std::vector<std::string> values;
+    for (std::string cell; std::getline(cells, cell, ',');) values.push_back(cell);
+    if (header.empty()) {
+      header = values;
+      continue;
+    }
+    Row& row = rows.emplace_back();
+    for (std::size_t i = 0; i < std::min(values.size(), header.size()); ++i) row[header[i]] = values[i];
+  }
+  return rows;
+}
+
+/// What has a model takes a while to make: all tests share one.
+const Trained& trained() {
+  static const Trained shared;
+  return shared;
+}
+
+/// A datagram socket on loopback.
+struct Listener {
+  int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  std::uint16_t port = 0;
+
+  Listener() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    ::bind(socket, reinterpret_cast<sockaddr*>(&address), length);
+    ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length);
+    port = ntohs(address.sin_port);
+    const int bytes = 8 << 20;
+    ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  }
+  ~Listener() { ::close(socket); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+};
+
+TEST(DetectCommand, SaysOfARecordingExactlyWhatEvalSaysTickForTick) {
+  const fs::path folder = trained().folder.path();
+  for (const std::string options : {"", " --confirm 3/4", " --gate", " --gate --confirm 2/3"}) {
+    const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + options, folder);
+    ASSERT_EQ(eval.exit_code, 0) << eval.err;
+    const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
+    ASSERT_GT(offline.size(), 100U);
+    for (const std::string speed : {"0", "7"}) {
+      const auto live = run_tactile("detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed " + speed + options,
+                                    folder);
+      ASSERT_EQ(live.exit_code, 0) << live.err;
+      const std::vector<Row> told = rows_of(folder / "live.csv");
+      ASSERT_EQ(told.size(), offline.size()) << options;
+      for (std::size_t i = 0; i < offline.size(); ++i) {
+        for (const char* column : {"t_us", "verdict", "events"})
+          ASSERT_EQ(told[i].at(column), offline[i].at(column)) << column << " of tick " << i << options;
+        ASSERT_NEAR(std::stod(told[i].at("p_slip")), std::stod(offline[i].at("p_slip")), 1e-5);
+      }
+      const auto json = nlohmann::json::parse(live.out);
+      EXPECT_EQ(json.at("ticks").at("told"), offline.size());
+      EXPECT_EQ(json.at("ticks").at("skipped"), 0);
+      EXPECT_EQ(json.at("ended"), "source ended");
+      EXPECT_EQ(json.at("gate").is_null(), options.find("gate") == std::string::npos);
+      EXPECT_GT(json.at("verdicts").at("slip").get<int>(), 0);
+      EXPECT_EQ(json.at("latency_us").at("network").at("count"), offline.size());
+    }
+  }
+}
+
+TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLate) {
+  const fs::path folder = trained().folder.path();
+  ASSERT_EQ(run_tactile("eval --quiet --model small --run fan/02 --out offline", folder).exit_code, 0);
+  std::map<std::string, Row> offline;
+  for (const Row& row : rows_of(folder / "offline/fan-02.csv")) offline[row.at("t_us")] = row;
+  RunningCommand server("serve data/fan/02 --port 0", folder);
+  const std::string address = server.logged_behind(" on ");
+  const auto live = run_tactile("detect --json --model small --reconnect 0 --slack-us 500000 --ticks stream.csv --from " + address, folder);
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  const auto json = nlohmann::json::parse(live.out);
+  EXPECT_EQ(json.at("ended"), "source ended");
+  EXPECT_EQ(json.at("events").at("dropped"), 0);
+  const std::vector<Row> told = rows_of(folder / "stream.csv");
+  ASSERT_GT(told.size(), 10U);
+  std::int64_t last = 0;
+  for (const Row& row : told) {
+    const std::int64_t t = std::stoll(row.at("t_us"));
+    EXPECT_EQ(t % 2'000, 0);
+    EXPECT_GT(t, last);
+    last = t;
+    const auto same = offline.find(row.at("t_us"));
+    if (same == offline.end() || json.at("events").at("late") != 0) continue;
+    EXPECT_EQ(row.at("events"), same->second.at("events")) << row.at("t_us");
+    EXPECT_EQ(row.at("verdict"), same->second.at("verdict")) << row.at("t_us");
+  }
+}
+
+TEST(DetectCommand, TellsTheRobotAndLowersItsBitsInTheEnd) {
+  const FakeController controller;
+  const auto result = run_tactile("detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 --robot 127.0.0.1:" +
+                                      std::to_string(controller.port()),
+                                  trained().folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_GE(json.at("robot").at("raised").get<int>(), 2);
+  EXPECT_GE(json.at("robot").at("event_to_write_us").at("count").get<int>(), 1);
+  EXPECT_EQ(json.at("robot").at("controller"), "5.11.6.1071234");
+  EXPECT_GE(controller.writes(), 4U);
+  for (const char* bit : {"64", "65", "66"})
+    EXPECT_TRUE(comes_true([&] { return controller.input(std::string("input_bit_register_") + bit) == false; })) << bit;
+}
+
+TEST(DetectCommand, SendsARecordEachTick) {
+  const Listener listener;
+  const auto result = run_tactile(
+      "detect --json --quiet --model small --from file:data/fan/02 --speed 0 --ticks udp.csv --udp 127.0.0.1:" + std::to_string(listener.port),
+      trained().folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::vector<Row> told = rows_of(trained().folder.path() / "udp.csv");
+  std::size_t got = 0;
+  for (std::array<char, 100> bytes{}; ::recv(listener.socket, bytes.data(), bytes.size(), MSG_DONTWAIT) == 64; ++got) {
+    std::uint64_t number = 0;
+    std::int64_t t = 0;
+    std::memcpy(&number, bytes.data() + 8, sizeof number);
+    std::memcpy(&t, bytes.data() + 16, sizeof t);
+    ASSERT_LT(number, told.size());
+    EXPECT_EQ(std::to_string(t), told[number].at("t_us"));
+    EXPECT_EQ(told[number].at("verdict"), bytes[60] == 0 ? "none" : bytes[60] == 1 ? "press" : "slip");
+  }
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("udp").at("sent").get<std::size_t>() + json.at("udp").at("failed").get<std::size_t>(), told.size());
+  EXPECT_GT(got, 0U);
+}
+
+TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
+  const auto result = test::run_shell(
+      "'" TACTILE_SCRIPTS "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err & pid=$!; "
+      "until grep -q listening bridge.err; do sleep 0.05; done; port=$(sed 's/.*://' bridge.err); "
+      "'" TACTILE_BINARY "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$port >/dev/null; status=$?; "
+      "sleep 0.5; kill $pid; wait $pid; cat bridge.out; exit $status",
+      trained().folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.out.starts_with("none\n")) << result.out;
+  EXPECT_NE(result.out.find("\nslip\n"), std::string::npos) << result.out;
+}
+
+TEST(DetectCommand, RecordsWhatItSees) {
+  const fs::path folder = trained().folder.path();
+  const auto result = run_tactile("detect --json --model small --from file:data/fan/02 --speed 0 --record --out recorded --object fan", folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("recorded").at("complete"), true);
+  EXPECT_EQ(test::events_in_file(folder / "recorded/fan/01/events.aedat4"), test::events_in_file(folder / "data/fan/02/events.aedat4"));
+  EXPECT_EQ(run_tactile("info --check recorded/fan/01", folder).exit_code, 0);
+}
+
+TEST(DetectCommand, DrawsWhatItToldBesideLabelsAndTruth) {
+  const fs::path folder = trained().folder.path();
+  const auto result = run_tactile("detect --model small --from file:data/fan/02 --speed 0 --plot told.svg", folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("Drawn in told.svg"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("slip  at "), std::string::npos) << result.out;
+  const std::string svg = read_text(folder / "told.svg");
+  EXPECT_NE(svg.find("labelled"), std::string::npos);
+  EXPECT_NE(svg.find("first right verdict"), std::string::npos);
+}
+
+TEST(DetectCommand, EndsInOrderAtCtrlCAndAfterItsTime) {
+  const fs::path folder = trained().folder.path();
+  RunningCommand server("serve data/fan/02 --port 0 --loop", folder);
+  const std::string address = server.logged_behind(" on ");
+  const auto timed = run_tactile("detect --json --model small --duration 0.5 --from " + address, folder);
+  EXPECT_EQ(timed.exit_code, 0) << timed.err;
+  EXPECT_EQ(nlohmann::json::parse(timed.out).at("ended"), "duration");
+  RunningCommand detect("detect --json --model small --ticks c.csv --from " + address, folder);
+  EXPECT_TRUE(comes_true([&] { return fs::exists(folder / "c.csv") && fs::file_size(folder / "c.csv") > 1000; })) << detect.err();
+  detect.signal(SIGINT);
+  const auto result = detect.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("ended"), "interrupted");
+  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+}
+
+TEST(DetectCommand, TriesAStreamAgainThatCloses) {
+  const fs::path folder = trained().folder.path();
+  std::string address;
+  auto server = std::make_unique<RunningCommand>("serve data/fan/02 --port 0 --loop", folder);
+  address = server->logged_behind(" on ");
+  const std::string port = address.substr(address.rfind(':') + 1);
+  RunningCommand detect("detect --json --model small --reconnect 100 --from " + address, folder);
+  EXPECT_TRUE(comes_true([&] { return server->err().find("joined") != std::string::npos; }));
+  server = nullptr;
+  EXPECT_TRUE(comes_true([&] { return detect.err().find("trying to open it again") != std::string::npos; })) << detect.err();
+  RunningCommand again("serve data/fan/02 --loop --port " + port, folder);
+  EXPECT_TRUE(comes_true([&] { return detect.err().find("is back after") != std::string::npos; })) << detect.err() << again.err();
+  detect.signal(SIGTERM);
+  const auto result = detect.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("reopened"), 1);
+}
+
+/// A stream of the model's sensor: half a second of events a millisecond apart, then `end`.
+std::string stream_then(const std::string& end, std::int64_t from_us = 5'000'000) {
+  std::string bytes = test::stream_start(0, test::event_node(0, 160, 120, "DVXplorer_DXM00001"));
+  for (std::int64_t t = 0; t < 500'000; t += 1'000) {
+    Event event;
+    event.t = camera_time(from_us + t);
+    event.x = static_cast<std::int16_t>(t / 1'000 % 160);
+    bytes += test::packet(0, test::event_payload({event}));
+  }
+  return bytes + end;
+}
+
+TEST(DetectCommand, NamesGarbageAndSaysWhatItToldUntilThen) {
+  std::string impossible = test::packet(0, test::event_payload({}));
+  test::put(impossible, 4, 0xFFFF'FFFFU);
+  const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
+    test::send_all(client, stream_then(impossible));
+    test::until_closed(client);
+  });
+  const auto result =
+      run_tactile("detect --json --model small --reconnect 0 --from " + server.address().text(), trained().folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("4294967295"), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+  EXPECT_EQ(json.at("faults").at("kinds").at("broken"), 1);
+}
+
+TEST(DetectCommand, NamesAClockOf31BitsThatBeganAgain) {
+  // The camera's clock of 31 bits begins again within the stream; there is one connection, so it is named and that is the end.
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  Event event;
+  event.t = camera_time(100);
+  const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
+    test::send_all(client, stream_then(test::packet(0, test::event_payload({event})), end - 500'000));
+    test::until_closed(client);
+  });
+  const auto result = run_tactile("detect --json --model small --reconnect 0.2 --from " + server.address().text(), trained().folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("its time went back by 2147.48"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("trying to open it again"), std::string::npos) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out).at("ticks").at("told").get<int>(), 0);
+}
+
+TEST(DetectCommand, SaysWhatIsWrong) {
+  const fs::path folder = trained().folder.path();
+  const auto expect_error = [&](const std::string& options, const std::string& words) {
+    const auto result = run_tactile("detect --model small " + options, folder);
+    EXPECT_NE(result.exit_code, 0) << options;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  };
+  expect_error("--from file:data/fan/02 --bit 64", "there is no robot to tell");
+  expect_error("--from file:data/fan/02 --robot 127.0.0.1", "there is no bit to tell it");
+  expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 63", "64 to 127");
+  expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 70 --slip-bit 70", "stands for two things");
+  expect_error("--from file:data/fan/02 --udp nowhere", "expected HOST:PORT");
+  expect_error("--from file:data/fan/02 --confirm 1/2", "more than half");
+  expect_error("--from file:nothing", "nothing");
+  expect_error("--from sim:fan", "expected the 32 x 24 that the model was trained on");
+  expect_error("--from file:data/fan/02 --speed 0 --ticks no/such/place.csv", "cannot be written");
+
+  fs::copy(trained().bundle.folder, folder / "models/old", fs::copy_options::recursive);
+  nlohmann::json model = read_json(folder / "models/old/model.json");
+  EXPECT_GT(model.at("gate").at("limit_events").get<int>(), 0);
+  model.erase("gate");
+  write_json(folder / "models/old/model.json", model);
+  const auto old = run_tactile("detect --model old --gate --from file:data/fan/02 --speed 0", folder);
+  EXPECT_EQ(old.exit_code, 1);
+  EXPECT_NE(old.err.find("run 'tactile train --force' again"), std::string::npos) << old.err;
+  EXPECT_EQ(run_tactile("detect --model old --from file:data/fan/02 --speed 0", folder).exit_code, 0);
+  const auto evaluated = run_tactile("eval --model old --gate", folder);
+  EXPECT_NE(evaluated.err.find("run 'tactile train --force' again"), std::string::npos) << evaluated.err;
+  fs::remove_all(folder / "models/old");
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,244 @@
+#include "tactile/detect/live_detector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+
+#include "tactile/heatmaps/run_heatmaps.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr SensorSize sensor{50, 50}, input{10, 10};
+constexpr std::int64_t base = 1'700'000'000'000'000;
+
+HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
+
+/// A network that says slip of a heatmap with anything in it.
+Logits slip_where_anything_is(std::span<const std::uint8_t> heatmap) {
+  for (const std::uint8_t cell : heatmap) {
+    if (cell != 0) return {0, 0, 1};
+  }
+  return {1, 0, 0};
+}
+
+struct Live {
+  std::vector<ToldTick> told;
+  std::vector<DetectionFault> faults;
+  int forgotten = 0;
+  LiveDetector detector;
+
+  explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {})
+      : detector({sensor, input, slip_where_anything_is,
+                  {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
+                 {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
+                 [this](const ToldTick& tick) { told.push_back(tick); },
+                 [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
+
+  void take(std::vector<std::int64_t> times, std::int64_t arrived, std::size_t source_index = 0) {
+    QueuedPacket packet{.source_index = source_index, .arrived = host_time(arrived), .elements = {}};
+    for (const std::int64_t t : times) {
+      Event event;
+      event.t = camera_time(t);
+      event.x = static_cast<std::int16_t>((t / 100 % 50 + 50) % 50);
+      packet.elements.events.push_back(event);
+    }
+    detector.take(packet);
+  }
+  void tell_all(std::int64_t now) {
+    while (detector.tell_due(host_time(now))) {
+    }
+  }
+};
+
+TEST(LiveDetector, TellsEachTickOnceAnEventAtOrBehindItIsHere) {
+  Live live;
+  for (std::int64_t t = 0; t <= 14'000; t += 1'000) {
+    live.take({t}, base + t + 300);
+    live.tell_all(base + t + 300);
+  }
+  ASSERT_EQ(live.told.size(), 3U);
+  EXPECT_EQ(live.told[0].verdict.t, camera_time(10'000));
+  EXPECT_EQ(live.told[0].verdict.events, 10U);
+  EXPECT_EQ(live.told[0].verdict.verdict, Touch::slip);
+  EXPECT_TRUE(live.told[0].due.by_events);
+  EXPECT_EQ(live.told[2].verdict.t, camera_time(14'000));
+  EXPECT_EQ(live.detector.deadlines().counts().missed(), 0U);
+}
+
+TEST(LiveDetector, GoesOnInSilenceUntilNothingIsLeftInTheHistory) {
+  Live live;
+  for (std::int64_t t = 0; t <= 10'000; t += 500) live.take({t}, base + t);
+  for (std::int64_t now = 10'000; now <= 40'000; now += 100) live.tell_all(base + now);
+  ASSERT_GE(live.told.size(), 13U);
+  for (std::size_t i = 0; i < live.told.size(); ++i)
+    EXPECT_EQ(live.told[i].verdict.t, camera_time(10'000 + 2'000 * static_cast<std::int64_t>(i)));
+  EXPECT_EQ(live.told[1].due.by_events, false);
+  EXPECT_EQ(live.told.back().verdict.verdict, Touch::none);
+  EXPECT_EQ(live.told.back().verdict.events, 0U);
+  EXPECT_EQ(live.detector.deadlines().counts().skipped, 0U);
+  live.detector.look_for_silence(host_time(base + 3'000'000));
+  live.detector.look_for_silence(host_time(base + 3'100'000));
+  ASSERT_EQ(live.faults.size(), 1U) << "said once";
+  EXPECT_EQ(live.faults[0].kind, "silence");
+}
+
+TEST(LiveDetector, CountsEventsThatComeTooLateAndLeavesThemOut) {
+  Live live;
+  for (std::int64_t t = 0; t <= 10'000; t += 500) live.take({t}, base + t);
+  for (std::int64_t now = 10'000; now <= 20'000; now += 100) live.tell_all(base + now);
+  const std::size_t before = live.told.size();
+  ASSERT_EQ(before, 5U) << "10 ms by an event, 12 to 18 ms by the host's time";
+  const CameraTime last = live.told.back().verdict.t;
+  live.take({us_of(last) - 500, us_of(last) - 1, us_of(last), us_of(last) + 2'500}, base + 20'100);
+  EXPECT_EQ(live.detector.counts().late_events, 2U);
+  live.tell_all(base + 20'100);
+  ASSERT_EQ(live.told.size(), before + 1);
+  EXPECT_EQ(live.told.back().verdict.t, after(last, 2ms));
+  EXPECT_EQ(live.told.back().verdict.events, 2U) << "those at 10 and 18 ms";
+}
+
+TEST(LiveDetector, SkipsToTheNewestTickWhenItIsLateAndCountsTheRest) {
+  Live live;
+  for (std::int64_t t = 0; t <= 50'000; t += 500) live.take({t}, base + t);
+  live.tell_all(base + 50'100);  // far behind
+  ASSERT_EQ(live.told.size(), 1U);
+  EXPECT_EQ(live.told[0].verdict.t, camera_time(50'000));
+  EXPECT_EQ(live.told[0].due.skipped, 20U);
+  EXPECT_EQ(live.detector.deadlines().counts().skipped, 20U);
+  EXPECT_EQ(live.told[0].verdict.events, 20U) << "all events of the history, those of skipped ticks too";
+}
+
+TEST(LiveDetector, BeginsAnewWhereTheCameraJumpsAhead) {
+  Live live;
+  for (std::int64_t t = 0; t <= 20'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  const std::size_t before = live.told.size();
+  for (std::int64_t t = 3'600'000'000; t <= 3'600'012'000; t += 500) {
+    const std::int64_t now = base + 20'500 + t - 3'600'000'000;
+    live.take({t}, now), live.tell_all(now);
+  }
+  ASSERT_EQ(live.faults.size(), 1U);
+  EXPECT_EQ(live.faults[0].kind, "jump");
+  EXPECT_NE(live.faults[0].text.find("3599.9"), std::string::npos) << live.faults[0].text;
+  EXPECT_EQ(live.forgotten, 1);
+  ASSERT_EQ(live.told.size(), before + 2);
+  EXPECT_EQ(live.told[before].verdict.t, camera_time(3'600'010'000)) << "a whole history after it began anew";
+  EXPECT_EQ(live.told[before].beginning, 1U);
+  EXPECT_EQ(live.told[before].verdict.events, 20U);
+}
+
+TEST(LiveDetector, NeverMixesEventsOfTwoOpenings) {
+  Live live;
+  // A clock of 31 bits begins again, as another opening of the source.
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  for (std::int64_t t = end - 20'000; t < end; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  const std::size_t before = live.told.size();
+  ASSERT_GE(before, 3U);
+  live.take({}, base + end, 1);
+  live.tell_all(base + end + 100'000);
+  EXPECT_EQ(live.told.size(), before) << "while the source is gone nothing is known";
+  for (std::int64_t t = 0; t <= 12'000; t += 500) live.take({t}, base + end + 200'000 + t, 2), live.tell_all(base + end + 200'000 + t);
+  ASSERT_EQ(live.told.size(), before + 2);
+  EXPECT_EQ(live.told[before].verdict.t, camera_time(10'000));
+  EXPECT_EQ(live.told[before].verdict.events, 20U) << "of the new clock alone";
+  EXPECT_EQ(live.detector.counts().late_events, 0U);
+}
+
+TEST(LiveDetector, BeginsAnewWhereEverythingComesTooLateForLong) {
+  Live live;
+  for (std::int64_t t = 0; t <= 20'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  // From here on the stream is 5 s late, for good.
+  for (std::int64_t now = 20'000; now < 5'000'000; now += 10'000) live.tell_all(base + now);
+  const std::size_t before = live.told.size();
+  for (std::int64_t t = 20'500; t <= 700'000; t += 500) live.take({t}, base + t + 5'000'000), live.tell_all(base + t + 5'000'000);
+  ASSERT_GE(live.faults.size(), 1U);
+  EXPECT_EQ(live.faults.back().kind, "late");
+  EXPECT_GT(live.detector.counts().late_events, 900U);
+  ASSERT_GT(live.told.size(), before);
+  EXPECT_TRUE(live.told.back().due.by_events) << "on time again";
+  EXPECT_EQ(live.told.back().verdict.events, 20U);
+}
+
+TEST(LiveDetector, WarnsOfPacketsLongerThanATickOnce) {
+  Live live;
+  live.take({0, 1'999}, base + 2'000);
+  EXPECT_TRUE(live.faults.empty());
+  live.take({2'000, 9'000}, base + 9'000);
+  live.take({9'500, 19'000}, base + 19'000);
+  ASSERT_EQ(live.faults.size(), 1U);
+  EXPECT_EQ(live.faults[0].kind, "long packets");
+}
+
+TEST(LiveDetector, MarksVerdictsWhoseHistoryLacksEvents) {
+  Live live;
+  for (std::int64_t t = 0; t <= 10'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  EXPECT_FALSE(live.told.back().incomplete);
+  live.detector.note_lost(7);
+  for (std::int64_t t = 11'000; t <= 30'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  EXPECT_EQ(live.detector.counts().lost_events, 7U);
+  for (const ToldTick& tick : live.told)
+    EXPECT_EQ(tick.incomplete, tick.verdict.t > camera_time(11'000) && tick.verdict.t < camera_time(21'000)) << us_of(tick.verdict.t);
+}
+
+TEST(LiveDetector, GatesQuietTicksWithoutAskingTheNetwork) {
+  Live live(false, 5);
+  for (std::int64_t t = 0; t <= 20'000; t += t < 10'000 ? 2'500 : 500) live.take({t}, base + t), live.tell_all(base + t);
+  ASSERT_GE(live.told.size(), 3U);
+  EXPECT_EQ(live.told[0].verdict.events, 4U);
+  EXPECT_TRUE(live.told[0].verdict.gated);
+  EXPECT_EQ(live.told[0].verdict.verdict, Touch::none);
+  EXPECT_EQ(live.told[0].verdict.probabilities, (Probabilities{1, 0, 0}));
+  EXPECT_FALSE(live.told[1].verdict.gated) << live.told[1].verdict.events;
+  EXPECT_EQ(live.told[1].verdict.verdict, Touch::slip);
+  EXPECT_EQ(live.detector.counts().gated, 1U);
+}
+
+TEST(LiveDetector, CountsSkippedTicksAsNoneWhereVerdictsAreConfirmed) {
+  Live live(false, {}, {2, 3});
+  for (std::int64_t t = 0; t <= 12'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
+  ASSERT_EQ(live.told.size(), 2U);
+  EXPECT_EQ(live.told[0].verdict.verdict, Touch::none);
+  EXPECT_EQ(live.told[1].verdict.verdict, Touch::slip);
+  for (std::int64_t t = 12'500; t <= 40'000; t += 500) live.take({t}, base + t);
+  live.tell_all(base + 40'000);
+  EXPECT_EQ(live.told.back().verdict.said, Touch::slip);
+  EXPECT_EQ(live.told.back().verdict.verdict, Touch::none);
+}
+
+TEST(LiveDetector, TellsEveryTickOfWhatIsPlayedAsARecordingHasThem) {
+  // At both ends of int64, and with a second of silence in between.
+  for (const std::int64_t begin : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-5'000}, std::int64_t{1} << 31,
+                                   std::numeric_limits<std::int64_t>::max() - 1'200'000}) {
+    std::vector<std::int64_t> times;
+    for (std::int64_t t = 0; t <= 30'000; t += 70) times.push_back(begin + t);
+    for (std::int64_t t = 1'100'000; t <= 1'130'000; t += 70) times.push_back(begin + t);
+    std::vector<Event> events;
+    for (const std::int64_t t : times) {
+      Event event;
+      event.t = camera_time(t);
+      events.push_back(event);
+    }
+    std::vector<std::pair<CameraTime, std::uint64_t>> offline;
+    for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms},
+                   [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
+    Live live(true);
+    for (std::size_t i = 0; i < times.size(); i += 37)
+      live.take({times.begin() + static_cast<std::ptrdiff_t>(i),
+                 times.begin() + static_cast<std::ptrdiff_t>(std::min(times.size(), i + 37))},
+                base);
+    ASSERT_EQ(live.told.size(), offline.size()) << begin;
+    for (std::size_t i = 0; i < offline.size(); ++i) {
+      EXPECT_EQ(live.told[i].verdict.t, offline[i].first);
+      EXPECT_EQ(live.told[i].verdict.events, offline[i].second);
+    }
+    EXPECT_EQ(live.detector.deadlines().counts().skipped, 0U);
+  }
+}
+
+TEST(LiveDetector, RefusesAModelOfAnotherSize) {
+  EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}), std::exception);
+}
+
+}  // namespace
+}  // namespace tactile
