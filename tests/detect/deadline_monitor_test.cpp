@@ -42,7 +42,9 @@ TEST(DurationHistogram, CountsEachOctaveBetweenTheFirstAndTheLast) {
   double end = -1;
   const auto octaves = histogram.octaves();
   for (const DurationHistogram::Bin& bin : octaves) {
-    if (end >= 0) EXPECT_DOUBLE_EQ(bin.from_us, end);
+    if (end >= 0) {
+      EXPECT_DOUBLE_EQ(bin.from_us, end);
+    }
     EXPECT_LT(bin.from_us, bin.to_us);
     end = bin.to_us;
     sum += bin.count;
