@@ -455,11 +455,12 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
              begin, ink);
   script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
              faint_ink);
+  const std::string of_many_table = script.table(4, std::move(accuracies)), of_few_table = script.table(4, std::move(of_few));
   script.add(
       "plot {0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.6 pt 7 ps 1.1 notitle, "
       "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle, "
       "{2} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1 dt 1 pt 6 ps 1.1 notitle",
-      script.table(4, std::move(accuracies)), figure_colours::network, script.table(4, std::move(of_few)));
+      of_many_table, figure_colours::network, of_few_table);
   script.begin_panel({.left = left, .top = lower_top, .right = width - right, .bottom = bottom});
   script.add("set xrange [{:.9g}:101]\nset logscale y\nset yrange [0.8:{:.9g}]\nset format y '%.0f'", begin,
              2.0 * static_cast<double>(most));
