@@ -129,7 +129,7 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoin
   EXPECT_TRUE(has_row(plot, {2, 4, 5}));
   EXPECT_TRUE(has_row(plot, {2, 10, 20}));
   const std::string svg = drawn(plot);
-  EXPECT_TRUE(tells(svg, "no threshold, the likeliest"));
+  EXPECT_TRUE(tells(svg, "diamonds: no threshold"));
   EXPECT_FALSE(tells(svg, ">0.995<")) << "a few are told, not all";
   EXPECT_TRUE(tells(svg, ">0.5<"));
   // A label stands beside its point, in the colour of its curve.

@@ -347,10 +347,9 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
   constexpr int left = 90, right = 40, top = 84, gap = 34, delay_height = 290, missed_height = 150, below = 62;
   const int delay_bottom = top + delay_height, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text(
-      std::string("Blue circles: press; orange squares: slip. The numbers: the probability from which on either is said.") +
-          (own ? " Diamonds: no threshold, the likeliest." : ""),
-      20, 52, "left font ',12'", faint_ink);
+  script.text(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: the probability from which on it is said.",
+                          own ? "; diamonds: no threshold" : ""),
+              20, 52, "left font ',12'", faint_ink);
   std::vector<OperatingPoint> all = points;
   if (own) all.push_back(*own);
   // False alarms span decades: their logarithm, with none at all at a place of its own on the left.
@@ -433,9 +432,8 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
   constexpr int width = 760, left = 90, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
   const int upper_bottom = top + upper_height, lower_top = upper_bottom + gap, bottom = lower_top + lower_height;
   PlotScript script(title, width, bottom + below);
-  script.text(fmt::format("Dashed: what is said with 90 % certainty is right in 90 % of cases. Hollow: fewer than {} samples.",
-                          few_samples),
-              20, 52, "left font ',12'", faint_ink);
+  script.text(fmt::format("Dashed: as often right as it is sure. Hollow: fewer than {} samples.", few_samples), 20, 52,
+              "left font ',12'", faint_ink);
   std::vector<double> accuracies, of_few, boxes;
   std::uint64_t most = 1;
   double least = 100;
@@ -455,11 +453,12 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
              begin, ink);
   script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
              faint_ink);
+  const std::string of_many_table = script.table(4, std::move(accuracies)), of_few_table = script.table(4, std::move(of_few));
   script.add(
       "plot {0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.6 pt 7 ps 1.1 notitle, "
       "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle, "
       "{2} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1 dt 1 pt 6 ps 1.1 notitle",
-      script.table(4, std::move(accuracies)), figure_colours::network, script.table(4, std::move(of_few)));
+      of_many_table, figure_colours::network, of_few_table);
   script.begin_panel({.left = left, .top = lower_top, .right = width - right, .bottom = bottom});
   script.add("set xrange [{:.9g}:101]\nset logscale y\nset yrange [0.8:{:.9g}]\nset format y '%.0f'", begin,
              2.0 * static_cast<double>(most));
@@ -474,7 +473,7 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
 }
 
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
-  constexpr int left = 80, right = 20, top = 84, gap = 84, panel_height = 320, below = 76, key_row = 24;
+  constexpr int left = 96, right = 20, top = 84, gap = 84, panel_height = 320, below = 76, key_row = 24;
   constexpr std::size_t most_named = 8;
   const std::size_t named = std::min(curves.size(), most_named);
   const int bottom = top + panel_height, key_rows = static_cast<int>((named + 1) / 2);
