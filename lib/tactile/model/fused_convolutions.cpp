@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 // Highway compiles what follows once for each kind of processor and takes the best of them at run time. Vectors without a fixed
 // size, of which no arrays can be made, are left out.
