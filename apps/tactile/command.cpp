@@ -104,13 +104,16 @@ ProgressCallback progress_line(const CommonArguments& common) {
       if (visible) std::fputs("\r\033[K", stderr);
     }
   };
-  const bool draws = !common.quiet && isatty(STDERR_FILENO) != 0;
-  return [line = std::make_shared<Line>(), draws](const Progress& progress) {
+  // A log is told in whole lines, and seldom.
+  const bool draws = isatty(STDERR_FILENO) != 0;
+  const auto first = draws ? std::chrono::milliseconds(1000) : std::chrono::milliseconds(30'000);
+  const auto period = draws ? std::chrono::milliseconds(100) : first;
+  return [line = std::make_shared<Line>(), quiet = common.quiet, draws, first, period](const Progress& progress) {
     stop_if_interrupted();
     const auto now = Clock::now();
-    if (!draws || now - line->begun < std::chrono::seconds(1) || now - line->drawn < std::chrono::milliseconds(100)) return;
+    if (quiet || now - line->begun < first || now - line->drawn < period) return;
     line->drawn = now;
-    line->visible = true;
+    line->visible = draws;
     const double elapsed = std::chrono::duration<double>(now - line->begun).count();
     std::string text = progress.what;
     if (progress.total > 0) {
@@ -118,6 +121,7 @@ ProgressCallback progress_line(const CommonArguments& common) {
       text = fmt::format("{:3.0f} %  {}", 100 * share, text);
       if (share > 0) text += fmt::format("  ETA {}", clock_text(elapsed * (1 - share) / share));
     }
+    if (!draws) return spdlog::info("{}", text);
     winsize window{};
     const std::size_t columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
     std::fprintf(stderr, "\r\033[K%s", text.substr(0, columns - 1).c_str());

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "command.hpp"
@@ -14,6 +17,7 @@
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
@@ -41,6 +45,22 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, const
   return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
 }
 
+/// The file of results: the usual one, or one of its own where options give other figures, so that neither replaces the other.
+fs::path result_file(const fs::path& usual, const EvalArguments& args, const EvaluationOptions& options, const Dataset& dataset) {
+  std::string name = usual.stem().string();
+  if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
+  if (options.confirmation != Confirmation{})
+    name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
+  if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
+  return usual.parent_path() / (name + ".json");
+}
+
+/// Before an hour is worked for what cannot be kept.
+void check_writable(const fs::path& folder) {
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw Error(folder.string() + ": results cannot be written there (" + std::strerror(errno) + "); expected a writable folder");
+}
+
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
@@ -51,15 +71,28 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   const Dataset dataset(file);
   const auto bundle = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
   if (!bundle) {
-    throw Error(fmt::format("{}: no single-run model of {}; expected one, run '{}' first", args.models, file.string(),
-                            train_command(args, {})));
+    const auto other = newest_bundle(
+        args.models, [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; });
+    const std::string way_out =
+        other ? fmt::format("; {} is of another state of it, or of another one, and is judged on it by --model {}", other->name(),
+                            shell_word(other->name()))
+              : "";
+    throw Error(fmt::format("{}: no single-run model of {}; expected one, run '{}' first{}", args.models, file.string(),
+                            train_command(args, {}), way_out));
   }
+  check_writable(bundle->folder);
   spdlog::info("evaluating {}", bundle->folder.string());
   const Classifier classifier(bundle->folder, common.threads, engine_named(args.engine));
-  const Split split = split_of(dataset, classifier.model().settings.split);
-  const Evaluation evaluation = evaluate(dataset, classifier, split.test_runs, options_of(args, common), progress_line(common));
+  const auto runs = test_runs_of(dataset, classifier.model());
+  EvaluationOptions options = options_of(args, common);
+  options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
+  if (options.of_another_dataset) {
+    spdlog::warn("{} was trained on another dataset than {} is now; it is judged on the {} runs that it did not learn from",
+                 bundle->name(), file.string(), runs.size());
+  }
+  const Evaluation evaluation = evaluate(dataset, classifier, runs, options, progress_line(common));
   const nlohmann::json json = evaluation;
-  const std::string written = write_result(bundle->evaluation(), json, evaluation);
+  const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
   print_result(common, json, text_of(evaluation) + written);
 }
 
@@ -78,20 +111,23 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   if (known) settings = read_description(*known).settings;
   const bool knows_unseen = known && settings.split.kind == SplitKind::unseen;
   const ModelBundle seen =
-      known && !knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::single_run), known);
-  const ModelBundle held_out =
-      knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::unseen), seen);
+      known && !knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::single_run, {}), known);
+  const auto unseen_settings = [&] {
+    return with_split(settings, SplitKind::unseen, objects_to_hold_out(args.held_out, dataset));
+  };
+  const ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings(), seen);
+  check_writable(seen.folder);
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 
   const EngineKind engine = engine_named(args.engine);
   const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
-  const auto runs = runs_neither_saw(dataset, with.model().settings.split, without.model().settings.split);
+  const auto runs = runs_neither_saw(dataset, with.model(), without.model());
   const EvaluationOptions options = options_of(args, common);
   const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
   const Evaluation evaluation = evaluate(dataset, without, runs, options, progress_line(common));
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
-  const std::string written = write_result(seen.unseen_evaluation(), json, evaluation);
+  const std::string written = write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation);
   print_result(
       common, json,
       text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" + text_of(evaluation) + written);
@@ -122,6 +158,12 @@ void add_eval_command(CLI::App& app) {
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   CLI::Option* unseen = command->add_flag(
       "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains what is missing");
+  command
+      ->add_option("--held-out", args->held_out,
+                   "With --unseen: objects held out, a list with commas; those of the paper's five that there are if not given")
+      ->delimiter(',')
+      ->type_name("NAME,...")
+      ->needs(unseen);
   command->add_flag("--no-train", args->no_train,
                     "With --unseen: a missing model is an error that names the command to train it");
   command

@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <system_error>
+
 #include "model_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/model/train_model.hpp"
 
 namespace tactile {
@@ -18,7 +22,7 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   const auto add = [&](const std::string& option, const auto& value, const auto& usual) {
     if (value != usual) command += fmt::format(" --{} {}", option, value);
   };
-  if (args.data != "data") command += " " + args.data;
+  if (args.data != "data") command += " " + shell_word(args.data);
   command += fmt::format(" --th {}", static_cast<double>(settings.rendering.history.count()) / 1000);
   if (settings.split.kind == SplitKind::unseen) {
     command += " --split unseen";
@@ -42,20 +46,37 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   // An early stop brings a validation part of its own, which the option makes another.
   add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
   add("early-stop", settings.training.early_stop, defaults.training.early_stop);
-  if (settings.from) command += " --from " + settings.from->name;
+  // With other objects held out a training goes on from another model, which only its user knows.
+  if (settings.from) command += settings.split.kind == SplitKind::unseen ? " --from MODEL" : " --from " + settings.from->name;
   const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
   add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
   add("resize", rendering.at("resize").get<std::string>(), usual.at("resize").get<std::string>());
   add("factor", settings.rendering.factor, defaults.rendering.factor);
   add("tick-us", settings.rendering.tick.count(), defaults.rendering.tick.count());
-  add("models", args.models, std::string("models"));
+  if (args.models != "models") command += " --models " + shell_word(args.models);
   return command;
 }
 
 ModelBundle bundle_named(const EvalArguments& args) {
   const fs::path given(args.model);
-  if (fs::exists(given)) return {given.filename().empty() ? given.parent_path() : given};
-  return {fs::path(args.models) / given};
+  const ModelBundle bundle{!fs::exists(given)         ? fs::path(args.models) / given
+                           : given.filename().empty() ? given.parent_path()
+                                                      : given};
+  if (fs::exists(bundle.description())) return bundle;
+  if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder))) {
+    throw Error(
+        fmt::format("{}: its training was broken off; expected a finished model, 'tactile train' with the same options and "
+                    "--resume goes on with it",
+                    bundle.folder.string()));
+  }
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(args.models, none)) {
+    if (fs::exists(entry.path() / "model.json")) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  throw Error(fmt::format("{}: no model; expected a folder with model.json{}", bundle.folder.string(),
+                          names.empty() ? ", as 'tactile train' makes it" : fmt::format(", such as {}", fmt::join(names, ", "))));
 }
 
 std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind) {
@@ -64,31 +85,40 @@ std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& d
   });
 }
 
-ModelSettings with_split(ModelSettings settings, SplitKind kind) {
+ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out) {
   settings.split.kind = kind;
-  if (kind == SplitKind::unseen) settings.split.held_out = default_held_out();
+  if (kind == SplitKind::unseen) settings.split.held_out = held_out;
   return settings;
 }
 
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
                        const ModelSettings& settings, const std::optional<ModelBundle>& other) {
+  // A partner of one that goes on from a model goes on from one too, but not from the same: that saw what is to be held out.
+  const auto like_ours = [&](ModelSettings model) {
+    if (model.from && settings.from) model.from = settings.from;
+    return model;
+  };
   const auto same = [&](const ModelDescription& model) {
-    return model.manifest_hash == dataset.manifest_hash() && same_settings(model.settings, settings);
+    return model.manifest_hash == dataset.manifest_hash() && same_settings(like_ours(model.settings), settings);
   };
   const auto same_but_held_out = [&](const ModelDescription& model) {
-    ModelSettings alike = model.settings;
+    ModelSettings alike = like_ours(model.settings);
     alike.split.held_out = settings.split.held_out;
     return model.manifest_hash == dataset.manifest_hash() && same_settings(alike, settings);
   };
   if (const auto found = newest_bundle(args.models, same)) return *found;
-  if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
+  if (args.held_out.empty()) {
+    if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
+  }
   const ModelBundle bundle{fs::path(args.models) / default_name(settings)};
   const std::string command = train_command(args, settings);
   if (settings.from) {
+    const bool holds_out = settings.split.kind == SplitKind::unseen;
     throw Error(
-        fmt::format("{}: missing, and a model that goes on from another is not trained by itself; expected this model, run '{}' "
-                    "first",
-                    bundle.folder.string(), command));
+        fmt::format("{}: no model of these settings that goes on from another{}, and such a one is not trained by itself; "
+                    "expected it, run '{}' first{}",
+                    args.models, holds_out ? " and never saw the objects held out" : "", command,
+                    holds_out ? ", where MODEL never saw them either" : ""));
   }
   if (args.no_train)
     throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));

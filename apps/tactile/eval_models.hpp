@@ -18,7 +18,8 @@ struct EvalArguments {
   double guard_ms = -1;
   std::string confirm = "1/1";
   std::string engine = "fast";
-  std::vector<std::string> runs;  ///< to be shown over time; the rest is left undone then
+  std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five that there are
+  std::vector<std::string> runs;      ///< to be shown over time; the rest is left undone then
   std::string out;
 };
 
@@ -31,7 +32,8 @@ ModelBundle bundle_named(const EvalArguments& args);
 /// The model of this dataset and kind of split that was trained last.
 std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind);
 
-ModelSettings with_split(ModelSettings settings, SplitKind kind);
+/// The same settings with another split. @param held_out  of unseen
+ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out);
 
 /// The model of the same settings that holds objects out, or does not; trained where it is missing.
 /// @param other  whose speed of training tells how long it will take

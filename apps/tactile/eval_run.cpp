@@ -13,6 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/report/prediction_picture.hpp"
@@ -175,8 +176,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   std::vector<std::vector<std::string>> rows;
   for (const ChosenRun& run : runs) {
     const std::string name = run.folder.name();
-    const bool learned_from =
-        of_this_dataset && std::find(model.train_runs.begin(), model.train_runs.end(), name) != model.train_runs.end();
+    const bool learned_from = tactile::learned_from(model, sha256_of_file(run.folder.events()));
     const RunPrediction prediction = predict_run(run.folder, classifier, options, [&](std::size_t ticks) {
       done += ticks;
       tell(progress, done, total, "every tick of " + name);
@@ -200,14 +200,14 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     std::string met;
     for (const Detection& detection : prediction.detections)
       met += fmt::format("{}{} {}", met.empty() ? "" : ", ", name_of(detection.interval.touch), outcome_of(detection));
-    rows.push_back({name, std::to_string(prediction.verdicts.size()),
+    rows.push_back({name + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
                     prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
                     met.empty() ? "no labels" : met});
     spdlog::info("{}: {}", name, stem.string() + ".csv, .png, .svg");
   }
   print_result(common, json,
                fmt::format("Every tick as {} sees it\n\n", bundle.name()) +
-                   text_table({"run", "ticks", "false alarms", ""}, rows) + "\nWritten to " +
+                   text_table({"run", "ticks", "false alarms", "intervals and their delay"}, rows) + "\nWritten to " +
                    stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, PNG and SVG each\n");
 }
 

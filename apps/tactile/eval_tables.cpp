@@ -51,7 +51,9 @@ std::string accuracy_text(const Evaluation& evaluation) {
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
   text += text_table({"beside the baselines, mean over objects [%]", "", "95 %"}, rows);
   const auto above = evaluation.above_baselines();
-  text += !above ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
+  text += evaluation.baselines.empty()
+              ? "None of the runs that the model learned from is in the dataset, to fit the baselines on.\n\n"
+          : !above ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
           : *above
               ? "The network's accuracy interval lies above every baseline's.\n\n"
               : wrapped("The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") +

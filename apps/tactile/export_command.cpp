@@ -39,6 +39,10 @@ ModelBundle model_to_export(const ExportArguments& args) {
     if (fs::is_directory(given)) return {given.filename().empty() ? given.parent_path() : given};
     return {fs::path(args.models) / given};
   }
+  // One that learned of every object comes first, as for eval: a study trains those with objects held out last.
+  const auto whole = newest_bundle(
+      args.models, [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; });
+  if (whole) return *whole;
   const auto newest = newest_bundle(args.models, [](const ModelDescription&) { return true; });
   if (newest) return *newest;
   throw Error(args.models + ": no model; expected one, run 'tactile train' first, or name it by --model");
@@ -71,9 +75,10 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
   const ModelBundle bundle = model_to_export(args);
   const ModelDescription model = read_description(bundle);
-  if (args.model.empty()) spdlog::info("exporting {}, the model trained last", bundle.folder.string());
+  if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
   const Weights weights = read_bundle_weights(bundle, model);
-  const auto metadata = weights_metadata(model);
+  auto metadata = weights_metadata(model);
+  metadata["model"] = bundle.name();
 
   std::optional<WholeFile> onnx, safetensors;
   std::vector<ExportedFile> files;

@@ -1,9 +1,14 @@
 #include "model_arguments.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <set>
+
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
+#include "tactile/core/error.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -27,11 +32,26 @@ bool make_missing_dataset(const std::string& data, const CommonArguments& common
   return true;
 }
 
+std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset) {
+  if (!named.empty()) return named;
+  std::set<std::string> objects;
+  for (const DatasetRun& run : dataset.runs()) objects.insert(run.object);
+  std::vector<std::string> held_out;
+  for (const std::string& object : default_held_out()) {
+    if (objects.contains(object)) held_out.push_back(object);
+  }
+  if (held_out.empty() || held_out.size() == objects.size()) {
+    throw Error(fmt::format("{}: {} of its objects is among the paper's five to hold out; expected --held-out with some of {}",
+                            dataset.file().string(), held_out.empty() ? "none" : "every one", fmt::join(objects, ", ")));
+  }
+  return held_out;
+}
+
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
                               unsigned threads) {
   const std::size_t samples = samples_of_runs(dataset, split_of(dataset, settings.split).train_runs).size();
   const double rate = images_per_s.value_or(common_images_per_s_and_thread * threads);
-  return fmt::format("{} samples, {} epochs, about {} (min:s)", samples, settings.training.epochs,
+  return fmt::format("{}, {}, about {} (min:s)", counted(samples, "sample"), counted(settings.training.epochs, "epoch"),
                      clock_text(static_cast<double>(samples) * settings.training.epochs / rate));
 }
 

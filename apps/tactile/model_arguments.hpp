@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "tactile/model/train_model.hpp"
@@ -16,6 +17,10 @@ std::filesystem::path dataset_file(const std::string& data);
 
 /// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
 bool make_missing_dataset(const std::string& data, const CommonArguments& common);
+
+/// The objects to hold out: those named, or those of the paper's five that the dataset has.
+/// @throws Error  where none was named and none of those, or nothing else, is there
+std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);
 
 /// How long a training will take, for people: from `images_per_s` where it is known, else from what a common core does.
 std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,

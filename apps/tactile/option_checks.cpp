@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
 
 namespace tactile {
 namespace {
@@ -48,6 +49,14 @@ CLI::Validator one_of(std::initializer_list<const char*> words) {
                    : fmt::format("'{}' is unknown; expected {}", text, alternatives(known));
       },
       alternatives(known));
+}
+
+CLI::Validator is_run() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return is_run_id(text) ? std::string() : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
+      },
+      "");
 }
 
 CLI::Validator is_seed() {

@@ -23,6 +23,9 @@ CLI::Validator one_of(std::initializer_list<const char*> words);
 /// Whole numbers that a seed can be, 0 to 18446744073709551615.
 CLI::Validator is_seed();
 
+/// A run's id: two digits from 01 on.
+CLI::Validator is_run();
+
 /// The name of a file that is there, and no folder.
 CLI::Validator is_existing_file();
 

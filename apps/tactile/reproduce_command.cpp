@@ -40,7 +40,7 @@ struct ReproduceArguments {
   bool force = false;
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::string train_run = "01";
-  std::vector<std::string> held_out = default_held_out();
+  std::vector<std::string> held_out;
   unsigned epochs = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string splits = "0";
@@ -65,10 +65,6 @@ std::string check_splits(const std::string& text) {
   } catch (const Error& e) {
     return e.what();
   }
-}
-
-std::string check_run_id(const std::string& text) {
-  return is_run_id(text) ? "" : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
 }
 
 StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
@@ -243,12 +239,12 @@ void add_reproduce_command(CLI::App& app) {
       ->delimiter(',')
       ->check(in_range(0.001, 1e5))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")
-      ->check(CLI::Validator(check_run_id, ""))
-      ->capture_default_str();
-  command->add_option("--held-out", args->held_out, "Objects of the unseen test, a list with commas; those that there are")
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
+  command
+      ->add_option("--held-out", args->held_out,
+                   "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
       ->delimiter(',')
-      ->capture_default_str();
+      ->type_name("NAME,...");
   command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
       ->check(in_range(1U, 100'000U))
       ->type_name("N");

@@ -13,9 +13,11 @@
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/train_model.hpp"
 #include "text_table.hpp"
@@ -30,7 +32,7 @@ struct TrainArguments {
   double history_ms = 40;
   RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
-  std::vector<std::string> held_out = default_held_out();
+  std::vector<std::string> held_out;  ///< empty: those of the paper's five that there are
   TrainingOptions training;
   std::string optimizer = "adam", schedule = "constant", activation = "relu", pool = "max", class_weights = "none";
   std::vector<std::string> augment{"none"};
@@ -55,6 +57,8 @@ ModelSettings settings_of(const TrainArguments& args) {
   settings.training.validation_share =
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   check(settings.training);
+  if (!args.held_out.empty() && settings.split.kind != SplitKind::unseen)
+    throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
   return settings;
 }
 
@@ -65,8 +69,15 @@ ModelBundle model_to_go_on_from(const TrainArguments& args) {
   return {fs::path(args.models) / given};
 }
 
-std::string text_of(const ModelBundle& bundle, const ModelDescription& model, const std::string& outcome,
-                    const TrainingSummary& summary) {
+/// The command that judges the model.
+std::string eval_command(const ModelBundle& bundle, const TrainArguments& args) {
+  return fmt::format("tactile eval{}{} --model {}", args.data == "data" ? "" : " ",
+                     args.data == "data" ? "" : shell_word(args.data),
+                     shell_word(args.models == "models" ? bundle.name() : bundle.folder.string()));
+}
+
+std::string text_of(const ModelBundle& bundle, const TrainArguments& args, const ModelDescription& model,
+                    const std::string& outcome, const TrainingSummary& summary) {
   const bool judged = summary.validation_samples > 0;
   std::vector<std::vector<std::string>> rows;
   for (const EpochResult& epoch : summary.history) {
@@ -81,7 +92,7 @@ std::string text_of(const ModelBundle& bundle, const ModelDescription& model, co
     rows.push_back(row);
   }
   std::vector<std::string> titles{"epoch", "loss", "accuracy [%]"};
-  if (judged) titles.insert(titles.end(), {"validation loss", "accuracy [%]"});
+  if (judged) titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
   titles.insert(titles.end(), {"images/s", "seconds"});
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (summary.stopped_early) {
@@ -89,10 +100,12 @@ std::string text_of(const ModelBundle& bundle, const ModelDescription& model, co
                                 summary.history.back().epoch, summary.best_epoch)) +
             "\n\n";
   }
-  text += wrapped(fmt::format("{}: {}, learned from {} samples of {} {} runs; {} runs are left to test it on, by 'tactile eval'",
-                              bundle.folder.string(), outcome, model.samples, model.train_runs.size(),
-                              model.simulated ? "simulated" : "real", model.test_runs.size())) +
-          "\n";
+  text +=
+      wrapped(fmt::format(
+          "{}: {}, learned from {} of {}; {} left to test it on, by '{}'", bundle.folder.string(), outcome,
+          counted(model.samples, "sample"), counted(model.train_runs.size(), model.simulated ? "simulated run" : "real run"),
+          counted(model.test_runs.size(), "run") + (model.test_runs.size() == 1 ? " is" : " are"), eval_command(bundle, args))) +
+      "\n";
   return text;
 }
 
@@ -149,13 +162,14 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   ModelSettings settings = settings_of(args);
   const bool dataset_made = make_missing_dataset(args.data, common);
   const Dataset dataset(dataset_file(args.data));
+  if (settings.split.kind == SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
   const ModelBundle from = model_to_go_on_from(args);
   if (!args.from.empty()) settings.from = starting_point(from, dataset, settings);
   const ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? default_name(settings) : args.name)};
   const BundleState state = state_of(bundle, dataset, settings);
   if (state == BundleState::unchanged && !args.force) {
     const ModelDescription model = read_description(bundle);
-    print_result(common, json_of(bundle, model, "unchanged", dataset_made, {}), text_of(bundle, model, "unchanged", {}));
+    print_result(common, json_of(bundle, model, "unchanged", dataset_made, {}), text_of(bundle, args, model, "unchanged", {}));
     return;
   }
   if (state == BundleState::changed && !args.force) {
@@ -190,7 +204,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const ModelDescription model = read_description(bundle);
   if (resumes && model.threads != common.threads)
     spdlog::info("gone on with {} threads, as it began: others move the last bits", model.threads);
-  print_result(common, json_of(bundle, model, outcome, dataset_made, summary), text_of(bundle, model, outcome, summary));
+  print_result(common, json_of(bundle, model, outcome, dataset_made, summary), text_of(bundle, args, model, outcome, summary));
 }
 
 std::string check_bundle_name(const std::string& name) {
@@ -212,10 +226,14 @@ void add_train_command(CLI::App& app) {
   command->add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
       ->check(one_of({"single-run", "unseen"}))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->capture_default_str();
-  command->add_option("--held-out", args->held_out, "Objects that --split unseen does not train on, a list with commas")
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
+  command
+      ->add_option(
+          "--held-out", args->held_out,
+          "Objects that --split unseen does not train on, a list with commas; those of the paper's five that there are if not "
+          "given")
       ->delimiter(',')
-      ->capture_default_str();
+      ->type_name("NAME,...");
   command->add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
       ->check(is_seed())
       ->capture_default_str();

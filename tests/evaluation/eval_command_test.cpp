@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <string>
+#include <utility>
 
 #include "evaluation/trained_model.hpp"
 #include "support/run_command.hpp"
@@ -14,9 +16,12 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/simulation/truth.hpp"
+#include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
 namespace {
+
+namespace fs = std::filesystem;
 
 using test::make_runs;
 using test::run_tactile;
@@ -168,20 +173,98 @@ TEST(EvalCommand, AgreesWithAnIndependentComputation) {
   if (test::run_shell("/usr/bin/python3 -c 'import numpy'").exit_code != 0) GTEST_SKIP() << "no /usr/bin/python3 with NumPy";
   // One pass over few samples: it errs often enough.
   const Trained trained({"fan", "small-box", "usb-hub"}, 3, 1, make_odd);
-  for (const char* confirm : {"1/1", "2/3", "3/5"}) {
+  for (const auto& [confirm, file] : {std::pair("1/1", "eval.json"), std::pair("2/3", "eval-confirm-2-of-3.json"),
+                                      std::pair("3/5", "eval-confirm-3-of-5.json")}) {
     const std::string options = std::string(" --quiet --confirm ") + confirm;
     const auto evaluated = run_tactile("eval" + options, trained.folder.path());
     ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
     const auto shown =
         run_tactile("eval --run fan/02,fan/03,small-box/02,small-box/03,usb-hub/02,usb-hub/03" + options, trained.folder.path());
     ASSERT_EQ(shown.exit_code, 0) << shown.err;
-    const auto checked = test::run_shell("/usr/bin/python3 '" TACTILE_TEST_SOURCES
-                                         "/check_evaluation.py' models/small/eval.json "
-                                         "models/small/runs data",
+    const auto checked = test::run_shell("/usr/bin/python3 '" TACTILE_TEST_SOURCES "/check_evaluation.py' models/small/" +
+                                             std::string(file) + " models/small/runs data",
                                          trained.folder.path());
     EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
     EXPECT_NE(checked.out.find("figures agree"), std::string::npos) << checked.out;
   }
+}
+
+TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
+  const Trained trained({"fan", "usb-hub"}, 2, 1);
+  ASSERT_EQ(run_tactile("eval --quiet", trained.folder.path()).exit_code, 0);
+  const std::string usual = read_text(trained.bundle.evaluation());
+  const auto guarded = run_tactile("eval --quiet --confirm 2/3 --guard-ms 20", trained.folder.path());
+  ASSERT_EQ(guarded.exit_code, 0) << guarded.err;
+  EXPECT_EQ(read_text(trained.bundle.evaluation()), usual);
+  const auto json = read_json(trained.bundle.folder / "eval-confirm-2-of-3-guard-20-ms.json");
+  EXPECT_EQ(json.at("confirm"), nlohmann::json("2/3"));
+  EXPECT_EQ(json.at("guard_ms"), nlohmann::json(20.0));
+}
+
+TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {
+  const Trained trained({"fan", "usb-hub"}, 3, 1);
+  const fs::path data = trained.folder / "data";
+  // A label is put right, of a run that nothing was learned from: another dataset.
+  auto labels = read_json(data / "fan/02/labels.json");
+  labels.at("intervals")[0]["confirmed"] = true;
+  write_json(data / "fan/02/labels.json", labels);
+  write_dataset(data, data / "dataset.h5", {}, 1);
+  const auto refused = run_tactile("eval", trained.folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("--model small"), std::string::npos) << refused.err;
+
+  const auto judged = run_tactile("eval --json --model small", trained.folder.path());
+  ASSERT_EQ(judged.exit_code, 0) << judged.err;
+  EXPECT_NE(judged.err.find("another dataset"), std::string::npos) << judged.err;
+  const auto json = nlohmann::json::parse(judged.out);
+  EXPECT_EQ(json.at("test_runs"), nlohmann::json({"fan/02", "fan/03", "usb-hub/02", "usb-hub/03"}));
+  EXPECT_EQ(json.at("baselines").size(), 4U) << "fitted on the runs it learned from, which are there";
+  EXPECT_FALSE(fs::exists(trained.bundle.evaluation()));
+  EXPECT_TRUE(
+      fs::exists(trained.bundle.folder / ("eval-on-" + Dataset(data / "dataset.h5").manifest_hash().substr(0, 8) + ".json")));
+
+  // Data of which nothing was learned: all of it is judged, and no baseline is fitted.
+  fs::remove_all(data / "fan/01");
+  fs::remove_all(data / "usb-hub/01");
+  write_dataset(data, data / "dataset.h5", {}, 1);
+  const auto others = run_tactile("eval --json --model small", trained.folder.path());
+  ASSERT_EQ(others.exit_code, 0) << others.err;
+  EXPECT_EQ(nlohmann::json::parse(others.out).at("test_runs"), json.at("test_runs"));
+  EXPECT_TRUE(nlohmann::json::parse(others.out).at("baselines").empty());
+}
+
+TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
+  const Trained trained({"fan", "sprayer", "usb-hub"}, 3, 1);
+  const auto next = run_tactile("train --json --epochs 1 --train-run 02 --from small --name next", trained.folder.path());
+  ASSERT_EQ(next.exit_code, 0) << next.err;
+  const nlohmann::json thirds{"fan/03", "sprayer/03", "usb-hub/03"};
+  EXPECT_EQ(nlohmann::json::parse(next.out).at("test_runs"), thirds);
+  const auto judged = run_tactile("eval --json --model next", trained.folder.path());
+  ASSERT_EQ(judged.exit_code, 0) << judged.err;
+  EXPECT_EQ(nlohmann::json::parse(judged.out).at("test_runs"), thirds);
+  const auto shown = run_tactile("eval --json --model next --run fan/01,fan/02,fan/03", trained.folder.path());
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  const auto runs = nlohmann::json::parse(shown.out).at("runs");
+  EXPECT_TRUE(runs[0].at("learned_from").get<bool>()) << "its start did";
+  EXPECT_TRUE(runs[1].at("learned_from").get<bool>());
+  EXPECT_FALSE(runs[2].at("learned_from").get<bool>());
+
+  // With fan held out, a start that saw it would tell; one that did not, may be gone on from.
+  const auto leaking =
+      run_tactile("train --epochs 1 --split unseen --held-out fan --from small --name leaking", trained.folder.path());
+  EXPECT_EQ(leaking.exit_code, 1);
+  EXPECT_NE(leaking.err.find("learned from fan/01, and fan is to be held out"), std::string::npos) << leaking.err;
+  const auto hint = run_tactile("eval --unseen --held-out fan --model next", trained.folder.path());
+  EXPECT_EQ(hint.exit_code, 1);
+  EXPECT_NE(hint.err.find("--from MODEL"), std::string::npos) << hint.err;
+  for (const char* train : {"train --epochs 1 --split unseen --held-out fan --name clean",
+                            "train --epochs 1 --train-run 02 --split unseen --held-out fan --from clean --name clean-next"})
+    ASSERT_EQ(run_tactile(train, trained.folder.path()).exit_code, 0) << train;
+  const auto compared = run_tactile("eval --json --unseen --held-out fan --model next", trained.folder.path());
+  ASSERT_EQ(compared.exit_code, 0) << compared.err;
+  const auto unseen = nlohmann::json::parse(compared.out).at("unseen");
+  EXPECT_EQ(unseen.at("models").at("held_out"), nlohmann::json("clean-next"));
+  EXPECT_EQ(unseen.at("runs"), nlohmann::json({"fan/03"})) << "01 and 02 were learned from by the one with fan";
 }
 
 TEST(EvalCommand, WithoutAModelNamesTheCommandThatTrainsOne) {

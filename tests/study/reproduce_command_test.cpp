@@ -177,6 +177,21 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
 }
 
+TEST(ReproduceCommand, WhatCannotBeMeantIsRefused) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects fan,white-box --quiet", folder.path()).exit_code, 0);
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const auto result = test::run_tactile("reproduce --preset tiny --th 40 --epochs 1 " + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "study/study.json"));
+  };
+  refused("--objects fan", "holds runs already");
+  refused("--runs 3", "holds runs already");
+  refused("--held-out cup", "'cup'");
+  refused("--held-out fan,white-box", "nothing is left to learn from");
+}
+
 TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
   const test::TemporaryFolder folder;
   const std::string arguments = without_epochs + "--epochs 1000";

@@ -44,6 +44,10 @@ WholeFile::WholeFile(fs::path target) : target_(std::move(target)) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw Error(target_.string() + ": cannot be written, its folder takes no file (" + std::strerror(errno) +
+                "); expected a writable folder");
+  }
   temporary_ = folder / (name_before(target_) + std::to_string(::getpid()) + name_behind(target_));
   fs::remove_all(temporary_, failed);
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -22,12 +21,31 @@ namespace {
 
 unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
 
-void check_same_dataset(const Dataset& dataset, const Classifier& classifier) {
+void check_fits(const Dataset& dataset, const Classifier& classifier, const EvaluationOptions& options) {
   const std::string& trained_on = classifier.model().manifest_hash;
-  if (trained_on == dataset.manifest_hash()) return;
-  throw Error(fmt::format(
-      "{}: trained on dataset {}, but {} is {}; expected a model of this dataset, as 'tactile train' makes it",
-      classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
+  if (trained_on != dataset.manifest_hash() && !options.of_another_dataset) {
+    throw Error(fmt::format(
+        "{}: trained on dataset {}, but {} is {}; expected a model of this dataset, as 'tactile train' makes it",
+        classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
+  }
+  if (const SensorSize size = heatmap_size(dataset.sensor(), classifier.rendering().factor); size != classifier.input_size()) {
+    throw Error(fmt::format("{}: takes heatmaps of {} x {}; expected the {} x {} of {}", classifier.bundle().string(),
+                            classifier.input_size().width, classifier.input_size().height, size.width, size.height,
+                            dataset.file().string()));
+  }
+}
+
+/// The dataset's runs that the model learned from first hand, which the baselines are fitted on.
+std::vector<std::uint32_t> training_runs_of(const Dataset& dataset, const ModelDescription& model) {
+  if (model.manifest_hash == dataset.manifest_hash()) return split_of(dataset, model.settings.split).train_runs;
+  std::vector<std::uint32_t> runs;
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    const auto& named = model.train_runs;
+    if (learned_from(model, dataset.runs()[run].events_sha256) &&
+        std::find(named.begin(), named.end(), name_of(dataset.runs()[run])) != named.end())
+      runs.push_back(run);
+  }
+  return runs;
 }
 
 /// The balanced samples of one run as the baselines see them.
@@ -324,7 +342,7 @@ nlohmann::json compared(const Figure& seen, const Figure& held_out, const Figure
 }  // namespace
 
 std::optional<bool> Evaluation::above_baselines() const {
-  if (!accuracy.mean.low) return std::nullopt;
+  if (!accuracy.mean.low || baselines.empty()) return std::nullopt;
   bool above = true;
   for (const BaselineScore& baseline : baselines) {
     if (!baseline.accuracy.mean.high) return std::nullopt;
@@ -335,7 +353,7 @@ std::optional<bool> Evaluation::above_baselines() const {
 
 Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
                     const EvaluationOptions& options, const ProgressCallback& progress) {
-  check_same_dataset(dataset, classifier);
+  check_fits(dataset, classifier, options);
   const unsigned threads = threads_or_all(options.threads);
   const ModelDescription& model = classifier.model();
   const BootstrapOptions& bootstrap = options.bootstrap;
@@ -396,15 +414,15 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
     evaluation.truth = truth_score(runs, objects, options);
 
   RunSamples training;
-  const Split split = split_of(dataset, model.settings.split);
+  const std::vector<std::uint32_t> train_runs = training_runs_of(dataset, model);
   std::size_t step = 0;
-  for (const std::uint32_t run : split.train_runs) {
-    tell(progress, step++, split.train_runs.size(), "training samples of " + name_of(dataset.runs()[run]));
+  for (const std::uint32_t run : train_runs) {
+    tell(progress, step++, train_runs.size(), "training samples of " + name_of(dataset.runs()[run]));
     add_samples(training, dataset, classifier, run, threads);
   }
   std::vector<RunSamples> tests;
   for (RunResult& run : runs) tests.push_back(std::move(run.samples));
-  evaluation.baselines = baseline_scores(training, tests, objects, bootstrap);
+  if (!training.truth.empty()) evaluation.baselines = baseline_scores(training, tests, objects, bootstrap);
   return evaluation;
 }
 
@@ -416,7 +434,7 @@ std::string title_of(const Evaluation& evaluation) {
 std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
                                             std::span<const std::uint32_t> runs, const EvaluationOptions& options,
                                             const ProgressCallback& progress) {
-  check_same_dataset(dataset, classifier);
+  check_fits(dataset, classifier, options);
   const unsigned threads = threads_or_all(options.threads);
   std::vector<RunConfusion> confusions(runs.size());
   const auto add = [&](std::size_t i, std::span<const Sample> samples, auto said_of) {
@@ -468,11 +486,10 @@ UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, 
   return comparison;
 }
 
-std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const SplitOptions& seen, const SplitOptions& held_out) {
-  const Split with = split_of(dataset, seen), without = split_of(dataset, held_out);
-  std::vector<std::uint32_t> runs;
-  std::set_difference(without.test_runs.begin(), without.test_runs.end(), with.train_runs.begin(), with.train_runs.end(),
-                      std::back_inserter(runs));
+std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelDescription& seen,
+                                            const ModelDescription& held_out) {
+  std::vector<std::uint32_t> runs = test_runs_of(dataset, held_out);
+  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(seen, dataset.runs()[run].events_sha256); });
   return runs;
 }
 

@@ -32,6 +32,9 @@ struct EvaluationOptions {
   OverTimeOptions over_time{};
   BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it
+
+  /// Whether the model may be of another dataset, as labels that were corrected or runs that were added make one.
+  bool of_another_dataset = false;
 };
 
 /// Delays and false alarms of one detector over full runs.
@@ -80,10 +83,10 @@ struct Evaluation {
   Accuracy accuracy;
   Confusion confusion;
   ClassScores classes;
-  Calibration calibration;         ///< of the network's own verdicts, unconfirmed
-  std::vector<GuardScore> guards;  ///< the dataset's own first, then 100 ms and 0 where they are others
-  std::vector<BaselineScore> baselines;
-  DetectorScore network;  ///< against the labels
+  Calibration calibration;               ///< of the network's own verdicts, unconfirmed
+  std::vector<GuardScore> guards;        ///< the dataset's own first, then 100 ms and 0 where they are others
+  std::vector<BaselineScore> baselines;  ///< empty where the dataset has no run that the model learned from
+  DetectorScore network;                 ///< against the labels
   std::map<std::string, DetectorScore>
       trivial;  ///< "always_press", "always_slip", "random", unconfirmed, against the same labels
   OverTime over_time;
@@ -94,11 +97,12 @@ struct Evaluation {
   std::optional<bool> above_baselines() const;
 };
 
-/// Evaluates a model on runs of the dataset that it was trained on, all by one pass over every tick of their run folders: a
+/// Evaluates a model on runs of a dataset, all by one pass over every tick of their run folders: a
 /// balanced sample has the verdict at its tick.
 ///
 /// @param test_runs  indexes into the dataset's runs, none of them trained on
-/// @throws Error  if the model is of another dataset, a run folder's events or labels are not those the dataset was made from, a
+/// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size, a run folder's events or labels
+/// are not those the dataset was made from, a
 ///                sample lies at no tick of the model's, or a recording cannot be read
 Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
                     const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
@@ -133,6 +137,7 @@ UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, 
                                 const ProgressCallback& progress = {});
 
 /// The runs that neither of two splits trains on, of the objects that `held_out` holds out.
-std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const SplitOptions& seen, const SplitOptions& held_out);
+std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelDescription& seen,
+                                            const ModelDescription& held_out);
 
 }  // namespace tactile

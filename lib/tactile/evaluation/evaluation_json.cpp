@@ -60,6 +60,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
   json.update(detector_json(evaluation.network));
   for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
+  json["baselines"] = nlohmann::json::object();
   for (const BaselineScore& baseline : evaluation.baselines) {
     json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
   }

@@ -36,6 +36,12 @@ void exchange(const fs::path& folder, const fs::path& other) {
   if (failed) throw Error(other.string() + ": cannot be replaced (" + failed.message() + "); expected a writable folder");
 }
 
+nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const LearnedRun& run : runs) json.push_back({{"run", run.run}, {"events_sha256", run.events_sha256}});
+  return json;
+}
+
 }  // namespace
 
 void to_json(nlohmann::json& json, const ModelDescription& description) {
@@ -50,6 +56,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                  {"manifest", description.manifest}}},
                {"train_runs", description.train_runs},
                {"test_runs", description.test_runs},
+               {"learned_from", learned_json(description.learned_from)},
                {"samples", description.samples},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
@@ -77,6 +84,9 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.manifest = member<nlohmann::json>(dataset, "manifest", where);
   description.train_runs = member<std::vector<std::string>>(json, "train_runs", where);
   description.test_runs = member<std::vector<std::string>>(json, "test_runs", where);
+  for (const auto& run : member<std::vector<nlohmann::json>>(json, "learned_from", where))
+    description.learned_from.push_back(
+        {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
   description.samples = member<std::uint64_t>(json, "samples", where);
   description.threads = member<unsigned>(json, "threads", where);
   description.trained_at = member<std::string>(json, "trained_at", where);
@@ -115,6 +125,17 @@ void write_bundle(const ModelBundle& bundle, ModelDescription description, const
   sync_to_disk(bundle.folder.has_parent_path() ? bundle.folder.parent_path() : ".");
 }
 
+std::vector<std::string> names_of(const std::vector<LearnedRun>& runs) {
+  std::vector<std::string> names;
+  for (const LearnedRun& run : runs) names.push_back(run.run);
+  return names;
+}
+
+bool learned_from(const ModelDescription& model, const std::string& events_sha256) {
+  return std::any_of(model.learned_from.begin(), model.learned_from.end(),
+                     [&](const LearnedRun& learned) { return learned.events_sha256 == events_sha256; });
+}
+
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
   const nlohmann::json rendering = description.settings.rendering;
   return {{"format", "pt"},  // how PyTorch orders a tensor's values
@@ -125,6 +146,8 @@ std::map<std::string, std::string> weights_metadata(const ModelDescription& desc
                         .dump()},
           {"network", json_of(lenet_layers(description.input), description.settings.network).dump()},
           {"rendering", rendering.dump()},
+          {"split", nlohmann::json(description.settings).at("split").dump()},
+          {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
           {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
           {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
 }

@@ -15,6 +15,14 @@
 
 namespace tactile {
 
+/// A run that weights learned from, known by what was recorded: in another dataset its name may be another run's.
+struct LearnedRun {
+  std::string run;  ///< "fan/01"
+  std::string events_sha256;
+
+  friend bool operator==(const LearnedRun&, const LearnedRun&) = default;
+};
+
 /// What `model.json` says of a model.
 struct ModelDescription {
   ModelSettings settings;
@@ -25,7 +33,8 @@ struct ModelDescription {
   bool simulated = false;               ///< learned from simulated runs
   std::vector<std::string> train_runs;  ///< "fan/01"
   std::vector<std::string> test_runs;
-  std::uint64_t samples = 0;  ///< learned from
+  std::vector<LearnedRun> learned_from;  ///< the training runs, and those of every model that it went on from
+  std::uint64_t samples = 0;             ///< learned from
   unsigned threads = 1;
   std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
   std::string version, revision;  ///< of the software
@@ -61,6 +70,11 @@ struct TrainedWeights {
 /// `weights_sha256`, `epoch` and `best_epoch`.
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
                   const TrainingSummary& summary);
+
+std::vector<std::string> names_of(const std::vector<LearnedRun>& runs);  ///< "fan/01"
+
+/// Whether the model, or one that it went on from, learned from the run of this recording.
+bool learned_from(const ModelDescription& model, const std::string& events_sha256);
 
 /// What a weights file says of itself wherever it goes: classes, input shape and scale, layers, rendering, software; JSON texts.
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description);

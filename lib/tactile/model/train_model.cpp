@@ -52,6 +52,10 @@ CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, st
   };
   take(cut.training, result.training, result.training_truth);
   take(cut.validation, result.validation, result.validation_truth);
+  if (settings.training.validation_share > 0 && result.validation.empty()) {
+    throw Error(fmt::format("validation part of {}: holds none of the {} training samples; expected a larger one",
+                            settings.training.validation_share, samples.size()));
+  }
   return result;
 }
 
@@ -64,6 +68,26 @@ Split split_of(const Dataset& dataset, const SplitOptions& options) {
   for (const DatasetRun& run : dataset.runs()) names.push_back({run.object, run.run, false});
   for (const Sample& sample : dataset.samples()) names[sample.run_index].has_samples = true;
   return split_runs(names, options);
+}
+
+std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model) {
+  const SplitOptions& split = model.settings.split;
+  std::vector<std::uint32_t> runs;
+  if (model.manifest_hash == dataset.manifest_hash()) {
+    runs = split_of(dataset, split).test_runs;
+  } else {
+    for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+      const bool is_held_out =
+          std::find(split.held_out.begin(), split.held_out.end(), dataset.runs()[run].object) != split.held_out.end();
+      if (split.kind == SplitKind::single_run || is_held_out) runs.push_back(run);
+    }
+  }
+  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
+  if (samples_of_runs(dataset, runs).empty()) {
+    throw Error(fmt::format("{}: no run with samples is left to test on that the model did not learn from; expected one",
+                            dataset.file().string()));
+  }
+  return runs;
 }
 
 std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
@@ -112,6 +136,17 @@ StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, co
     throw Error(fmt::format("{}takes heatmaps of {} x {}; expected the {} x {} of {}", where, model.input.width,
                             model.input.height, size.width, size.height, dataset.file().string()));
   }
+  if (settings.split.kind == SplitKind::unseen) {
+    for (const LearnedRun& learned : model.learned_from) {
+      const std::string object = learned.run.substr(0, learned.run.find('/'));
+      const auto& held_out = settings.split.held_out;
+      if (std::find(held_out.begin(), held_out.end(), object) == held_out.end()) continue;
+      throw Error(
+          fmt::format("{}learned from {}, and {} is to be held out; expected a model that never saw it, as one of --split "
+                      "unseen with the same --held-out",
+                      where, learned.run, object));
+    }
+  }
   return {from.name(), model.weights_sha256};
 }
 
@@ -122,11 +157,22 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor);
   const LeNetLayers layers = lenet_layers(size);  // too small a heatmap is told before any is rendered
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
+  ModelDescription description;
+  description.settings = settings;
+  for (const std::uint32_t run : split.train_runs)
+    description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
   std::optional<Weights> from;
   if (settings.from) {
     const ModelBundle start{options.from};
-    from = read_bundle_weights(start, read_description(start));
+    const ModelDescription begun = read_description(start);
+    from = read_bundle_weights(start, begun);
+    for (const LearnedRun& learned : begun.learned_from) {
+      if (std::find(description.learned_from.begin(), description.learned_from.end(), learned) == description.learned_from.end())
+        description.learned_from.push_back(learned);
+    }
   }
+  description.manifest_hash = dataset.manifest_hash();
+  const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
 
   CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
   nlohmann::json task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}};
@@ -158,15 +204,12 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
                                                   .save_every = options.save_every,
                                                   .resumed = resumed ? &*resumed : nullptr});
 
-  ModelDescription description;
-  description.settings = settings;
   description.input = size;
   description.dataset = dataset.file().string();
-  description.manifest_hash = dataset.manifest_hash();
   description.manifest = dataset.settings();
   description.simulated = dataset.simulated();
   description.train_runs = names_of(dataset, split.train_runs);
-  description.test_runs = names_of(dataset, split.test_runs);
+  description.test_runs = names_of(dataset, test_runs);
   description.samples = samples.training.size();
   description.threads = threads;
   description.trained_at = now_utc();

@@ -22,6 +22,10 @@ std::string name_of(const DatasetRun& run);
 /// The split of a dataset's runs. @throws Error as `split_runs`
 Split split_of(const Dataset& dataset, const SplitOptions& options);
 
+/// The runs that a model may be tested on: those of its split, in another dataset all (of the objects held out), but for those
+/// that it, or a model that it went on from, learned from. @throws Error  if none with samples is left
+std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model);
+
 /// The samples of these runs, by their index, in the dataset's order.
 std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes);
 
@@ -43,7 +47,8 @@ enum class BundleState : std::uint8_t {
 BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
 
 /// The model to go on from, for settings that are otherwise as given.
-/// @throws Error  if it is no whole bundle, or its rendering, its network or its heatmaps' size are others
+/// @throws Error  if it is no whole bundle, its rendering, its network or its heatmaps' size are others, or it learned from an
+/// object that is to be held out
 StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings);
 
 struct TrainModelOptions {

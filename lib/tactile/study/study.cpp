@@ -204,7 +204,14 @@ class Study {
     const json known = runner_.inputs_of("simulate");
     const bool is_ours = known.is_object() && known.value("data", "") == from_study(options_.data);
     simulated_here_ = is_ours || runs_below(options_.data).empty();
-    if (simulated_here_) runner_.run(step);
+    if (simulated_here_) return runner_.run(step);
+    // Runs of somebody else's are taken as they are: what would choose among simulated ones must not seem to choose among them.
+    if (!options_.objects.empty() || options_.runs) {
+      throw Error(
+          fmt::format("{}: holds runs already, and all of them are studied; expected no --objects or --runs, which say what "
+                      "to simulate, or another folder",
+                      options_.data.string()));
+    }
   }
 
   json simulated_files() const {
@@ -305,11 +312,21 @@ class Study {
     std::set<std::string> objects;
     for (const std::uint32_t run : runs_.train) objects.insert(dataset_->runs()[run].object);
     objects_.assign(objects.begin(), objects.end());
-    for (const std::string& object : options_.held_out) {
-      if (objects.contains(object)) held_out_.push_back(object);
+    for (const std::string& object : options_.held_out.empty() ? default_held_out() : options_.held_out) {
+      if (objects.contains(object)) {
+        held_out_.push_back(object);
+      } else if (!options_.held_out.empty()) {
+        throw Error(
+            fmt::format("held-out object '{}': no training run of it; expected some of {}", object, fmt::join(objects_, ", ")));
+      }
     }
     std::sort(held_out_.begin(), held_out_.end());
-    if (held_out_.size() == objects_.size()) held_out_.clear();  // nothing would be left to learn from
+    if (held_out_.size() < objects_.size()) return;
+    if (!options_.held_out.empty()) {
+      throw Error(fmt::format("held-out objects {}: nothing is left to learn from; expected fewer than there are",
+                              fmt::join(held_out_, ", ")));
+    }
+    held_out_.clear();
   }
 
   const RunSet& choice_set() const { return sets_[0]; }

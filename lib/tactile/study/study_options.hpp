@@ -25,9 +25,9 @@ struct StudyOptions {
 
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};  ///< t_h, each a whole number of ticks
   std::string train_run = "01";
-  std::vector<std::string> held_out = default_held_out();  ///< those of them that the dataset has
-  std::optional<unsigned> epochs = {};                     ///< the preset's where it is not given
-  unsigned seeds = 1;                                      ///< trainings of each kind, > 0
+  std::vector<std::string> held_out;    ///< empty: those of `default_held_out` that the dataset has
+  std::optional<unsigned> epochs = {};  ///< the preset's where it is not given
+  unsigned seeds = 1;                   ///< trainings of each kind, > 0
   std::uint64_t seed = 1;  ///< of the simulation, the samples, the drawn splits and the first training; the others follow on it
   std::size_t splits = 0;  ///< drawn of all ways to hold so many objects out
 

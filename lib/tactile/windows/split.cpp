@@ -26,6 +26,12 @@ std::uint32_t training_run(std::span<const RunName> runs, const std::string& obj
   throw Error(lacking + "expected one that has, the next is --train-run " + (next == whole.end() ? whole.front() : *next));
 }
 
+std::string names_of(const std::map<std::string, RunIndexes>& by_object) {
+  std::string names;
+  for (const auto& [object, runs] : by_object) names += (names.empty() ? "" : ", ") + object;
+  return names;
+}
+
 }  // namespace
 
 std::string_view name_of(SplitKind kind) { return kind == SplitKind::single_run ? "single-run" : "unseen"; }
@@ -49,7 +55,8 @@ Split split_runs(std::span<const RunName> runs, const SplitOptions& options) {
   if (unseen) {
     for (const std::string& object : options.held_out) {
       if (!by_object.contains(object))
-        throw Error("held-out object '" + object + "': no run of it; expected one of the dataset's objects");
+        throw Error("held-out object '" + object +
+                    "': no run of it; expected one of the dataset's objects: " + names_of(by_object));
     }
   }
   Split split;
