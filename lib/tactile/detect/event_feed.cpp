@@ -80,6 +80,10 @@ void EventFeed::receive_all() {
 bool EventFeed::receive_one() {
   CameraPacket& elements = packet_.front().elements;
   elements.clear();
+  const auto keep_drops = [this] {  // why the source is gone says it all
+    const std::scoped_lock lock(guard_);
+    drops_ = source_->drops();
+  };
   try {
     switch (source_->receive(elements, source_patience)) {
       case CameraSource::Received::packet:
@@ -88,11 +92,11 @@ bool EventFeed::receive_one() {
       case CameraSource::Received::nothing:
         break;
       case CameraSource::Received::ended:
-        note_drops();
+        keep_drops();
         return open_again("has closed", false);
     }
   } catch (const Error& e) {
-    note_drops();
+    keep_drops();
     return open_again(e.what(), true);
   }
   note_drops();
