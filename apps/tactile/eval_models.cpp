@@ -39,6 +39,7 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   add("lr", settings.training.learning_rate, defaults.training.learning_rate);
   add("schedule", name_of(settings.training.schedule), name_of(defaults.training.schedule));
   add("optimizer", name_of(settings.training.optimizer), name_of(defaults.training.optimizer));
+  add("engine", name_of(settings.training.engine), name_of(defaults.training.engine));
   add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
   add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
   add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));

@@ -120,6 +120,7 @@ nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundl
                       {"ticks", prediction.verdicts.size()},
                       {"close_ticks", prediction.full.close},
                       {"csv", stem.string() + ".csv"},
+                      {"json", stem.string() + ".json"},
                       {"png", stem.string() + ".png"},
                       {"svg", stem.string() + ".svg"},
                       {"intervals", nlohmann::json::array()}};
@@ -194,6 +195,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     }
     const fs::path stem = stem_of(args, bundle, run.folder);
     write_prediction(stem.string() + ".csv", prediction, samples);
+    write_json(stem.string() + ".json", outcome_json(prediction));
     const PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
     for (const char* extension : {".png", ".svg"}) draw_prediction(picture, stem.string() + extension);
     json["runs"].push_back(json_of(prediction, bundle, learned_from, stem));
@@ -209,7 +211,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   print_result(common, json,
                fmt::format("Every tick as {} sees it\n\n", bundle.name()) +
                    text_table({"run", "ticks", "false alarms", "intervals and their delay"}, rows) + "\nWritten to " +
-                   stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, PNG and SVG each\n");
+                   stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, JSON, PNG and SVG each\n");
 }
 
 }  // namespace tactile

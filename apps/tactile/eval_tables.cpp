@@ -104,7 +104,10 @@ std::string over_time_text(const Evaluation& evaluation) {
     row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
     row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
     row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
-    row(fmt::format("{}, last - first", name), labels.last_minus_first, by_truth ? &by_truth->last_minus_first : nullptr);
+    row(fmt::format("{}, last less what is before it", name), labels.last_minus_before,
+        by_truth ? &by_truth->last_minus_before : nullptr);
+    row(fmt::format("{}, still said {} ms after", name, ms(options.after)), labels.still_said,
+        by_truth ? &by_truth->still_said : nullptr);
   };
   add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
   add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);

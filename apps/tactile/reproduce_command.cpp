@@ -106,6 +106,23 @@ std::string mean_of(const nlohmann::json& accuracy) {
   return accuracy.is_null() ? std::string("-") : figure_text(accuracy.at("mean"), 100, 2);
 }
 
+/// "3 of 10 objects", where a claim is counted over objects.
+std::string kept_text(const nlohmann::json& claim) {
+  if (claim.at("kept").is_null()) return "-";
+  return fmt::format("{} of {} objects", claim.at("kept").get<std::size_t>(), claim.at("of").get<std::size_t>());
+}
+
+/// What one may go on with: the chosen model on its own.
+std::string next_commands(const ReproduceArguments& args, const nlohmann::json& study) {
+  const std::string model = study.at("choice").at("model").get<std::string>();
+  const std::string folder = shell_word((fs::path(args.models) / model).string());
+  std::string data = args.data == "data" ? "" : " " + shell_word(args.data), models;
+  if (args.models != "models") models = " --models " + shell_word(args.models);
+  return fmt::format(
+      "To go on with the model chosen:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n", data,
+      folder, models, folder);
+}
+
 std::string text_of(const StudySummary& summary) {
   const nlohmann::json& study = summary.study;
   std::string text = study.at("title").get<std::string>() + "\n\n";
@@ -140,12 +157,17 @@ std::string text_of(const StudySummary& summary) {
 
   rows.clear();
   for (const auto& claim : study.at("claims")) {
-    rows.push_back({claim.at("id").get<std::string>(), figure_text(claim.at("measured"), 1, 2),
-                    fmt::format("{} {} {}", claim.at("asked").get<std::string>(), claim.at("limit").get<double>(),
-                                claim.at("unit").get<std::string>()),
-                    claim.at("verdict").get<std::string>(), claim.at("all_test").at("verdict").get<std::string>()});
+    rows.push_back({claim.at("id").get<std::string>(), kept_text(claim), claim.at("verdict").get<std::string>(),
+                    claim.at("all_test").at("verdict").get<std::string>()});
   }
-  text += "The paper's claims\n\n" + text_table({"claim", "measured", "asked", "verdict", "in the paper's way"}, rows) + "\n";
+  text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "in the paper's way"}, rows) + "\n";
+  for (const auto& claim : study.at("claims")) {
+    std::string words = claim.at("id").get<std::string>() + ":";
+    if (const auto said = claim.at("in_words").get<std::string>(); !said.empty()) words += " " + said;
+    if (const auto why = claim.at("why").get<std::string>(); !why.empty()) words += fmt::format(" One cannot tell: {}.", why);
+    text += wrapped(words, 2) + "\n";
+  }
+  text += "\n";
   text +=
       wrapped(study.at("summary").get<std::string>() +
               (study.at("simulated").get<bool>()
@@ -154,7 +176,8 @@ std::string text_of(const StudySummary& summary) {
       "\n";
   double seconds = 0;
   for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
-  text += wrapped(fmt::format("{} steps done, {} kept as they were; all steps took {} (min:s), a training one thread each.",
+  text += wrapped(study.at("bootstrap").at("trainings").get<std::string>()) + "\n";
+  text += wrapped(fmt::format("{} steps done, {} kept as they were: work of {} (min:s), trainings side by side, one thread each.",
                               summary.done, summary.kept, clock_text(seconds))) +
           "\n";
   text += fmt::format("\nWritten to {}\n", summary.file.string());
@@ -199,7 +222,7 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
   result["report"] = nullptr;
-  std::string text = text_of(summary);
+  std::string text = text_of(summary) + next_commands(args, summary.study);
   if (args.without_report) return print_result(common, result, text);
   try {
     const fs::path page = draw_report(options.out, options.program, new_progress, tell_step);

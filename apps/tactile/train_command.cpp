@@ -34,7 +34,8 @@ struct TrainArguments {
   std::string split = "single-run", train_run = "01";
   std::vector<std::string> held_out;  ///< empty: those of the paper's five that there are
   TrainingOptions training;
-  std::string optimizer = "adam", schedule = "constant", activation = "relu", pool = "max", class_weights = "none";
+  std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
+              class_weights = "none";
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   std::string models = "models", name, from;
@@ -51,6 +52,7 @@ ModelSettings settings_of(const TrainArguments& args) {
   settings.network = {activation_named(args.activation), pooling_named(args.pool)};
   settings.training = args.training;
   settings.training.optimizer = optimizer_named(args.optimizer);
+  settings.training.engine = engine_named(args.engine);
   settings.training.schedule = schedule_named(args.schedule);
   settings.training.augmentation = augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
   settings.training.class_weights = class_weights_named(args.class_weights);
@@ -250,6 +252,11 @@ void add_train_command(CLI::App& app) {
   command
       ->add_option("--optimizer", args->optimizer, "What moves the weights: adam; adamw, with weight decay; sgd, with momentum")
       ->check(one_of({"adam", "adamw", "sgd"}))
+      ->capture_default_str();
+  command
+      ->add_option("--engine", args->engine,
+                   "What works out a step: fast; libtorch, its layers one by one. They agree but for rounding")
+      ->check(one_of({"fast", "libtorch"}))
       ->capture_default_str();
   command->add_option("--activation", args->activation, "What follows each layer")
       ->check(one_of({"relu", "tanh", "sigmoid"}))

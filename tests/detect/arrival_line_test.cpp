@@ -22,7 +22,9 @@ TEST(ArrivalLine, LiesBelowEveryArrivalAndFollowsTheDriftBetweenTwoClocks) {
     const auto delay = static_cast<std::int64_t>(300 + 1000 * random.exponential());
     const auto drifted = static_cast<std::int64_t>(60e-6 * static_cast<double>(t));
     line.add(camera_time(5'000 + t), host_time(base + t + drifted + delay));
-    if (t > 100'000) EXPECT_LE(us_of(line.host_of(camera_time(5'000 + t))), base + t + drifted + delay + 1) << t;
+    if (t > 100'000) {
+      EXPECT_LE(us_of(line.host_of(camera_time(5'000 + t))), base + t + drifted + delay + 1) << t;
+    }
   }
   EXPECT_NEAR(line.drift_ppm(), 60, 10);
   const std::int64_t next = 30'000'000;

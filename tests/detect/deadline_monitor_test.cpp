@@ -42,7 +42,9 @@ TEST(DurationHistogram, CountsEachOctaveBetweenTheFirstAndTheLast) {
   double end = -1;
   const auto octaves = histogram.octaves();
   for (const DurationHistogram::Bin& bin : octaves) {
-    if (end >= 0) EXPECT_DOUBLE_EQ(bin.from_us, end);
+    if (end >= 0) {
+      EXPECT_DOUBLE_EQ(bin.from_us, end);
+    }
     EXPECT_LT(bin.from_us, bin.to_us);
     end = bin.to_us;
     sum += bin.count;
@@ -53,8 +55,11 @@ TEST(DurationHistogram, CountsEachOctaveBetweenTheFirstAndTheLast) {
 
 TEST(DeadlineMonitor, MissesWhatIsSkippedOrMoreThanATickLate) {
   DeadlineMonitor monitor(microseconds{2000});
-  TickTimes times{.waiting = microseconds{700}, .queued = microseconds{100}, .rendering = microseconds{50},
-                  .network = microseconds{100}, .output = microseconds{10}};
+  TickTimes times{.waiting = microseconds{700},
+                  .queued = microseconds{100},
+                  .rendering = microseconds{50},
+                  .network = microseconds{100},
+                  .output = microseconds{10}};
   for (int i = 0; i < 7; ++i) monitor.add(times, 0);
   monitor.add(times, 2);
   times.queued = microseconds{1840};

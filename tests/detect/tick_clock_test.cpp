@@ -90,7 +90,9 @@ TEST(TickClock, AnswersEachEventsTickByTheHostAYearLong) {
     ASSERT_TRUE(tick) << i;
     EXPECT_EQ(us_of(tick->t) % 2'000, 0);
     EXPECT_EQ(tick->t, camera_time(i * day));
-    if (i > 1) EXPECT_EQ(tick->skipped + 1, static_cast<std::uint64_t>(day / 2'000));
+    if (i > 1) {
+      EXPECT_EQ(tick->skipped + 1, static_cast<std::uint64_t>(day / 2'000));
+    }
     clock.told(*tick);
   }
   // And silence goes on: the newest tick by the host is some seconds behind after a day, never ahead.

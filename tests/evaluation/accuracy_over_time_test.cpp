@@ -44,6 +44,29 @@ TEST(OverTime, CountsTheTicksOfAnIntervalByTheirDistanceToBothEnds) {
   expect_counts(counts.before_end[2], 1, 1, 1);
 }
 
+TEST(OverTime, ComparesTheEndWithWhatIsAheadOfItInTheSameIntervalAlone) {
+  // The first press, of 4 ms, is all end; the second holds 12, 14, 16, 18, 20 ms: 18 and 20 ms are its end.
+  const OverTimeCounts counts =
+      counts_in("..pp..ppp.p", {interval_ms(Touch::press, 3, 7), interval_ms(Touch::press, 11, 20)}, Touch::press);
+  expect_counts(counts.last, 4, 3, 2);
+  expect_counts(counts.last_of_long, 2, 1, 1);
+  expect_counts(counts.before_last, 3, 3, 1);
+}
+
+TEST(OverTime, CountsWhatIsStillSaidBehindAnIntervalWhereNothingElseIs) {
+  // Behind the end at 5 ms lie 6, 8, 10 ms; the slip holds 10 ms.
+  const auto verdicts = verdict_row(".pppss..");
+  OverTimeOptions options = small;
+  options.after = 6ms;
+  const std::vector<TouchInterval> press{interval_ms(Touch::press, 1, 5)}, slip{interval_ms(Touch::slip, 9, 12)};
+  const auto counts = over_time_of(ticks_of(verdicts), verdicts, press, options, slip);
+  expect_counts(counts[static_cast<std::size_t>(Touch::press)].after, 2, 0, 1);
+  const auto alone = over_time_of(ticks_of(verdicts), verdicts, press, options);
+  expect_counts(alone[static_cast<std::size_t>(Touch::press)].after, 3, 0, 1);
+  const OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{"fan", counts}}, options);
+  EXPECT_EQ(over_time.press.all.still_said.value, 1.0);
+}
+
 TEST(OverTime, AddsIntervalsOfAClassAndKeepsClassesApart) {
   const std::vector<TouchInterval> intervals{interval_ms(Touch::press, 1, 4), interval_ms(Touch::press, 9, 12),
                                              interval_ms(Touch::slip, 13, 18)};
@@ -77,8 +100,10 @@ TEST(AccuracyOverTime, IsTheMeanOverObjectsAndTheDifferenceIsPaired) {
   const OverTime over_time = accuracy_over_time(runs, small);
   EXPECT_DOUBLE_EQ(over_time.press.all.first.value, 1.0);
   EXPECT_DOUBLE_EQ(over_time.press.all.last.value, 0.5);
-  EXPECT_DOUBLE_EQ(over_time.press.all.last_minus_first.value, -0.5);
-  EXPECT_DOUBLE_EQ(over_time.press.objects.at("fan").last_minus_first.value, -1.0);
+  EXPECT_DOUBLE_EQ(over_time.press.all.last_minus_before.value, -0.5);
+  EXPECT_DOUBLE_EQ(over_time.press.objects.at("fan").last_minus_before.value, -1.0);
+  EXPECT_EQ(over_time.press.all.intervals, 2U);
+  EXPECT_EQ(over_time.press.all.short_ones, 0U);
   EXPECT_EQ(over_time.press.all.first.n, 2U);
   EXPECT_TRUE(std::isnan(over_time.slip.all.first.value));
   EXPECT_TRUE(over_time.slip.since_onset.empty());

@@ -169,17 +169,30 @@ def compare_false_alarms(check, name, results, theirs):
         check.same(f"{name}, time {key}", minutes[zone], theirs[key]["min"])
 
 
-def compare_over_time(check, name, runs, intervals_of, theirs):
-    first_us, last_us, bin_us = (1000 * theirs[key] for key in ("first_ms", "last_ms", "bin_ms"))
+def compare_over_time(check, name, runs, intervals_of, elsewhere_of, theirs):
+    first_us, last_us, bin_us, after_us = (1000 * theirs[key] for key in ("first_ms", "last_ms", "bin_ms", "after_ms"))
     for what in CLASSES[1:]:
         ticks = []  # object, since the onset, before the end, right
+        paired, behind, intervals, short_ones = {}, {}, 0, 0  # last and before it of the same intervals; press or slip still said
         for run in runs:
             for interval in intervals_of(run):
                 if interval[0] != what:
                     continue
+                own = []
                 for t, said in zip(run.t, run.said):
                     if inside(t, interval):
+                        own.append((interval[2] - t, said == what))
                         ticks.append((run.object, t - interval[1], interval[2] - t, said == what))
+                    others = list(intervals_of(run)) + list(elsewhere_of(run))
+                    if interval[2] < t <= interval[2] + after_us and not any(inside(t, other) for other in others):
+                        behind.setdefault(run.object, []).append(said != "none")
+                intervals += bool(own)
+                ahead = [right for left, right in own if left >= last_us]
+                if ahead:
+                    last, before = paired.setdefault(run.object, ([], []))
+                    before += ahead
+                    last += [right for left, right in own if left < last_us]
+                short_ones += bool(own) and not ahead
 
         def accuracy(taken):
             objects = {}
@@ -195,8 +208,12 @@ def compare_over_time(check, name, runs, intervals_of, theirs):
         }
         for part, of_objects in parts.items():
             check.same(f"{name} of {what}, {part}", mean(of_objects.values()), theirs[what][part]["value"])
-        both = [parts["last"][o] - parts["first"][o] for o in parts["last"] if o in parts["first"]]
-        check.same(f"{name} of {what}, last - first", mean(both), theirs[what]["last_minus_first"]["value"])
+        both = [float(np.mean(last) - np.mean(before)) for last, before in paired.values() if last]
+        check.same(f"{name} of {what}, last - before", mean(both), theirs[what]["last_minus_before"]["value"])
+        still = [float(np.mean(said)) for said in behind.values()]
+        check.same(f"{name} of {what}, still said", mean(still), theirs[what]["still_said"]["value"])
+        check.same(f"{name} of {what}, intervals", intervals, theirs[what]["intervals"])
+        check.same(f"{name} of {what}, short ones", short_ones, theirs[what]["short_ones"])
         for i, entry in enumerate(theirs[what]["since_onset"]):
             of_bin = accuracy(lambda since, left: i * bin_us < since <= (i + 1) * bin_us)
             check.same(f"{name} of {what}, bin {i} since the onset", mean(of_bin.values()), entry["accuracy"]["value"])
@@ -239,7 +256,7 @@ def main():
     alarms = [false_alarms(run.t, tick, run.said, run.labels, run.unlabelled, [d for _, d in of_run], guard)
               for run, of_run in zip(runs, found)]
     compare_false_alarms(check, "false alarms", alarms, theirs["false_alarms"])
-    compare_over_time(check, "accuracy over time", runs, lambda run: run.used, theirs["over_time"])
+    compare_over_time(check, "accuracy over time", runs, lambda run: run.used, lambda run: run.labels + run.unlabelled, theirs["over_time"])
 
     for always in CLASSES[1:]:
         met = [[(i, detect(run.t, tick, [always] * len(run.t), i)) for i in run.used] for run in runs]
@@ -274,7 +291,7 @@ def main():
         alarms = [false_alarms(run.t, tick, run.said, run.truth, run.unlabelled, [d for _, d in of_run], guard)
                   for run, of_run in zip(true_runs, met)]
         compare_false_alarms(check, "false alarms by the truth", alarms, theirs["false_alarms_true"])
-        compare_over_time(check, "accuracy over time by the truth", true_runs, lambda run: run.truth, theirs["over_time_true"])
+        compare_over_time(check, "accuracy over time by the truth", true_runs, lambda run: run.truth, lambda run: run.unlabelled, theirs["over_time_true"])
         for run in true_runs:
             wrong = sum(true.replace("unlabelled", "none") != class_at(t, run.truth) for t, true in zip(run.t, run.true))
             check.same("truths that differ", wrong, 0)

@@ -64,7 +64,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   for (const char* key : {"accuracy_true", "confusion_true", "false_alarms_true", "over_time_true", "above_baselines"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const auto& guard : json.at("accuracy_by_guard")) expect_figure(guard.at("difference").at("mean"));
-  for (const char* touch : {"press", "slip", "both"}) expect_figure(json.at("over_time").at(touch).at("last_minus_first"));
+  for (const char* touch : {"press", "slip", "both"}) expect_figure(json.at("over_time").at(touch).at("last_minus_before"));
   for (const auto& point : json.at("operating_curve")) {
     expect_figure(point.at("delay_ms").at("slip").at("mean"));
     expect_figure(point.at("false_alarms_per_min"));
@@ -136,6 +136,10 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
     for (const char* extension : {".csv", ".png", ".svg"})
       EXPECT_GT(std::filesystem::file_size(trained.bundle.folder / "runs" / (std::string(name) + extension)), 1000U) << name;
   }
+  const auto outcome = read_json(trained.bundle.folder / "runs/fan-02.json");
+  EXPECT_EQ(outcome.at("intervals"), json.at("runs").at(0).at("intervals"));
+  EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
+  EXPECT_TRUE(read_json(trained.bundle.folder / "runs/new-07.json").at("false_alarms").is_null());
   EXPECT_FALSE(std::filesystem::exists(trained.bundle.evaluation()));
 
   EXPECT_EQ(run_tactile("eval --run fan/01 --out shown", trained.folder.path()).exit_code, 0);

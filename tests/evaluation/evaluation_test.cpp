@@ -37,6 +37,39 @@ TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
   }
 }
 
+TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
+  const Trained trained;
+  const Dataset dataset(trained.file);
+  const Classifier fast(trained.bundle.folder, 1), libtorch(trained.bundle.folder, 1, EngineKind::libtorch);
+  EXPECT_EQ(fast.engine(), EngineKind::fast);
+  EXPECT_EQ(libtorch.engine(), EngineKind::libtorch);
+  const auto events = dataset.run_folder(1) / "events.aedat4";
+  const FullRun by_fast = classify_full_run(events, fast, 2), by_libtorch = classify_full_run(events, libtorch, 1);
+  ASSERT_EQ(by_fast.verdicts.size(), by_libtorch.verdicts.size());
+  std::size_t other = 0;
+  for (std::size_t k = 0; k < by_fast.verdicts.size(); ++k) {
+    other += by_fast.verdicts[k] != by_libtorch.verdicts[k] ? 1 : 0;
+    for (std::size_t i = 0; i < touch_count; ++i)
+      EXPECT_NEAR(by_fast.probabilities[k][i], by_libtorch.probabilities[k][i], 1e-4) << "tick " << k;
+  }
+  EXPECT_LE(other, by_fast.close);
+  EXPECT_LT(by_fast.close, by_fast.verdicts.size() / 10);
+}
+
+TEST(Evaluation, TellsItsEngineAndCloseTicks) {
+  const Trained trained({"fan", "small-box"});
+  const Dataset dataset(trained.file);
+  const auto by = [&](EngineKind engine) -> nlohmann::json {
+    return evaluate(dataset, Classifier(trained.bundle.folder, 1, engine), test_runs(dataset), {.threads = 1});
+  };
+  const nlohmann::json fast = by(EngineKind::fast), libtorch = by(EngineKind::libtorch);
+  EXPECT_EQ(fast.at("engine").at("name").get<std::string>(), "fast");
+  EXPECT_EQ(libtorch.at("engine").at("name").get<std::string>(), "libtorch");
+  EXPECT_GT(fast.at("engine").at("ticks").get<int>(), 500);
+  EXPECT_LT(fast.at("engine").at("close_ticks").get<int>(), 50);
+  EXPECT_EQ(fast.at("confusion"), libtorch.at("confusion"));
+}
+
 TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   const Trained trained({"fan", "small-box", "usb-hub"});
   const Dataset dataset(trained.file);

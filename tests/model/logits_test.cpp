@@ -7,6 +7,13 @@
 namespace tactile {
 namespace {
 
+TEST(IsClose, IsSaidBelowATenThousandthBetweenTheTwoLargest) {
+  EXPECT_TRUE(is_close({1.0F, -5.0F, 1.00005F}));
+  EXPECT_TRUE(is_close({2.0F, 2.0F, 2.0F}));
+  EXPECT_FALSE(is_close({1.0F, 1.0F, 1.0002F}));
+  EXPECT_FALSE(is_close({-3.0F, -3.0F, 0.0F}));
+}
+
 TEST(Probabilities, AreTheSoftmaxOfTheLogits) {
   const Probabilities p = probabilities_of({1.0F, 2.0F, -1.0F});
   const double sum = std::exp(1.0) + std::exp(2.0) + std::exp(-1.0);

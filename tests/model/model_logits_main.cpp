@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    const tactile::Classifier classifier(argv[1]);
+    const bool usual = tactile::read_description({argv[1]}).settings.network == tactile::LeNetOptions{};
+    const tactile::Classifier classifier(argv[1], 0, usual ? tactile::EngineKind::fast : tactile::EngineKind::libtorch);
     const std::string text = tactile::read_text(argv[2]);
     const auto logits = classifier.classify({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     tactile::write_whole(argv[3], {reinterpret_cast<const char*>(logits.data()), logits.size() * sizeof(tactile::Logits)});

@@ -170,6 +170,19 @@ TEST(TrainCommand, TakesEveryOptionAndItsModelAnswersByThem) {
   EXPECT_EQ(nlohmann::json::parse(metadata.at("rendering")), nlohmann::json(model.settings.rendering));
 }
 
+TEST(TrainCommand, EitherEnginesModelsAreNamedApartAndUsedByAll) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto fast = trained("", folder.path()), libtorch = trained("--engine libtorch", folder.path());
+  EXPECT_EQ(default_name({}), "th040-single-run-01-s1") << "a fast one's, but for its 2 epochs";
+  EXPECT_NE(libtorch.at("name"), fast.at("name"));
+  EXPECT_EQ(libtorch.at("settings").at("training").at("engine").get<std::string>(), "libtorch");
+  EXPECT_NEAR(fast.at("history").back().at("loss").get<double>(), libtorch.at("history").back().at("loss").get<double>(), 0.05);
+  EXPECT_EQ(trained("--engine libtorch", folder.path()).at("outcome"), "unchanged");
+  const auto gone_on = trained("--name other --engine libtorch --from " + fast.at("name").get<std::string>(), folder.path());
+  EXPECT_EQ(gone_on.at("outcome"), "trained");
+}
+
 TEST(TrainCommand, MistakenOptionsAreToldInWords) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan"}, 2);

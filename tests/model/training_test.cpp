@@ -274,16 +274,21 @@ TEST(TrainingOptions, ComeBackFromJson) {
                                 .schedule = Schedule::step,
                                 .augmentation = {.flip = true, .shift = true},
                                 .class_weights = {.given = {1, 2.5, 3}},
+                                .engine = EngineKind::libtorch,
                                 .validation_share = 0.25,
                                 .early_stop = 4};
   EXPECT_EQ(nlohmann::json(options).get<TrainingOptions>(), options);
   EXPECT_EQ(nlohmann::json(TrainingOptions{}).get<TrainingOptions>(), TrainingOptions{});
+  nlohmann::json of_before = TrainingOptions{};
+  of_before.erase("engine");
+  EXPECT_EQ(of_before.get<TrainingOptions>().engine, EngineKind::libtorch);
   EXPECT_THROW(nlohmann::json::parse(R"({"seed": 1})").get<TrainingOptions>(), Error);
 }
 
 TEST(TrainingOptions, UnknownWordsAreRefused) {
   EXPECT_THROW(optimizer_named("lion"), Error);
   EXPECT_THROW(schedule_named("warm"), Error);
+  EXPECT_THROW(engine_named("slow"), Error);
   EXPECT_THROW(augmentation_named("flip,turn"), Error);
   EXPECT_THROW(augmentation_named(""), Error);
   for (const char* text : {"", "1,2", "1,2,0", "1,2,x", "1,2,3,4", "1,2,inf", "-1,2,3"})

@@ -42,10 +42,14 @@ TEST(HtmlPage, NeedsNothingBesideItAndEscapesWhateverItIsGiven) {
               .head = {hostile, "b"},
               .rows = {{{.text = hostile, .second_line = hostile}, {.text = hostile, .tone = HtmlTone::bad}}}});
   page.table({.caption = "empty", .head = {"a"}, .rows = {}});
+  page.begin_folded(hostile);
   page.figure({.id = "figure-x", .svg = "<svg/>", .width_px = 1000, .height_px = 500, .in_words = hostile, .caption = hostile});
+  page.end_folded();
   const std::string html = page.text();
   EXPECT_EQ(count_of(html, "<script"), 0U);
-  EXPECT_EQ(count_of(html, "&lt;script&gt;"), 17U) << html;
+  EXPECT_EQ(count_of(html, "&lt;script&gt;"), 18U) << html;
+  EXPECT_LT(html.find("<details><summary>"), html.find("figure-x"));
+  EXPECT_GT(html.find("</details>"), html.find("figure-x"));
   EXPECT_EQ(count_of(html, "http://") + count_of(html, "https://") + count_of(html, "url("), 0U);
   EXPECT_EQ(count_of(html, "<table>"), 1U);
   EXPECT_EQ(count_of(html, "data:image/svg+xml;base64,PHN2Zy8+"), 1U);

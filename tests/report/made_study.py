@@ -32,7 +32,8 @@ def over_time(begin, end):
     def bins(reverse):
         return [{"from_ms": 50.0 * k, "to_ms": 50.0 * (k + 1), "ticks": 250, "intervals": 10,
                  "accuracy": figure(begin + (end - begin) * (10 - k if reverse else k) / 10, 0.02)} for k in range(10)]
-    return {"first": figure(begin), "later": figure(end), "last": figure(end), "last_minus_first": figure(end - begin, 0.01, 10),
+    return {"first": figure(begin), "later": figure(end), "last": figure(end), "before_last": figure(begin),
+            "last_minus_before": figure(end - begin, 0.01, 10), "still_said": figure(0.4), "intervals": 70, "short_ones": 30,
             "since_onset": bins(False), "before_end": bins(True)}
 
 
@@ -64,6 +65,7 @@ def evaluation(model, history):
         "delay_ms": {"press": delays(0.9), "slip": delays(1.1)},
         "delay_true_ms": {"press": delays(1.0), "slip": delays(1.3)}, "delay_gross_ms": {"slip": delays(-2.0)},
         "false_alarms_per_min": figure(2.1, 0.4, 10, 1e9),
+        "false_alarms": {"count": 42, "none_min": 20.1, "after_intervals": {"count": 13, "min": 0.3}, "unlabelled": {"count": 24, "min": 1.2}},
         "trivial": {name: {"false_alarms_per_min": figure(value, 1, 10, 1e9), "delay_ms": {"press": delays(0.5), "slip": delays(9)}}
                     for name, value in (("always_press", 25.0), ("always_slip", 25.0), ("random", 9000.0))},
         "operating_curve": curve,
@@ -95,7 +97,9 @@ def unseen():
 
 
 def claim(name, words, paper, unit, asked, limit, value, half, verdict, note="", objects=None):
-    side = {"measured": figure(value, half, 10, 1e9), "verdict": verdict, "objects": objects or {}, "note": note}
+    side = {"measured": figure(value, half, 10, 1e9), "verdict": verdict, "objects": objects or {}, "note": note,
+            "in_words": "The claim is true for 7 of 10 objects; the lowest is white-box.", "kept": 7, "of": 10, "can_be_told": True,
+            "why": "the interval lies across the limit" if verdict == "cannot tell" else ""}
     return {"id": name, "claim": words, "paper": paper, "unit": unit, "asked": asked, "limit": limit, **side, "all_test": side}
 
 
@@ -122,6 +126,17 @@ def write_study(folder, mark=""):
     for name in ("reported", "all_test"):
         put(f"evaluations/{name}.json", evaluation(model, 40))
     put("runs/water-bottle-04.csv", run_over_time())
+    start = 1700000000000000
+    put("runs/water-bottle-04.json", {
+        "run": f"water-bottle/04{mark}", "simulated": True, "tick_ms": 2.0, "confirm": "1/1",
+        "intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 2.0},
+                      {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None}],
+        "false_alarms": {"count": 3, "after_intervals": 1, "unlabelled": 2}})
+    put("models/unseen/history.csv", "epoch,loss,accuracy\n1,0.4,0.85\n2,0.1,0.97\n")
+    put("models/th040/model.json", {"training": {"batch": 32, "optimizer": "adam" + mark, "from": None}, "rendering": {"denoise": "mean"},
+                                    "network": {"name": "lenet-5", "input": {"width": 128}, "layers": ["conv 6@5x5", "relu"]}})
+    held_out_model = {"seed": 1, "name": f"th040-unseen-01-s1{mark}", "folder": "models/unseen", "history": "models/unseen/history.csv",
+                      "weights_sha256": "ab" * 32}
     best = {"objects": {name: 40 if i % 2 else 50 for i, name in enumerate(OBJECTS)}, "counts": {"40": 5, "50": 5}, "th_ms": 40}
     names = [f"{name}/{run:02d}" for name in OBJECTS for run in range(4, 11)]
     put("study.json", {
@@ -130,7 +145,8 @@ def write_study(folder, mark=""):
                      "histories_ms": HISTORIES, "epochs": 10, "splits": 2, "objects": None, "runs": None},
         "software": {"name": "tactile", "version": "0.1.0", "revision": "0123456789ab", "libtorch": "1.13.1"},
         "machine": {"cpu": f"A processor{mark}", "system": "Debian GNU/Linux 12 (bookworm)", "cores": 2, "memory_bytes": 25769803776, "threads": 2},
-        "bootstrap": {"draws": 2000, "confidence": 0.95, "seed": 1},
+        "bootstrap": {"draws": 2000, "confidence": 0.95, "seed": 1, "trainings": "One training each."},
+        "left_out": [{"run": f"usb-hub/02{mark}", "what": "run", "reason": "no samples: it lacks press"}],
         "steps": [{"name": f"train-th{h:03d}{mark}", "command": f"tactile train data --th {h}", "seconds": 90.0 + h, "finished_at": "2026-01-02T03:04:05Z"}
                   for h in HISTORIES] + [{"name": "report", "command": None, "seconds": 12.5, "finished_at": "2026-01-02T04:04:05Z"}],
         "dataset": {"file": "data/dataset.h5", "manifest_hash": "cd" * 32, "samples": 61234, "tick_ms": 2.0, "guard_ms": 100.0},
@@ -143,6 +159,7 @@ def write_study(folder, mark=""):
                          "csv": f"evaluations/{name}.csv"} for name in ("reported", "all_test")],
         "full_runs": [{"run": f"water-bottle/04{mark}", "model": model, "th_ms": 40, "csv": "runs/water-bottle-04.csv"}],
         "unseen": {"th_ms": 40, "held_out": HELD_OUT, "models": {"seen": model, "held_out": f"th040-unseen-01-s1{mark}"},
+                   "trainings": [held_out_model],
                    "reported": unseen(), "all_test": unseen()},
         "splits": [{"name": f"split-00{k}", "held_out": HELD_OUT, "model": model, "reported": unseen(), "all_test": unseen()} for k in (1, 2)],
         "splits_mean": {"reported": figure(-0.04), "all_test": figure(-0.04)},

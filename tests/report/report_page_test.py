@@ -25,6 +25,9 @@ PATIENCE_S = 300  # machines may be busy; nothing here waits that long but on an
 
 LOOK = """(() => {
   const root = document.documentElement;
+  const folded = [...document.querySelectorAll('details:not([open])')];
+  const foldedFigures = folded.reduce((n, d) => n + d.querySelectorAll('figure').length, 0);
+  folded.forEach(d => { d.open = true; });  // what is folded must be as sound as the rest
   const wide = [];
   for (const e of document.body.querySelectorAll('*')) {
     const box = e.getBoundingClientRect();
@@ -40,6 +43,7 @@ LOOK = """(() => {
     tables: [...document.querySelectorAll('table')].map(t => ({caption: t.caption ? t.caption.textContent : '',
       rows: t.tBodies.length ? t.tBodies[0].rows.length : 0, ragged: [...t.rows].some(r => r.cells.length !== t.rows[0].cells.length)})),
     anchors: [...document.querySelectorAll('a[href^="#"]')].filter(a => !document.getElementById(a.hash.slice(1))).map(a => a.hash),
+    folded: folded.length, foldedFigures: foldedFigures,
     links: document.querySelectorAll('nav a').length,
     scripts: document.scripts.length,
     marked: document.querySelectorAll('b, script, [onerror]').length,
@@ -212,6 +216,8 @@ def main():
                 check(seen["viewport"] == width, f"{look}: the page is {seen['viewport']} px wide; it does not follow the screen")
                 check(seen["title"] == report["title"], f"{look}: title {seen['title']}")
                 check((brightness(seen["background"]) < brightness(seen["ink"])) == dark, f"{look}: {seen['ink']} on {seen['background']}")
+                check(seen["folded"] >= 3 and 0 < seen["foldedFigures"] < len(seen["figures"]) - 5,
+                      f"{look}: {seen['folded']} folds with {seen['foldedFigures']} figures; the paper's own way is folded, the rest is not")
                 print(f"ok  {look}: {len(seen['figures'])} figures, {len(seen['tables'])} tables")
 
         # The same eyes must see what is wrong with a page that is.

@@ -53,8 +53,24 @@ json evaluation() {
       {"confusion", {{90, 5, 5}, {1, 98, 1}, {0, 10, 90}}},
       {"delay_ms", {{"press", delays(3.25)}, {"slip", delays(4.5)}}},
       {"false_alarms_per_min", figure(1.5)},
+      {"false_alarms",
+       {{"count", 3},
+        {"none_min", 0.329},
+        {"after_intervals", {{"count", 13}, {"min", 0.1}}},
+        {"unlabelled", {{"count", 24}, {"min", 0.2}}}}},
+      {"over_time",
+       {{"press",
+         {{"first", figure(0.97)},
+          {"last", figure(0.8)},
+          {"before_last", figure(0.915)},
+          {"last_minus_before", figure(-0.115)},
+          {"still_said", figure(0.355)}}}}},
       {"trivial",
-       {{"random", {{"false_alarms_per_min", figure(7777)}, {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
+       {{"always_press",
+         {{"false_alarms_per_min", figure(20)},
+          {"delay_ms",
+           {{"press", {{"mean", {{"value", nullptr}}}, {"intervals", 9}, {"misses", 0}, {"early", 9}}}, {"slip", delays(6)}}}}},
+        {"random", {{"false_alarms_per_min", figure(7777)}, {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
       {"operating_curve",
        {{{"threshold", 0.5}, {"false_alarms_per_min", figure(2)}, {"delay_ms", {{"press", delays(2)}, {"slip", delays(3)}}}}}},
       {"calibration",
@@ -71,6 +87,9 @@ const std::string prediction =
 
 json claim(const std::string& words, const std::string& verdict) {
   return {{"id", "x"},
+          {"in_words", "Above 95 % for 1 of 2 objects."},
+          {"why", verdict == "cannot tell" ? "too few runs: 1 each, 3 wanted" : ""},
+          {"can_be_told", verdict != "cannot tell"},
           {"claim", words},
           {"paper", "95 %"},
           {"unit", "%"},
@@ -88,6 +107,15 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
   write_json(folder / "evaluations/reported.json", evaluation());
   write_whole(folder / "runs/fan-02.csv", prediction);
   write_whole(folder / "m/history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n2,0.125,0.95\n");
+  write_whole(folder / "u/history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n2,0.0625,0.9\n");
+  write_json(folder / "m/model.json", {{"training", {{"batch", 32}, {"learning_rate", 0.001}, {"optimizer", "adam"}}},
+                                       {"network", {{"input", {{"width", 128}}}}}});
+  write_json(
+      folder / "runs/fan-02.json",
+      {{"tick_ms", 2.0},
+       {"confirm", "1/1"},
+       {"intervals", {{{"class", "press"}, {"start_us", 1500}, {"end_us", 5000}, {"outcome", "detected"}, {"delay_ms", 2.0}}}},
+       {"false_alarms", {{"count", 5}, {"after_intervals", 1}, {"unlabelled", 0}}}});
   const json unseen = {
       {"mean", {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}},
       {"objects", {{"fan" + mark, {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}}}}};
@@ -99,17 +127,24 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
       {"machine", {{"cpu", "a processor" + mark}}},
       {"claims", {claim("First claim" + mark, "holds"), claim("Second claim", "cannot tell")}},
       {"histories", json::array()},
-      {"choice", {{"th_ms", 40}, {"model", "m" + mark}, {"why", "It is best."}}},
+      {"left_out", {{{"run", "usb-hub/02"}, {"what", "press-1"}, {"reason", "flagged: it rings"}}}},
+      {"bootstrap", {{"trainings", "One training each."}}},
+      {"choice", {{"th_ms", 40}, {"model", "m40" + mark}, {"why", "It is best."}}},
       {"evaluations",
        {{{"id", "reported"}, {"th_ms", 40}, {"model", "m" + mark}, {"runs", "reported"}, {"json", "evaluations/reported.json"}}}},
       {"full_runs", {{{"run", "fan/02" + mark}, {"model", "m"}, {"th_ms", 40}, {"csv", "runs/fan-02.csv"}}}},
-      {"unseen", {{"models", {{"seen", "m"}, {"held_out", "u"}}}, {"reported", unseen}, {"all_test", nullptr}}},
+      {"unseen",
+       {{"models", {{"seen", "m"}, {"held_out", "u"}}},
+        {"trainings", {{{"seed", 1}, {"name", "u"}, {"folder", "u"}, {"history", "u/history.csv"}, {"weights_sha256", "ff"}}}},
+        {"reported", unseen},
+        {"all_test", nullptr}}},
       {"steps", {{{"name", "train" + mark}, {"seconds", 61.5}, {"finished_at", "2026-01-02T03:04:05Z"}, {"command", nullptr}}}}};
   for (const int history : {2, 40}) {
     study["histories"].push_back({{"th_ms", history},
                                   {"models",
                                    {{{"seed", 1},
                                      {"name", "m" + std::to_string(history) + mark},
+                                     {"folder", "m"},
                                      {"history", "m/history.csv"},
                                      {"accuracy", figure(0.9)}}}},
                                   {"accuracy", {{"reported", accuracy(history == 2 ? 0.8 : 0.9)}, {"choice", nullptr}}}});
@@ -148,6 +183,24 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   for (const char* words : {"The data is simulated",
                             "First claim",
                             "asked: above 95 %",
+                            "Above 95 % for 1 of 2 objects.",
+                            "too few runs: 1 each, 3 wanted",
+                            "x: above 95 %",
+                            "✓ 97.25",
+                            "about 76 % do with 3",
+                            "One training each.",
+                            "flagged: it rings",
+                            "training optimizer",
+                            "network input width",
+                            "0.0625",
+                            "all objects, by always_press",
+                            "all 9 early",
+                            "0.329",
+                            ">13<",
+                            ">24<",
+                            "-11.50",
+                            "35.50",
+                            "side by side",
                             "96.50 % (96.49 to 96.51)",
                             "✓ holds",
                             "? cannot tell",
@@ -167,6 +220,31 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "0.1250",
                             "It is best."})
     EXPECT_TRUE(tells(page, words)) << words;
+  EXPECT_FALSE(tells(page, "Everything that this report has a place for was measured."));
+  EXPECT_TRUE(any_tells(summary.missing, "For 1 of the 2 claims there are too few runs or objects"));
+  const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
+  for (const char* words : {"press: 2 ms", "False alarms: 5; begun just after an interval: 1", "A tick every 2 ms"})
+    EXPECT_TRUE(tells(run, words)) << words;
+}
+
+TEST(Report, FoldsThePapersOwnWay) {
+  const TemporaryFolder folder;
+  json study = write_study(folder / "study");
+  json beside = study["evaluations"][0];
+  beside["id"] = "all_test";
+  beside["runs"] = "all_test";
+  study["evaluations"].push_back(beside);
+  study["unseen"]["all_test"] = study["unseen"]["reported"];
+  write_json(folder / "study/study.json", study);
+  const std::string page = read_text(write_report(folder / "study", folder / "out").page);
+  for (const char* figure : {"figure-delays-all-test", "figure-unseen-all-test"}) {
+    const std::size_t at = page.find(std::string("id=\"") + figure);
+    ASSERT_NE(at, std::string::npos) << figure;
+    const std::size_t opened = page.rfind("<details>", at), closed = page.rfind("</details>", at);
+    EXPECT_NE(opened, std::string::npos) << figure;
+    EXPECT_TRUE(closed == std::string::npos || closed < opened) << figure;
+  }
+  EXPECT_GT(page.find("<details>"), page.find("id=\"figure-delays\"")) << "what is reported on is shown";
 }
 
 TEST(Report, EscapesWhateverComesFromFiles) {

@@ -119,6 +119,24 @@ TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
   drawn(operating_curve_plot("Nothing", {}));
 }
 
+TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoints) {
+  const OperatingPoint own{.threshold = NAN, .false_alarms_per_min = 100, .press = {4, 0.1}, .slip = {5, 0.2}};
+  std::vector<OperatingPoint> points;
+  for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})
+    points.push_back(
+        {.threshold = threshold, .false_alarms_per_min = 10, .press = {2 + threshold, 0}, .slip = {3 + threshold, 0}});
+  const Plot plot = operating_curve_plot("Crowded", points, own);
+  EXPECT_TRUE(has_row(plot, {2, 4, 5}));
+  EXPECT_TRUE(has_row(plot, {2, 10, 20}));
+  const std::string svg = drawn(plot);
+  EXPECT_TRUE(tells(svg, "diamonds: no threshold"));
+  EXPECT_FALSE(tells(svg, ">0.995<")) << "a few are told, not all";
+  EXPECT_TRUE(tells(svg, ">0.5<"));
+  // A label stands beside its point, in the colour of its curve.
+  EXPECT_NE(plot.script.find("textcolor rgb '" + std::string(figure_colours::slip) + "' front"), std::string::npos);
+  EXPECT_FALSE(tells(drawn(operating_curve_plot("Without", points)), "no threshold"));
+}
+
 TEST(ReliabilityPlot, HoldsAccuracyByCertaintyAndLeavesEmptyBinsOut) {
   const Plot plot = reliability_plot(
       "Reliability", {{.from = 0.4, .to = 0.5, .samples = 0, .confidence = NAN, .accuracy = {}},
@@ -127,6 +145,35 @@ TEST(ReliabilityPlot, HoldsAccuracyByCertaintyAndLeavesEmptyBinsOut) {
   EXPECT_TRUE(has_row(plot, {95, 500, 90, 100, 0.8, 500}));
   EXPECT_TRUE(tells(drawn(plot), "largest probability [%]"));
   drawn(reliability_plot("Nothing", {}));
+}
+
+TEST(ReliabilityPlot, DrawsWhatStandsOnFewSamplesHollow) {
+  const Plot plot = reliability_plot(
+      "Reliability", {{.from = 0.4, .to = 0.5, .samples = few_samples - 1, .confidence = 0.45, .accuracy = {.value = 1}},
+                      {.from = 0.9, .to = 1, .samples = few_samples, .confidence = 0.97, .accuracy = {0.95, 0.93, 0.97, 10}}});
+  ASSERT_GE(plot.tables.size(), 2U);
+  EXPECT_EQ(plot.tables[0].values, (std::vector<double>{97, 95, 93, 97}));
+  EXPECT_EQ(plot.tables[1].values, (std::vector<double>{45, 100, 100, 100}));
+  EXPECT_TRUE(tells(drawn(plot), "Hollow: fewer than 20 samples"));
+}
+
+TEST(Captions, SpeakOfIntervalsAndWhiskersOnlyWhereThereAreSome) {
+  const HistoryCurve bare{.name = "fan", .points = {{.history_ms = 2, .accuracy = {.value = 0.9, .n = 1}}}};
+  const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));
+  EXPECT_FALSE(tells(without, "with its 95 % interval"));
+  EXPECT_TRUE(tells(without, "no interval for want of three runs"));
+  EXPECT_TRUE(
+      tells(drawn(accuracy_by_history_plot("By history", {bare, curve("hub", {{2, 0.8}})})), "where three could be drawn"));
+  EXPECT_FALSE(tells(drawn(delay_plot("Delays", {"fan"}, {{.object = "fan", .mean_ms = 4, .intervals = 1}}, {})), "whiskers"));
+  EXPECT_TRUE(tells(drawn(delay_plot("Delays", {"fan"}, {{.object = "fan", .mean_ms = 4, .sem_ms = 1, .intervals = 2}}, {})),
+                    "whiskers"));
+}
+
+TEST(TrainingPlot, HasMoreThanOneTicOnTheAxisOfLosses) {
+  const std::string svg = drawn(training_plot(
+      "Training",
+      {{.name = "a", .epochs = {{.epoch = 1, .loss = 0.5, .accuracy = 0.8}, {.epoch = 2, .loss = 0.03, .accuracy = 0.9}}}}));
+  for (const char* tic : {">0.05<", ">0.1<", ">0.2<", ">0.5<"}) EXPECT_TRUE(tells(svg, tic)) << tic << svg;
 }
 
 TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {

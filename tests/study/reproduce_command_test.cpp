@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -61,6 +62,8 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first.at("steps_kept"), 0);
+  EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("One training each"), std::string::npos);
+  EXPECT_TRUE(first.at("left_out").is_array());
   const fs::path file = folder / "study/study.json";
   const std::string text = read_text(file);
   const nlohmann::json study = read_json(file);
@@ -85,7 +88,9 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
 
   // Every file that it names is there.
   const fs::path out = folder / "study";
-  std::vector<std::string> named{study.at("dataset").at("file"), study.at("full_runs")[0].at("csv")};
+  std::vector<std::string> named{study.at("dataset").at("file"), study.at("full_runs")[0].at("csv"),
+                                 study.at("unseen").at("trainings")[0].at("history"),
+                                 study.at("splits")[0].at("training").at("history")};
   for (const auto& history : study.at("histories")) {
     for (const char* key : {"history", "samples"}) named.push_back(history.at("models")[0].at(key));
   }
@@ -109,6 +114,18 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(second.at("steps_done"), 0);
   EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
   EXPECT_EQ(read_text(file), text);
+
+  // In words it ends with what one may go on with.
+  const auto in_words =
+      test::run_tactile("reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
+  EXPECT_EQ(in_words.exit_code, 0) << in_words.err;
+  const std::string model = "models/" + study.at("choice").at("model").get<std::string>();
+  EXPECT_NE(in_words.out.find("  tactile eval --model " + model + "\n"), std::string::npos) << in_words.out;
+  EXPECT_NE(in_words.out.find("  tactile export --model " + model + " --onnx model.onnx\n"), std::string::npos) << in_words.out;
+  const std::string on_one_line = std::regex_replace(in_words.out, std::regex("\\s+"), " ");
+  for (const char* words : {"side by side", "history-2-worst: One cannot tell: not measured.",
+                            "One cannot tell: too few runs: 1 each, 3 wanted.", "One training each"})
+    EXPECT_NE(on_one_line.find(words), std::string::npos) << words << in_words.out;
 
   // Without gnuplot the study is told and kept all the same, and what is missing is named.
   fs::remove_all(folder / "study/report");
@@ -234,6 +251,9 @@ TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
   EXPECT_EQ(study.at("claims")[2].at("id"), "marginal-past-20");
   EXPECT_TRUE(study.at("claims")[2].at("measured").at("value").is_null()) << "no history past 20 ms was asked for";
   EXPECT_FALSE(study.at("claims")[7].at("measured").at("low").is_null()) << "three objects";
+  EXPECT_EQ(study.at("claims")[7].at("why"), "too few objects: 3, 5 wanted");
+  EXPECT_NE(study.at("bootstrap").at("trainings").get<std::string>().find("2 trainings each"), std::string::npos);
+  EXPECT_EQ(study.at("unseen").at("trainings").size(), 2U);
 }
 
 TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {

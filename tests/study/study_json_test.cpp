@@ -37,6 +37,24 @@ TEST(StudyJson, DelaysAreReadForEachObject) {
   EXPECT_THROW(delays_in(evaluation(), "press", "eval.json"), Error);
 }
 
+TEST(StudyJson, DetectionsComeBackAsTheyWereWritten) {
+  Detection late, missed;
+  late.interval = {Touch::slip, camera_time(1'700'000'000'000'001), camera_time(1'700'000'000'400'000)};
+  late.outcome = DetectionOutcome::detected;
+  late.delay = 6ms;
+  missed.interval = {Touch::press, camera_time(5), camera_time(7)};
+  nlohmann::json evaluation = {{"runs", {{{"object", "fan"}, {"intervals", {late, missed}}}}}};
+  const auto runs = detections_in(evaluation, "eval.json");
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0].object, "fan");
+  ASSERT_EQ(runs[0].detections.size(), 2U);
+  EXPECT_EQ(runs[0].detections[0].interval.start, late.interval.start);
+  EXPECT_EQ(runs[0].detections[0].delay, 6ms);
+  EXPECT_EQ(runs[0].detections[1].outcome, DetectionOutcome::missed);
+  evaluation.at("runs")[0].at("intervals")[1].at("outcome") = "late";
+  EXPECT_THROW(detections_in(evaluation, "eval.json"), Error);
+}
+
 TEST(StudyJson, ToldAtOnceIsWithoutAnyDelayMissOrEarlyOne) {
   const auto at_once = told_at_once(delays_in(evaluation(), "slip", "eval.json"), 2);
   EXPECT_TRUE(at_once.at("a"));
@@ -61,10 +79,12 @@ TEST(StudyJson, TablesHaveARowForEachFigure) {
   claim.unit = "ms";
   claim.asked = Asked::below;
   claim.limit = 5;
+  claim.kept = 4;
+  claim.of = 6;
   claim.measured = {3, 2, 4, 3};
   claim.verdict = Verdict::holds;
   EXPECT_EQ(claims_csv({claim}, {}),
-            "id,runs,value,low,high,n,unit,asked,limit,verdict\nx,reported,3.0,2.0,4.0,3,ms,below,5,holds\n");
+            "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\nx,reported,3.0,2.0,4.0,3,ms,below,5,4,6,holds\n");
 }
 
 TEST(StudyJson, ComparisonsHaveSeenHeldOutAndDifference) {

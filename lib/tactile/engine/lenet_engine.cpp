@@ -42,7 +42,7 @@ double largest_output(const Parameter& weight, const Parameter& bias, double inp
 
 /// Where no sum can leave float32, none can become infinite, or NaN by infinities that meet.
 void check_range(const Weights& weights) {
-  constexpr double margin = 4;  // differences, and rounding
+  constexpr double margin = 64;  // differences, rounding, and the points that the second convolution takes
   double input = 1;
   for (std::size_t i = 0; i < weights.size(); i += 2) {
     input = largest_output(weights[i], weights[i + 1], input);
@@ -59,7 +59,9 @@ void set_sizes(LeNetPlan& plan) {
   plan.input_pairs = side(first.width) + taps / 2;
   plan.pair_chunks = rounded_up(plan.input_pairs, Sizes::lanes) / Sizes::lanes + 1;
   plan.pair_stride = plan.pair_chunks * Sizes::lanes;
-  plan.pooled_stride = rounded_up(side(first.width), Sizes::lanes);
+  plan.blocks = rounded_up(side(plan.layers.second_pooled.width), Sizes::block) / Sizes::block;
+  const std::size_t columns = rounded_up(plan.blocks * Sizes::block, Sizes::lanes);
+  plan.pooled_stride = rounded_up(std::max(side(first.width), 2 * columns + taps), Sizes::lanes) + Sizes::lanes;
 }
 
 void set_convolutions(LeNetPlan& plan, const Weights& weights) {
@@ -69,13 +71,24 @@ void set_convolutions(LeNetPlan& plan, const Weights& weights) {
       plan.first_weights[tap * in_channels + c] = weights[0].values[c * taps * taps + tap];
   }
   plan.first_bias.assign(weights[1].values.begin(), weights[1].values.end());
-  plan.second_weights.resize(taps * taps * in_channels * out_channels);
-  for (std::size_t out = 0; out < out_channels; ++out) {
+  // Winograd's F(2, 5) at 0, 1, -1, 2, -2 and infinity.
+  constexpr double points[Sizes::points][taps] = {
+      {1.0 / 4, 0, 0, 0, 0},
+      {-1.0 / 6, -1.0 / 6, -1.0 / 6, -1.0 / 6, -1.0 / 6},
+      {-1.0 / 6, 1.0 / 6, -1.0 / 6, 1.0 / 6, -1.0 / 6},
+      {1.0 / 24, 2.0 / 24, 4.0 / 24, 8.0 / 24, 16.0 / 24},
+      {1.0 / 24, -2.0 / 24, 4.0 / 24, -8.0 / 24, 16.0 / 24},
+      {0, 0, 0, 0, 1},
+  };
+  plan.second_weights.resize(Sizes::points * in_channels * taps * out_channels);
+  for (std::size_t point = 0; point < Sizes::points; ++point) {
     for (std::size_t in = 0; in < in_channels; ++in) {
       for (std::size_t y = 0; y < taps; ++y) {
-        for (std::size_t x = 0; x < taps; ++x) {
-          plan.second_weights[((y * in_channels + in) * taps + x) * out_channels + out] =
-              weights[2].values[((out * in_channels + in) * taps + y) * taps + x];
+        for (std::size_t out = 0; out < out_channels; ++out) {
+          double sum = 0;
+          for (std::size_t x = 0; x < taps; ++x)
+            sum += points[point][x] * static_cast<double>(weights[2].values[((out * in_channels + in) * taps + y) * taps + x]);
+          plan.second_weights[((point * in_channels + in) * taps + y) * out_channels + out] = static_cast<float>(sum);
         }
       }
     }

@@ -25,9 +25,10 @@ using Vector = hn::Vec<Floats>;
 constexpr std::size_t lanes = HWY_LANES(float) < Sizes::lanes ? HWY_LANES(float) : Sizes::lanes;
 constexpr std::size_t parts = Sizes::second_channels / lanes;  ///< vectors that the second convolution's channels are
 constexpr std::size_t taps = Sizes::taps, first_channels = Sizes::first_channels, hidden_row = Sizes::hidden_row;
+constexpr std::size_t points = Sizes::points, block = Sizes::block;
 /// Pooled outputs of the second convolution that are worked out together: enough sums to keep the multipliers busy, few enough
 /// for the registers.
-constexpr std::size_t together = parts == 1 ? 3 : 1;
+constexpr std::size_t together = std::max(std::size_t{1}, 6 / parts);
 
 template <std::size_t... i, class Body>
 HWY_INLINE void each_of(std::index_sequence<i...> /*numbers*/, const Body& body) {
@@ -150,11 +151,62 @@ HWY_INLINE void first_channels_at(const LeNetPlan& plan, LeNetMemory& memory, st
   });
 }
 
+/// Six values of a row, `values[2k]` to `values[2k + 5]`, become those of a polynomial at 0, 1, -1, 2, -2 and infinity, by which
+/// two outputs of a convolution of five take six multiplications in the place of ten (Winograd's F(2, 5)), for `lanes` columns.
+HWY_INLINE void take_at_points(const float* values, Vector* out) {
+  const auto pair = [&](std::size_t offset, Vector& even, Vector& odd) HWY_ATTR {
+#if HWY_TARGET == HWY_SCALAR
+    even = hn::LoadU(floats, values + offset), odd = hn::LoadU(floats, values + offset + 1);
+#else
+    const Vector low = hn::LoadU(floats, values + offset), high = hn::LoadU(floats, values + offset + lanes);
+    even = hn::ConcatEven(floats, high, low), odd = hn::ConcatOdd(floats, high, low);
+#endif
+  };
+  Vector v[points];
+  pair(0, v[0], v[1]);
+  pair(2, v[2], v[3]);
+  pair(4, v[4], v[5]);
+  const Vector four = hn::Set(floats, 4.0F), five = hn::Set(floats, 5.0F), two = hn::Set(floats, 2.0F);
+  const Vector a = hn::NegMulAdd(four, v[2], v[4]), b = hn::NegMulAdd(four, v[1], v[3]);
+  const Vector c = hn::Sub(v[4], v[2]), d = hn::Mul(two, hn::Sub(v[3], v[1]));
+  out[0] = hn::MulAdd(four, v[0], hn::NegMulAdd(five, v[2], v[4]));
+  out[1] = hn::Add(a, b);
+  out[2] = hn::Sub(a, b);
+  out[3] = hn::Add(c, d);
+  out[4] = hn::Sub(c, d);
+  out[5] = hn::MulAdd(four, v[1], hn::NegMulAdd(five, v[3], v[5]));
+}
+
+/// A row of the first pooled layer as the second convolution takes it.
+HWY_ATTR void take_row_at_points(const LeNetPlan& plan, LeNetMemory& memory, std::size_t row) {
+  float* const place = &memory.at_points[row * plan.blocks * points * first_channels * block];
+  for (std::size_t c = 0; c < first_channels; ++c) {
+    const float* const values = &memory.pooled[(row * first_channels + c) * plan.pooled_stride];
+    for (std::size_t k = 0; k < plan.blocks * block; k += lanes) {
+      Vector at[points];
+      take_at_points(values + 2 * k, at);
+      each<points>([&](auto p) HWY_ATTR {
+        float* const to = place + k / block * points * first_channels * block + (p * first_channels + c) * block + k % block;
+        if constexpr (lanes > block) {
+          alignas(cache_line) float both[lanes];
+          hn::Store(at[p], floats, both);
+          std::memcpy(to, both, block * sizeof(float));
+          if (k + block < plan.blocks * block)
+            std::memcpy(to + points * first_channels * block, both + lanes / 2, block * sizeof(float));
+        } else {
+          hn::StoreU(at[p], floats, to);
+        }
+      });
+    }
+  }
+}
+
 /// The first pooled layer; where no cell of a chunk's receptive field is lit it stays as an empty heatmap has it.
 HWY_ATTR void first_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_empty) {
   const auto rows = static_cast<std::size_t>(plan.layers.first_pooled.height);
   const auto columns = static_cast<std::size_t>(plan.layers.first_pooled.width);
   for (std::size_t row = 0; row < rows; ++row) {
+    bool changed = false;
     for (std::size_t chunk = 0; chunk * Sizes::lanes < columns; ++chunk) {
       const std::uint8_t* flags = &memory.lit_chunk[row * plan.pair_chunks + chunk];
       std::uint8_t lit = 0;
@@ -162,6 +214,7 @@ HWY_ATTR void first_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_
       std::uint8_t& computed = memory.computed[row * plan.pair_chunks + chunk];
       if (lit == 0 && skip_empty) {
         if (computed == 0) continue;
+        changed = true;
         for (std::size_t c = 0; c < first_channels; ++c) {
           std::fill_n(&memory.pooled[(row * first_channels + c) * plan.pooled_stride + chunk * Sizes::lanes], Sizes::lanes,
                       plan.first_empty[c]);
@@ -170,11 +223,13 @@ HWY_ATTR void first_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_
         continue;
       }
       computed = 1;
+      changed = true;
       for (std::size_t k = chunk * Sizes::lanes; k < (chunk + 1) * Sizes::lanes; k += lanes) {
         first_channels_at<0>(plan, memory, row, k);
         first_channels_at<3>(plan, memory, row, k);
       }
     }
+    if (changed) take_row_at_points(plan, memory, row);
   }
 }
 
@@ -217,55 +272,62 @@ constexpr int to_second_level = 2;
 HWY_INLINE void fetch_row(const Ahead& ahead, std::size_t i) {
   if (i >= ahead.count) return;
   const char* row = ahead.weights + ahead.rows[i] * ahead.row_bytes;
-  for (std::size_t byte = 0; byte < ahead.row_bytes; byte += cache_line) __builtin_prefetch(row + byte, 0, to_second_level);
+  if (ahead.row_bytes == hidden_row) {
+    each<hidden_row / cache_line>([&](auto line) HWY_ATTR { __builtin_prefetch(row + line * cache_line, 0, to_second_level); });
+  } else {
+    each<hidden_row * sizeof(float) / cache_line>(
+        [&](auto line) HWY_ATTR { __builtin_prefetch(row + line * cache_line, 0, to_second_level); });
+  }
 }
 
-/// `together` outputs of the second convolution, pooled and activated.
+/// `together` outputs of the second convolution, pooled and activated: their products at each point, then from these the outputs.
 HWY_INLINE void second_at(const LeNetPlan& plan, const float* const* in, const Ahead& ahead, Vector* out) {
-  Vector sums[together * 4 * parts];  // [output][row of the block][column of the block][part]
-  each<together * 4>([&](auto i) HWY_ATTR {
-    each<parts>([&](auto part) HWY_ATTR { sums[i * parts + part] = hn::Load(floats, &plan.second_bias[part * lanes]); });
-  });
-  const std::size_t stride = plan.pooled_stride, row = first_channels * stride;
+  constexpr std::size_t sums = together * 2 * parts;  // [output][row of the block][part]
+  alignas(cache_line) float products[points][sums * lanes];
+  const std::size_t row = plan.blocks * points * first_channels * block;
   const float* weights = plan.second_weights.data();
-  std::size_t offset = 0;
-  for (std::size_t i = 0; i < taps * first_channels; ++i, offset += stride, weights += taps * Sizes::second_channels) {
-    fetch_row(ahead, 2 * i);
-    fetch_row(ahead, 2 * i + 1);
-    if constexpr (parts == 1) {
-      Vector weight[taps];
-      each<taps>([&](auto x) HWY_ATTR { weight[x] = hn::Load(floats, weights + x * Sizes::second_channels); });
-      each<together>([&](auto k) HWY_ATTR {
-        each<2>([&](auto dy) HWY_ATTR {
-          Vector* left = sums + k * 4 + dy * 2;
-          const float* values = in[k] + offset + dy * row;
-          each<taps + 1>([&](auto x) HWY_ATTR {
-            const Vector value = hn::Set(floats, values[x]);
-            if constexpr (x < taps) left[0] = hn::MulAdd(value, weight[x < taps ? x : 0], left[0]);
-            if constexpr (x > 0) left[1] = hn::MulAdd(value, weight[x > 0 ? x - 1 : 0], left[1]);
+  for (std::size_t point = 0; point < points; ++point) {
+    Vector sum[sums];
+    each<sums>([&](auto i) HWY_ATTR { sum[i] = hn::Zero(floats); });
+    for (std::size_t c = 0; c < first_channels; ++c, weights += taps * Sizes::second_channels) {
+      fetch_row(ahead, (point * first_channels + c) * 3);
+      fetch_row(ahead, (point * first_channels + c) * 3 + 1);
+      fetch_row(ahead, (point * first_channels + c) * 3 + 2);
+      const std::size_t offset = (point * first_channels + c) * block;
+      each<taps + 1>([&](auto y) HWY_ATTR {  // a row of values is above for one of the block's rows, below for the other
+        each<together>([&](auto k) HWY_ATTR {
+          const Vector value = hn::Set(floats, in[k][offset + y * row]);
+          each<parts>([&](auto part) HWY_ATTR {
+            if constexpr (y < taps) {
+              const Vector weight = hn::Load(floats, weights + y * Sizes::second_channels + part * lanes);
+              sum[k * 2 * parts + part] = hn::MulAdd(value, weight, sum[k * 2 * parts + part]);
+            }
+            if constexpr (y > 0) {
+              const Vector weight = hn::Load(floats, weights + (y - 1) * Sizes::second_channels + part * lanes);
+              sum[(k * 2 + 1) * parts + part] = hn::MulAdd(value, weight, sum[(k * 2 + 1) * parts + part]);
+            }
           });
         });
       });
-    } else {
-      each<taps>([&](auto x) HWY_ATTR {
-        Vector weight[parts];
-        each<parts>([&](auto part)
-                        HWY_ATTR { weight[part] = hn::Load(floats, weights + x * Sizes::second_channels + part * lanes); });
-        each<together * 4>([&](auto k) HWY_ATTR {
-          const Vector value = hn::Set(floats, in[k / 4][offset + (k % 4 / 2) * row + x + k % 2]);
-          each<parts>([&](auto part)
-                          HWY_ATTR { sums[k * parts + part] = hn::MulAdd(value, weight[part], sums[k * parts + part]); });
-        });
+    }
+    each<sums>([&](auto i) HWY_ATTR { hn::Store(sum[i], floats, products[point] + i * lanes); });
+  }
+  const Vector two = hn::Set(floats, 2.0F), zero = hn::Zero(floats);
+  for (std::size_t k = 0; k < together; ++k) {
+    for (std::size_t part = 0; part < parts; ++part) {
+      Vector largest = zero;
+      each<2>([&](auto y) HWY_ATTR {
+        Vector m[points];
+        each<points>([&](auto p) HWY_ATTR { m[p] = hn::Load(floats, products[p] + ((k * 2 + y) * parts + part) * lanes); });
+        const Vector left = hn::Add(m[0], hn::Add(hn::Add(m[1], m[2]), hn::Add(m[3], m[4])));
+        const Vector right = hn::Add(m[5], hn::MulAdd(two, hn::Sub(m[3], m[4]), hn::Sub(m[1], m[2])));
+        const Vector larger = hn::Max(left, right);
+        if constexpr (y == 0) largest = larger;
+        if constexpr (y == 1) largest = hn::Max(largest, larger);
       });
+      out[k * parts + part] = hn::Max(hn::Add(largest, hn::Load(floats, &plan.second_bias[part * lanes])), zero);
     }
   }
-  each<together>([&](auto k) HWY_ATTR {
-    each<parts>([&](auto part) HWY_ATTR {
-      const Vector* of = sums + k * 4 * parts + part;
-      const Vector largest = hn::Max(hn::Max(of[0], of[parts]), hn::Max(of[2 * parts], of[3 * parts]));
-      out[k * parts + part] = hn::Max(largest, hn::Zero(floats));
-    });
-  });
 }
 
 /// Appends the differences that are not 0, or all.
@@ -335,13 +397,13 @@ HWY_ATTR void second_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip
   std::size_t turn = 0;
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t count = columns_of(plan, memory, row, skip_empty);
-    const float* const base = &memory.pooled[2 * row * first_channels * plan.pooled_stride];
+    const float* const base = &memory.at_points[2 * row * plan.blocks * points * first_channels * block];
     for (std::size_t k = 0; k < count; k += together) {
       const float* in[together];
       std::uint32_t at[together];
       for (std::size_t i = 0; i < together; ++i) {
         at[i] = memory.columns[std::min(k + i, count - 1)];
-        in[i] = base + 2 * static_cast<std::size_t>(at[i]);
+        in[i] = base + at[i] / block * points * first_channels * block + at[i] % block;
       }
       Vector out[together * parts];
       ahead.rows = memory.rows[1 - turn].data();
@@ -465,11 +527,10 @@ LeNetMemory memory_for(const LeNetPlan& plan) {
   memory.lit_row.resize(plan.pair_stride);
   const auto rows = static_cast<std::size_t>(plan.layers.first_pooled.height);
   memory.pooled.resize(rows * LeNetSizes::first_channels * plan.pooled_stride);
-  for (std::size_t i = 0; i < memory.pooled.size(); ++i)
-    memory.pooled[i] = plan.first_empty[i / plan.pooled_stride % LeNetSizes::first_channels];
-  memory.computed.resize(chunks);
+  memory.at_points.resize(rows * plan.blocks * LeNetSizes::points * LeNetSizes::first_channels * LeNetSizes::block);
+  memory.computed.assign(chunks, 1);  // so that what is not computed is set to an empty heatmap's
   memory.columns.resize(static_cast<std::size_t>(plan.layers.second_pooled.width) + 1);
-  constexpr std::size_t most_together = 3, room = (most_together + 1) * LeNetSizes::second_channels;
+  constexpr std::size_t most_together = 6, room = (most_together + 1) * LeNetSizes::second_channels;
   for (auto& differences : memory.differences) differences.resize(room);
   for (auto& rows_of : memory.rows) rows_of.resize(room);
   for (AlignedValues<float>* row : {&memory.hidden, &memory.row_sum, &memory.inner}) row->resize(LeNetSizes::hidden_row);

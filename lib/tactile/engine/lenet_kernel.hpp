@@ -18,6 +18,8 @@ struct LeNetSizes {
   static constexpr std::size_t second_channels = 16;  ///< one vector of the widest
   static constexpr std::size_t first_hidden = 120, second_hidden = 84, classes = 3;
   static constexpr std::size_t lanes = 16;        ///< float32 in the widest vector
+  static constexpr std::size_t points = 6;        ///< that the second convolution takes polynomials at
+  static constexpr std::size_t block = 8;         ///< columns of the second pooled layer whose values lie together
   static constexpr std::size_t hidden_row = 128;  ///< outputs of the first two fully connected layers, rounded up
 };
 
@@ -28,10 +30,11 @@ struct LeNetPlan {
   std::size_t pair_stride = 0;                  ///< of a row of pairs [values]
   std::size_t pair_chunks = 0;                  ///< of 16 pairs in a row, the one behind the last included
   std::size_t pooled_stride = 0;                ///< of a row of the first pooled layer's channel [values]
+  std::size_t blocks = 0;                       ///< of columns of the second pooled layer
 
   AlignedValues<float> first_weights;   ///< [ky][kx][channel]
   AlignedValues<float> first_bias;      ///< [channel]
-  AlignedValues<float> second_weights;  ///< [ky][channel in][kx][channel out]
+  AlignedValues<float> second_weights;  ///< [point][channel in][ky][channel out]
   AlignedValues<float> second_bias;     ///< [channel out]
 
   /// [row][column][channel] of the second pooled layer, each with 128 outputs: what an input adds lies together.
@@ -52,14 +55,15 @@ struct LeNetPlan {
 
 /// What the kernel writes on its way.
 struct LeNetMemory {
-  AlignedValues<float> even, odd;                   ///< [row][pair], the heatmap's even and odd columns / 255
-  AlignedValues<std::uint8_t> lit;                  ///< [pair of rows][pair of columns], not 0 where a cell is not
-  AlignedValues<std::uint8_t> lit_chunk;            ///< [pair of rows][16 pairs], whether any is lit
-  AlignedValues<std::uint8_t> lit_row;              ///< one row of it
-  AlignedValues<float> pooled;                      ///< [row][channel][column] of the first pooled layer
-  AlignedValues<std::uint8_t> computed;             ///< [row][16 columns], whether they hold other values than an empty heatmap's
-  AlignedValues<std::uint32_t> columns;             ///< of the second pooled layer's row that are computed
-  std::array<AlignedValues<float>, 2> differences;  ///< to the empty heatmap's, but for those that are 0
+  AlignedValues<float> even, odd;         ///< [row][pair], the heatmap's even and odd columns / 255
+  AlignedValues<std::uint8_t> lit;        ///< [pair of rows][pair of columns], not 0 where a cell is not
+  AlignedValues<std::uint8_t> lit_chunk;  ///< [pair of rows][16 pairs], whether any is lit
+  AlignedValues<std::uint8_t> lit_row;    ///< one row of it
+  AlignedValues<float> pooled;            ///< [row][channel][column] of the first pooled layer
+  AlignedValues<float> at_points;         ///< [row][block of columns][point][channel][column], of the first pooled layer
+  AlignedValues<std::uint8_t> computed;   ///< [row][16 columns], whether they hold other values than an empty heatmap's
+  AlignedValues<std::uint32_t> columns;   ///< of the second pooled layer's row that are computed
+  std::array<AlignedValues<float>, 2> differences;   ///< to the empty heatmap's, but for those that are 0
   std::array<AlignedValues<std::uint32_t>, 2> rows;  ///< of `hidden_weights` that they belong to
   AlignedValues<float> hidden, row_sum, inner, last;
 };

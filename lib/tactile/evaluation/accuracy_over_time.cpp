@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <optional>
 
 #include "tactile/core/error.hpp"
@@ -57,11 +58,33 @@ std::map<std::string, std::vector<std::size_t>> runs_with(std::span<const RunOve
   return runs_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
 }
 
+/// The parts of intervals that shares are told of.
+struct Parts {
+  Part first, later, last, last_of_long, before_last, after;
+};
+
+/// Ticks not right of those that there are.
+Part wrong_of(const Part& part) {
+  return [part](const OverTimeOfRun& run) {
+    TickCount count = part(run);
+    count.right = count.ticks - count.right;
+    return count;
+  };
+}
+
 template <class MakeFigure>
-ShareOverTime shares_of(std::span<const RunOverTime> runs, const Part& first, const Part& later, const Part& last,
+ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<const std::size_t> counted, const Parts& parts,
                         MakeFigure figure) {
-  return {figure(first, mean_share(runs, first)), figure(later, mean_share(runs, later)), figure(last, mean_share(runs, last)),
-          figure(last, mean_difference(runs, first, last))};
+  const auto share = [&](const Part& part) { return figure(part, mean_share(runs, part)); };
+  const std::uint64_t intervals = sum_of(runs, counted, parts.last).intervals;
+  return {share(parts.first),
+          share(parts.later),
+          share(parts.last),
+          share(parts.before_last),
+          figure(parts.before_last, mean_difference(runs, parts.before_last, parts.last_of_long)),
+          share(wrong_of(parts.after)),
+          intervals,
+          intervals - sum_of(runs, counted, parts.before_last).intervals};
 }
 
 AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vector<Touch>& touches, const OverTimeOptions& options,
@@ -74,16 +97,21 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
       return sum;
     };
   };
-  const Part first = part([](const OverTimeCounts& counts) { return counts.first; });
-  const Part later = part([](const OverTimeCounts& counts) { return counts.later; });
-  const Part last = part([](const OverTimeCounts& counts) { return counts.last; });
+  const Parts parts{part([](const OverTimeCounts& counts) { return counts.first; }),
+                    part([](const OverTimeCounts& counts) { return counts.later; }),
+                    part([](const OverTimeCounts& counts) { return counts.last; }),
+                    part([](const OverTimeCounts& counts) { return counts.last_of_long; }),
+                    part([](const OverTimeCounts& counts) { return counts.before_last; }),
+                    part([](const OverTimeCounts& counts) { return counts.after; })};
 
   AccuracyOverTime accuracy;
-  accuracy.all = shares_of(runs, first, later, last, [&](const Part& of, const Statistic& statistic) {
+  std::vector<std::size_t> every_run(runs.size());
+  std::iota(every_run.begin(), every_run.end(), std::size_t{0});
+  accuracy.all = shares_of(runs, every_run, parts, [&](const Part& of, const Statistic& statistic) {
     return figure_over_objects(without_names(runs_with(runs, of)), statistic, bootstrap);
   });
-  for (const auto& object : runs_with(runs, first)) {
-    accuracy.objects[object.first] = shares_of(runs, first, later, last, [&](const Part& of, const Statistic& statistic) {
+  for (const auto& object : runs_with(runs, parts.first)) {
+    accuracy.objects[object.first] = shares_of(runs, object.second, parts, [&](const Part& of, const Statistic& statistic) {
       const auto with = runs_with(runs, of);
       const auto found = with.find(object.first);
       return found == with.end() ? Figure{} : figure_of_object(found->second, statistic, bootstrap);
@@ -115,7 +143,14 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
 }
 
 nlohmann::json json_of(const ShareOverTime& share) {
-  return {{"first", share.first}, {"later", share.later}, {"last", share.last}, {"last_minus_first", share.last_minus_first}};
+  return {{"first", share.first},
+          {"later", share.later},
+          {"last", share.last},
+          {"before_last", share.before_last},
+          {"last_minus_before", share.last_minus_before},
+          {"still_said", share.still_said},
+          {"intervals", share.intervals},
+          {"short_ones", share.short_ones}};
 }
 
 double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
@@ -144,7 +179,7 @@ nlohmann::json json_of(const AccuracyOverTime& accuracy) {
 }  // namespace
 
 OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                           const OverTimeOptions& options) {
+                           const OverTimeOptions& options, std::span<const TouchInterval> elsewhere) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
     throw Error("accuracy over time: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
@@ -154,7 +189,10 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
   for (OverTimeCounts& counts : run) counts.since_onset.resize(bins), counts.before_end.resize(bins);
   for (const TouchInterval& interval : intervals) {
     OverTimeCounts& counts = run[static_cast<std::size_t>(interval.touch)];
-    bool in_first = false, in_later = false, in_last = false;
+    bool in_first = false, in_later = false, in_last = false, in_last_of_long = false, in_before_last = false, in_after = false;
+    const auto is_ahead_of_last = [&](CameraTime t) { return interval.contains(t) && between(t, interval.end) >= options.last; };
+    bool is_long = false;
+    for (std::int64_t k = 0; k < ticks.count && !is_long; ++k) is_long = is_ahead_of_last(ticks.at(k));
     std::vector<bool> in_since(bins), in_before(bins);
     const auto count_in = [&](std::vector<TickCount>& curve, std::vector<bool>& seen_in, std::int64_t place, bool right) {
       if (place < 0 || place >= static_cast<std::int64_t>(bins)) return;
@@ -164,11 +202,18 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
     };
     for (std::int64_t k = 0; k < ticks.count; ++k) {
       const CameraTime t = ticks.at(k);
+      const auto holds_it = [t](const TouchInterval& other) { return other.contains(t); };
+      if (t > interval.end && t <= after(interval.end, options.after) &&
+          std::none_of(intervals.begin(), intervals.end(), holds_it) &&
+          std::none_of(elsewhere.begin(), elsewhere.end(), holds_it))
+        count(counts.after, verdicts[static_cast<std::size_t>(k)] == Touch::none, in_after);
       if (!interval.contains(t)) continue;
       const bool right = verdicts[static_cast<std::size_t>(k)] == interval.touch;
       const microseconds since = between(interval.start, t), left = between(t, interval.end);
       count(since <= options.first ? counts.first : counts.later, right, since <= options.first ? in_first : in_later);
       if (left < options.last) count(counts.last, right, in_last);
+      if (is_long && left < options.last) count(counts.last_of_long, right, in_last_of_long);
+      if (left >= options.last) count(counts.before_last, right, in_before_last);
       count_in(counts.since_onset, in_since, (since - microseconds{1}) / options.bin, right);
       count_in(counts.before_end, in_before, left / options.bin, right);
     }
@@ -178,8 +223,9 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
 
 void to_json(nlohmann::json& json, const OverTime& over_time) {
   json = {{"bin_ms", in_ms(over_time.options.bin)},   {"first_ms", in_ms(over_time.options.first)},
-          {"last_ms", in_ms(over_time.options.last)}, {"press", json_of(over_time.press)},
-          {"slip", json_of(over_time.slip)},          {"both", json_of(over_time.both)}};
+          {"last_ms", in_ms(over_time.options.last)}, {"after_ms", in_ms(over_time.options.after)},
+          {"press", json_of(over_time.press)},        {"slip", json_of(over_time.slip)},
+          {"both", json_of(over_time.both)}};
 }
 
 OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options,

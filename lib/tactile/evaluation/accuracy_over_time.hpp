@@ -19,6 +19,7 @@ struct OverTimeOptions {
   microseconds longest{3'000'000};  ///< how far from onset and end the curves go, >= bin
   microseconds first{500'000};      ///< what counts as the beginning of an interval, > 0
   microseconds last{200'000};       ///< what counts as its end, > 0
+  microseconds after{100'000};      ///< so long behind an interval it is looked at what is still said, >= 0
 };
 
 /// Ticks of intervals, and how many of them were said right.
@@ -28,19 +29,22 @@ struct TickCount {
 
 /// The ticks of one run's intervals of one class, by how far they lie from onset and end.
 struct OverTimeCounts {
-  TickCount first, later, last;        ///< within `first` of the onset, behind that, and within `last` of the end
-  std::vector<TickCount> since_onset;  ///< bin i: i * bin < t_c - start <= (i + 1) * bin
-  std::vector<TickCount> before_end;   ///< bin i: i * bin <= end - t_c < (i + 1) * bin
+  TickCount first, later, last;         ///< within `first` of the onset, behind that, and within `last` of the end
+  TickCount last_of_long, before_last;  ///< of intervals longer than `last` alone: within `last` of the end, and ahead of that
+  TickCount after;                      ///< end < t_c <= end + `after`, where nothing else is; right: none is said
+  std::vector<TickCount> since_onset;   ///< bin i: i * bin < t_c - start <= (i + 1) * bin
+  std::vector<TickCount> before_end;    ///< bin i: i * bin <= end - t_c < (i + 1) * bin
 };
 
 /// By the value of Touch.
 using OverTimeOfRun = std::array<OverTimeCounts, touch_count>;
 
 /// Every tick of every interval counts, however long the interval is.
-/// @param verdicts  one for each tick
+/// @param verdicts   one for each tick
+/// @param elsewhere  whatever else there is: a tick in it is not counted as behind an interval
 /// @throws Error  if there is not one verdict for each tick
 OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                           const OverTimeOptions& options = {});
+                           const OverTimeOptions& options = {}, std::span<const TouchInterval> elsewhere = {});
 
 /// One run's.
 struct RunOverTime {
@@ -51,7 +55,10 @@ struct RunOverTime {
 /// The shares of an interval's ticks that were said right: of each object over its runs, then the mean over objects.
 struct ShareOverTime {
   Figure first, later, last;
-  Figure last_minus_first;  ///< below 0 where verdicts are worse near the end; a tick within both belongs to both
+  Figure before_last;        ///< ahead of the last ticks, of intervals that have such ticks
+  Figure last_minus_before;  ///< the last ticks of the same intervals less that: below 0 where verdicts are worse near the end
+  Figure still_said;         ///< share of the ticks behind intervals at which press or slip is said still
+  std::uint64_t intervals = 0, short_ones = 0;  ///< with a tick, and of them those with none ahead of the last ones
 };
 
 struct OverTimeBin {
@@ -72,9 +79,9 @@ struct OverTime {
   AccuracyOverTime press, slip, both;
 };
 
-/// {"bin_ms", "first_ms", "last_ms", "press", "slip", "both"}, and in each of the three "first", "later", "last",
-/// "last_minus_first", "objects", "since_onset", "before_end" with "from_ms", "to_ms", "accuracy", "ticks", "intervals" in each
-/// bin.
+/// {"bin_ms", "first_ms", "last_ms", "after_ms", "press", "slip", "both"}, and in each of the three "first", "later", "last",
+/// "before_last", "last_minus_before", "still_said", "intervals", "short_ones", "objects", "since_onset", "before_end" with
+/// "from_ms", "to_ms", "accuracy", "ticks", "intervals" in each bin.
 void to_json(nlohmann::json& json, const OverTime& over_time);
 
 OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options = {},

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
 namespace tactile {
@@ -117,6 +118,45 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
     detections.push_back(detection);
   }
   return detections;
+}
+
+std::string_view name_of(DetectionOutcome outcome) {
+  switch (outcome) {
+    case DetectionOutcome::detected:
+      return "detected";
+    case DetectionOutcome::missed:
+      return "missed";
+    case DetectionOutcome::early:
+      return "early";
+  }
+  return "missed";
+}
+
+void to_json(nlohmann::json& json, const Detection& detection) {
+  json = {
+      {"class", name_of(detection.interval.touch)},
+      {"start_us", us_of(detection.interval.start)},
+      {"end_us", us_of(detection.interval.end)},
+      {"outcome", name_of(detection.outcome)},
+      {"delay_ms", detection.outcome == DetectionOutcome::detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}};
+}
+
+Detection detection_in(const nlohmann::json& json, const std::string& where) {
+  Detection detection;
+  detection.interval = {touch_named(member<std::string>(json, "class", where)),
+                        camera_time(member<std::int64_t>(json, "start_us", where)),
+                        camera_time(member<std::int64_t>(json, "end_us", where))};
+  const auto outcome = member<std::string>(json, "outcome", where);
+  bool is_known = false;
+  for (const auto one : {DetectionOutcome::detected, DetectionOutcome::missed, DetectionOutcome::early}) {
+    if (outcome != name_of(one)) continue;
+    detection.outcome = one;
+    is_known = true;
+  }
+  if (!is_known) throw Error(where + ": outcome is '" + outcome + "'; expected detected, missed or early");
+  if (detection.outcome == DetectionOutcome::detected)
+    detection.delay = microseconds{std::llround(1000 * member<double>(json, "delay_ms", where))};
+  return detection;
 }
 
 Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
@@ -29,6 +30,14 @@ struct Detection {
   CameraTime first_right{};                     ///< t_c(k), of a detected one
   std::optional<std::int64_t> leading_episode;  ///< first tick index of the episode that ran into the onset, where one did
 };
+
+std::string_view name_of(DetectionOutcome outcome);  ///< "detected", "missed", "early"
+
+/// {"class", "start_us", "end_us", "outcome", "delay_ms"}; the delay is null but of a detected one.
+void to_json(nlohmann::json& json, const Detection& detection);
+
+/// As `to_json` wrote it, but for the ticks. @throws Error  if it is none, naming `where`
+Detection detection_in(const nlohmann::json& json, const std::string& where);
 
 /// The detection delay of each interval:
 ///

@@ -248,14 +248,16 @@ RunResult score_run(const Scoring& scoring, std::uint32_t run_index, unsigned th
     result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, name));
   for (const double threshold : default_thresholds())
     result.by_threshold.push_back(score(confirmed(verdicts_above(run.probabilities, threshold), options.confirmation)));
-  result.over_time = over_time_of(run.ticks, verdicts, labelled, options.over_time);
+  std::vector<TouchInterval> elsewhere = all;
+  elsewhere.insert(elsewhere.end(), truth.unlabelled.begin(), truth.unlabelled.end());
+  result.over_time = over_time_of(run.ticks, verdicts, labelled, options.over_time, elsewhere);
   if (!truth.has_truth) return result;
   result.against_truth =
       score_of(run.ticks, verdicts, truth.true_ones, truth.true_ones, truth.unlabelled, scoring.guard, options.delay);
   for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
     if (truth.gross[i]) result.gross.push_back(counted_from(result.against_truth.detections[i], *truth.gross[i], run.ticks));
   }
-  result.true_over_time = over_time_of(run.ticks, verdicts, truth.true_ones, options.over_time);
+  result.true_over_time = over_time_of(run.ticks, verdicts, truth.true_ones, options.over_time, truth.unlabelled);
   return result;
 }
 
@@ -393,6 +395,7 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   evaluation.engine = classifier.engine();
   for (const RunResult& run : runs) evaluation.ticks += run.ticks, evaluation.close_ticks += run.close_ticks;
   evaluation.runs = of_runs<RunConfusion>(runs, objects, [](const RunResult& run) { return run.confusion; });
+  evaluation.detections = of_runs<RunDetections>(runs, objects, [](const RunResult& run) { return run.network.detections; });
   evaluation.accuracy = accuracy_of(evaluation.runs, bootstrap);
   evaluation.confusion = sum_of(evaluation.runs);
   evaluation.classes = class_scores_of(evaluation.runs, bootstrap);

@@ -89,7 +89,8 @@ struct Evaluation {
   EngineKind engine = EngineKind::fast;
   std::uint64_t ticks = 0, close_ticks = 0;  ///< of all test runs; of them those where another engine's verdict may differ
 
-  std::vector<RunConfusion> runs;  ///< of the balanced samples of each test run, in order
+  std::vector<RunConfusion> runs;         ///< of the balanced samples of each test run, in order
+  std::vector<RunDetections> detections;  ///< likewise: how each labelled interval was met
   Accuracy accuracy;
   Confusion confusion;
   ClassScores classes;

@@ -73,6 +73,12 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   }
   json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
+  json["runs"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < evaluation.detections.size(); ++i) {
+    json["runs"].push_back({{"run", evaluation.test_runs[i]},
+                            {"object", evaluation.detections[i].object},
+                            {"intervals", evaluation.detections[i].detections}});
+  }
   const auto above = evaluation.above_baselines();
   json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
 }

@@ -89,7 +89,11 @@ class Table {
     figure(group, object, touch, "first", share.first);
     figure(group, object, touch, "later", share.later);
     figure(group, object, touch, "last", share.last);
-    figure(group, object, touch, "last_minus_first", share.last_minus_first);
+    figure(group, object, touch, "before_last", share.before_last);
+    figure(group, object, touch, "last_minus_before", share.last_minus_before);
+    figure(group, object, touch, "still_said", share.still_said);
+    count(group, object, touch, "intervals", share.intervals);
+    count(group, object, touch, "short_ones", share.short_ones);
   }
 
   std::string text_ = "group,object,class,metric,value,low,high,n\n";

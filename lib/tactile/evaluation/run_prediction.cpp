@@ -26,6 +26,7 @@ RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, co
   prediction.simulated = std::filesystem::exists(run.info()) && read_run_info(run).simulated;
   prediction.truth = read_run_truth(run, options.include_flagged);
   prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
+  prediction.confirmation = options.confirmation;
   if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = confirmed(prediction.full.verdicts, options.confirmation);
   const TickRange& ticks = prediction.full.ticks;
@@ -34,6 +35,33 @@ RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, co
   prediction.false_alarms = false_alarms_of(ticks, prediction.verdicts, prediction.truth.all_labelled(),
                                             prediction.truth.unlabelled, prediction.detections, options.guard);
   return prediction;
+}
+
+nlohmann::json outcome_json(const RunPrediction& prediction) {
+  nlohmann::json json{{"run", prediction.run},
+                      {"simulated", prediction.simulated},
+                      {"tick_ms", static_cast<double>(prediction.full.ticks.tick.count()) / 1000},
+                      {"confirm", text_of(prediction.confirmation)},
+                      {"intervals", nlohmann::json::array()},
+                      {"false_alarms", nullptr}};
+  std::size_t next = 0;  // detections are of the labels in use, in their order
+  for (const SampledInterval& label : prediction.truth.labels) {
+    if (label.used && next < prediction.detections.size()) {
+      json["intervals"].push_back(prediction.detections[next++]);
+      continue;
+    }
+    json["intervals"].push_back({{"class", name_of(label.interval.touch)},
+                                 {"start_us", us_of(label.interval.start)},
+                                 {"end_us", us_of(label.interval.end)},
+                                 {"outcome", "in doubt"},
+                                 {"delay_ms", nullptr}});
+  }
+  if (!prediction.truth.labels.empty()) {
+    json["false_alarms"] = {{"count", prediction.false_alarms.alarms},
+                            {"after_intervals", prediction.false_alarms.after_intervals},
+                            {"unlabelled", prediction.false_alarms.unlabelled}};
+  }
+  return json;
 }
 
 void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,

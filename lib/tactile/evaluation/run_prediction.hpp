@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ struct RunPrediction {
   RunTruth truth;
   std::vector<Detection> detections;  ///< of the labelled intervals that are in no doubt
   FalseAlarms false_alarms;           ///< where the run has labels
+  Confirmation confirmation;
 };
 
 struct PredictionOptions {
@@ -39,6 +41,11 @@ struct PredictionOptions {
 /// @throws Error  as `classify_full_run` and `read_run_truth`
 RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
+
+/// How a run's labelled intervals were met: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class", "start_us",
+/// "end_us", "outcome", "delay_ms"}], "false_alarms": {"count", "after_intervals", "unlabelled"}}. Intervals whose labels are in
+/// doubt have the outcome "in doubt"; false alarms are null of a run without labels.
+nlohmann::json outcome_json(const RunPrediction& prediction);
 
 /// One row a tick: t_us, p_none, p_press, p_slip, verdict, label, truth, events, sample. `label` and `truth` are empty where the
 /// run has none; truth is "unlabelled" in motion that nobody labels; `sample` is the class where the tick is a balanced sample.

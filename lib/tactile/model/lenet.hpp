@@ -66,13 +66,22 @@ struct OptimizerState {
 /// The moments that an optimizer keeps for these parameters.
 std::vector<ParameterShape> moment_shapes(OptimizerKind optimizer, const std::vector<ParameterShape>& parameters);
 
+struct TrainerOptions {
+  EngineKind engine = EngineKind::fast;  ///< which takes libtorch's layers where they are not the paper's
+
+  /// Works in float64 with libtorch's layers, several times slower: what float32 costs is measured by it. The network's weights
+  /// and the state are rounded.
+  bool float64 = false;
+};
+
 /// Moves a network's weights down the slope of the cross-entropy.
 class LeNetTrainer {
  public:
   /// @param network        trained in place; must outlive this
   /// @param class_weights  how much a sample of each class counts, > 0
-  /// @param threads        libtorch works on, > 0
-  LeNetTrainer(LeNet& network, OptimizerKind optimizer, const std::array<double, touch_count>& class_weights, unsigned threads);
+  /// @param threads        it works on, > 0
+  LeNetTrainer(LeNet& network, OptimizerKind optimizer, const std::array<double, touch_count>& class_weights, unsigned threads,
+               const TrainerOptions& options = {});
   ~LeNetTrainer();
 
   /// One step on one batch. @throws Error  if there is not one heatmap for each touch

@@ -68,7 +68,7 @@ class Training {
         cells_(cells_of(task.size)),
         network_(first_network(task, control.resumed)),
         class_weights_(weights_of_classes(task.options.class_weights, task.training.truth)),
-        trainer_(network_, task.options.optimizer, class_weights_, threads) {
+        trainer_(network_, task.options.optimizer, class_weights_, threads, {task.options.engine, task.float64}) {
     if (control.resumed != nullptr) resume(*control.resumed);
   }
 

@@ -65,6 +65,7 @@ struct TrainingTask {
   LeNetOptions network{};
   const Weights* from = nullptr;  ///< first weights; drawn by the seed if null
   unsigned threads = 0;           ///< 0: as many as the machine has cores
+  bool float64 = false;           ///< as TrainerOptions; not to be broken off then, a state is rounded
 };
 
 /// How a training is watched, kept and gone on with.

@@ -98,6 +98,7 @@ void to_json(nlohmann::json& json, const TrainingOptions& options) {
           {"schedule", name_of(options.schedule)},
           {"augment", text_of(options.augmentation)},
           {"class_weights", text_of(options.class_weights)},
+          {"engine", name_of(options.engine)},
           {"validation_share", options.validation_share},
           {"early_stop", options.early_stop}};
 }
@@ -112,6 +113,7 @@ void from_json(const nlohmann::json& json, TrainingOptions& options) {
   options.schedule = schedule_named(member<std::string>(json, "schedule", where));
   options.augmentation = augmentation_named(member<std::string>(json, "augment", where));
   options.class_weights = class_weights_named(member<std::string>(json, "class_weights", where));
+  options.engine = json.contains("engine") ? engine_named(member<std::string>(json, "engine", where)) : EngineKind::libtorch;
   options.validation_share = member<double>(json, "validation_share", where);
   options.early_stop = member<unsigned>(json, "early_stop", where);
 }

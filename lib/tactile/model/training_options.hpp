@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "tactile/core/touch.hpp"
+#include "tactile/model/engine_kind.hpp"
 
 namespace tactile {
 
@@ -44,6 +45,10 @@ struct TrainingOptions {
   Schedule schedule = Schedule::constant;
   Augmentation augmentation{};
   ClassWeights class_weights{};
+
+  /// What works out a step, with results that agree but for rounding. fast: convolution, ReLU and max-pool in one pass and the
+  /// optimizer's step in one, other layers being libtorch's; libtorch: its layers and optimizers one by one.
+  EngineKind engine = EngineKind::fast;
   double validation_share = 0;  ///< of the training runs' samples, the last of each class in time; in [0, 0.5]
   unsigned early_stop = 0;      ///< epochs without a smaller validation loss that end it; 0: never, else validation_share > 0
 
@@ -60,7 +65,8 @@ std::string text_of(const Augmentation& augmentation);    ///< as `augmentation_
 std::string text_of(const ClassWeights& weights);         ///< as `class_weights_named` reads it
 
 void to_json(nlohmann::json& json, const TrainingOptions& options);
-void from_json(const nlohmann::json& json, TrainingOptions& options);  ///< @throws Error
+/// Settings without an engine are older than the fast one: libtorch's. @throws Error
+void from_json(const nlohmann::json& json, TrainingOptions& options);
 
 /// @throws Error  if an option is out of its range
 void check(const TrainingOptions& options);

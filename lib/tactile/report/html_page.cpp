@@ -57,6 +57,9 @@ figcaption { color: var(--faint); font-size: .92rem; margin-top: .4rem; max-widt
   .stacks tr { border-bottom: 1px solid var(--line); padding: .5rem 0; }
   .stacks th, .stacks td { border: 0; padding: .2rem 0; }
   .stacks td::before { content: attr(data-head); display: block; color: var(--faint); font-size: .8rem; } }
+details { margin: 1rem 0; border-left: .2rem solid var(--line); padding-left: .8rem; }
+summary { cursor: pointer; color: var(--link); font-weight: 600; }
+@media print { details::details-content { content-visibility: visible; block-size: auto; } }
 @media print { .scroll { overflow: visible; } nav { display: none; } figure, tr { break-inside: avoid; } }
 )css";
 
@@ -188,6 +191,12 @@ void HtmlPage::figure(const HtmlFigure& figure) {
       html_text(figure.id), html_text(figure.in_words), figure.width_px, figure.height_px,
       std::min(figure.width_px, narrowest_figure), figure.width_px, base64_of(figure.svg), html_text(figure.caption));
 }
+
+void HtmlPage::begin_folded(std::string_view summary) {
+  here() += fmt::format("<details><summary>{}</summary>\n", html_text(summary));
+}
+
+void HtmlPage::end_folded() { here() += "</details>\n"; }
 
 std::string HtmlPage::text() const {
   std::string contents;

@@ -53,6 +53,8 @@ class HtmlPage {
   void table(const HtmlTable&
                  table);  ///< scrolls in itself where it is wider than the page and does not stack; one without rows is left out
   void figure(const HtmlFigure& figure);
+  void begin_folded(std::string_view summary);  ///< what comes until `end_folded` is shown once it is asked for, and in print
+  void end_folded();
 
   std::string text() const;  ///< the whole page
 

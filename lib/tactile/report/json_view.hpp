@@ -19,6 +19,7 @@ class JsonView {
   JsonView(const nlohmann::json& json, std::string where) : json_(json.is_null() ? nullptr : &json), where_(std::move(where)) {}
 
   explicit operator bool() const { return json_ != nullptr; }
+  bool is_object() const { return json_ != nullptr && json_->is_object(); }
   JsonView operator[](std::string_view key) const;                ///< @throws Error if this is no object
   std::vector<JsonView> items() const;                            ///< of a list; none where there is none
   std::vector<std::pair<std::string, JsonView>> members() const;  ///< of an object, by name; none where there is none

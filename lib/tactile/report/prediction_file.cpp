@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/report/json_view.hpp"
 
 namespace tactile {
 namespace {
@@ -99,6 +102,31 @@ PredictionPicture read_prediction(const std::filesystem::path& file, double hist
   if (picture.ticks.empty()) refuse("holds no tick");
   for (const TouchInterval& interval : labels) picture.labels.push_back({interval, {}});
   return picture;
+}
+
+void add_outcome(PredictionPicture& picture, const std::filesystem::path& file) {
+  const nlohmann::json document = read_json(file);
+  const JsonView outcome(document, file.string());
+  std::vector<PredictedInterval> labels;
+  for (const JsonView& interval : outcome["intervals"].items()) {
+    const double start = interval["start_us"].number(), end = interval["end_us"].number();
+    const double delay_ms = interval["delay_ms"].number();
+    if (!(std::abs(start) < 9e15) || !(std::abs(end) < 9e15))
+      throw Error(file.string() + ": an interval without start_us and end_us; expected times of the camera");
+    labels.push_back({{touch_named(interval["class"].text()), camera_time(std::llround(start)), camera_time(std::llround(end))},
+                      std::isfinite(delay_ms) ? fmt::format("{:g} ms", delay_ms) : interval["outcome"].text()});
+  }
+  if (!labels.empty()) picture.labels = std::move(labels);
+  std::string settings = fmt::format("A tick every {:g} ms", outcome["tick_ms"].number());
+  if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
+    settings += fmt::format("; confirmed {}", confirm);
+  picture.remarks.push_back(settings + ".");
+  if (const JsonView alarms = outcome["false_alarms"]) {
+    picture.remarks.push_back(fmt::format(
+        "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion that "
+        "nobody labels: {}.",
+        alarms["count"].count(), alarms["after_intervals"].count(), alarms["unlabelled"].count()));
+  }
 }
 
 }  // namespace tactile

@@ -61,6 +61,20 @@ OperatingPoint::OfTouch operating_delay(const JsonView& json) {
                         : static_cast<double>(json["misses"].count() + json["early"].count()) / static_cast<double>(intervals)};
 }
 
+/// Of a detector: the network, or a trivial one.
+ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& detector) {
+  const JsonView alarms = detector["false_alarms"];
+  const auto count = [](const JsonView& json) { return json ? std::optional(json.count()) : std::nullopt; };
+  return {.of = name,
+          .per_min = detector["false_alarms_per_min"].measured(),
+          .press = bar_of("all", detector["delay_ms"]["press"]),
+          .slip = bar_of("all", detector["delay_ms"]["slip"]),
+          .count = count(alarms["count"]),
+          .after_intervals = count(alarms["after_intervals"]["count"]),
+          .unlabelled = count(alarms["unlabelled"]["count"]),
+          .none_min = alarms["none_min"].number()};
+}
+
 /// Puts an accuracy, or what is made like one, beside those that are there.
 void add_accuracy(ReportedEvaluation& evaluation, const std::string& name, const JsonView& mean, const JsonView& objects) {
   if (!mean && !objects) return;
@@ -120,17 +134,13 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   evaluation.true_slip = delays_if_there(json["delay_true_ms"]["slip"]);
   evaluation.gross_slip = delays_if_there(json["delay_gross_ms"]["slip"]);
   if (json["false_alarms_per_min"]) {
-    evaluation.false_alarms.push_back({.of = "network",
-                                       .per_min = json["false_alarms_per_min"].measured(),
-                                       .press_ms = evaluation.press.mean.value,
-                                       .slip_ms = evaluation.slip.mean.value});
+    evaluation.false_alarms.push_back(false_alarms_of("network", json));
+    evaluation.own_point = OperatingPoint{.threshold = std::numeric_limits<double>::quiet_NaN(),
+                                          .false_alarms_per_min = json["false_alarms_per_min"].measured().value,
+                                          .press = operating_delay(json["delay_ms"]["press"]),
+                                          .slip = operating_delay(json["delay_ms"]["slip"])};
   }
-  for (const auto& [name, trivial] : json["trivial"].members()) {
-    evaluation.false_alarms.push_back({.of = name,
-                                       .per_min = trivial["false_alarms_per_min"].measured(),
-                                       .press_ms = trivial["delay_ms"]["press"]["mean"].measured().value,
-                                       .slip_ms = trivial["delay_ms"]["slip"]["mean"].measured().value});
-  }
+  for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
   for (const JsonView& point : json["operating_curve"].items()) {
     evaluation.operating_curve.push_back({.threshold = point["threshold"].number(),
                                           .false_alarms_per_min = point["false_alarms_per_min"].measured().value,
@@ -152,7 +162,8 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
     const JsonView touch = over_time[name];
     if (touch) {
       evaluation.over_time.emplace_back(name, std::array{touch["first"].measured(), touch["later"].measured(),
-                                                         touch["last"].measured(), touch["last_minus_first"].measured()});
+                                                         touch["last"].measured(), touch["before_last"].measured(),
+                                                         touch["last_minus_before"].measured(), touch["still_said"].measured()});
     }
   }
   return evaluation;
@@ -231,12 +242,21 @@ ReportedHistories histories_of(const std::string& runs, const std::vector<std::p
 
 /// The members of an object as a table of two columns, objects in it by their paths.
 void add_settings(std::vector<Row>& rows, const std::string& prefix, const JsonView& json) {
-  for (const auto& [key, value] : json.members()) rows.push_back({prefix + key, value ? value.words() : "-"});
+  for (const auto& [key, value] : json.members()) {
+    if (value.is_object())
+      add_settings(rows, prefix + key + " ", value);
+    else
+      rows.push_back({prefix + key, value ? value.words() : "-"});
+  }
 }
 
 ReportedClaim::Side side_of(const JsonView& json) {
-  ReportedClaim::Side side{
-      .measured = json["measured"].measured(), .verdict = json["verdict"].text(), .note = json["note"].text(), .objects = {}};
+  ReportedClaim::Side side{.measured = json["measured"].measured(),
+                           .verdict = json["verdict"].text(),
+                           .note = json["note"].text(),
+                           .in_words = json["in_words"].text(),
+                           .why = json["why"].text(),
+                           .objects = {}};
   for (const auto& [object, value] : json["objects"].members()) side.objects.emplace_back(object, value.measured());
   return side;
 }
@@ -278,7 +298,8 @@ ReportInput read_study(const fs::path& folder) {
   if (const JsonView data = study["settings"]["data"]) input.data = folder / data.text();
 
   for (const JsonView& claim : study["claims"].items()) {
-    ReportedClaim reported{.claim = claim["claim"].text(),
+    ReportedClaim reported{.id = claim["id"].text(),
+                           .claim = claim["claim"].text(),
                            .paper = claim["paper"].text(),
                            .asked = claim["asked"].text(),
                            .unit = claim["unit"].text(),
@@ -288,6 +309,26 @@ ReportInput read_study(const fs::path& folder) {
     if (const JsonView all_test = claim["all_test"]) reported.all_test = side_of(all_test);
     input.claims.push_back(std::move(reported));
   }
+  std::size_t not_told = 0;
+  for (const JsonView& claim : study["claims"].items())
+    not_told += claim["can_be_told"] && !claim["can_be_told"].truth() ? 1U : 0U;
+  if (not_told > 0) {
+    input.missing.push_back(fmt::format(
+        "For {} of the {} claims there are too few runs or objects for a verdict, whatever they say; another preset of 'tactile "
+        "reproduce' has more.",
+        not_told, input.claims.size()));
+  }
+  if (const std::string trainings = study["bootstrap"]["trainings"].text(); !trainings.empty()) {
+    input.remarks.push_back(trainings);
+    input.missing.push_back("What another seed would change: no interval holds it. 'tactile reproduce --seeds N' trains more.");
+  }
+  ReportedTable left_out{.caption = "Runs and intervals left out of training, choice and test, and why",
+                         .head = {"run", "what", "reason"},
+                         .rows = {}};
+  for (const JsonView& one : study["left_out"].items())
+    left_out.rows.push_back(
+        {one["run"].text(), one["what"].text() == "run" ? "the whole run" : one["what"].text(), one["reason"].text()});
+  if (!left_out.rows.empty()) input.left_out.push_back(std::move(left_out));
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not judged; 'tactile reproduce' does so.");
 
   for (const auto& [key, words] : {std::pair<std::string, std::string>{"reported", "the runs reported on"},
@@ -297,20 +338,27 @@ ReportInput read_study(const fs::path& folder) {
     for (const JsonView& history : study["histories"].items())
       accuracies.emplace_back(history["th_ms"].number(), history["accuracy"][key]);
     ReportedHistories histories = histories_of(words, accuracies);
+    histories.is_beside = key != "reported";
     if (!histories.curves.empty()) input.histories.push_back(std::move(histories));
   }
   std::vector<Row> seeds;
+  std::vector<std::string> told;
+  const auto add_model = [&](const JsonView& model, const std::string& without_accuracy) {
+    const std::string name = model["name"].text();
+    if (!model || std::find(told.begin(), told.end(), name) != told.end()) return;
+    told.push_back(name);
+    const fs::path history_file = folder / model["history"].text();
+    if (is_there(input, history_file, "The training of " + name)) input.trainings.push_back(training_in(history_file, name));
+    const Measured accuracy = model["accuracy"].measured();
+    seeds.push_back({name, model["seed"].words(),
+                     std::isfinite(accuracy.value) ? fmt::format("{:.2f} %", 100 * accuracy.value) : without_accuracy,
+                     model["weights_sha256"].text().substr(0, 16)});
+  };
   for (const JsonView& history : study["histories"].items()) {
-    for (const JsonView& model : history["models"].items()) {
-      const std::string name = model["name"].text();
-      const fs::path history_file = folder / model["history"].text();
-      if (is_there(input, history_file, "The training of " + name)) input.trainings.push_back(training_in(history_file, name));
-      const Measured accuracy = model["accuracy"].measured();
-      seeds.push_back({name, model["seed"].words(),
-                       std::isfinite(accuracy.value) ? fmt::format("{:.2f} %", 100 * accuracy.value) : "-",
-                       model["weights_sha256"].text().substr(0, 16)});
-    }
+    for (const JsonView& model : history["models"].items()) add_model(model, "-");
   }
+  for (const JsonView& model : study["unseen"]["trainings"].items()) add_model(model, "held-out objects, see there");
+  for (const JsonView& split : study["splits"].items()) add_model(split["training"], "held-out objects, see there");
   if (study["histories"].items().empty()) input.missing.push_back("No history was trained for; 'tactile reproduce' does so.");
 
   const JsonView choice = study["choice"];
@@ -346,6 +394,7 @@ ReportInput read_study(const fs::path& folder) {
     evaluation.id = entry["id"].text();
     evaluation.model = entry["model"].text();
     evaluation.history_ms = entry["th_ms"].number();
+    evaluation.is_beside = entry["id"].text() == "all_test";
     evaluation.runs = entry["runs"].text() == "all_test" ? "all test runs, as in the paper" : "the runs reported on";
     input.evaluations.push_back(std::move(evaluation));
   }
@@ -354,8 +403,11 @@ ReportInput read_study(const fs::path& folder) {
   for (const JsonView& run : study["full_runs"].items()) {
     const fs::path csv = folder / run["csv"].text();
     if (is_there(input, csv, "The full run " + run["run"].text())) {
-      input.runs.push_back(
-          {.run = run["run"].text(), .model = run["model"].text(), .history_ms = run["th_ms"].number(), .csv = csv});
+      input.runs.push_back({.run = run["run"].text(),
+                            .model = run["model"].text(),
+                            .history_ms = run["th_ms"].number(),
+                            .csv = csv,
+                            .outcome = fs::path(csv).replace_extension(".json")});
     }
   }
   if (study["full_runs"].items().empty())
@@ -366,6 +418,7 @@ ReportInput read_study(const fs::path& folder) {
                                    {"all_test", "all test runs, as in the paper"}}) {
     if (std::optional<ReportedUnseen> found = unseen_of(unseen[key])) {
       found->runs = words;
+      found->is_beside = key != "reported";
       found->seen_model = unseen["models"]["seen"].text();
       found->held_out_model = unseen["models"]["held_out"].text();
       input.unseen.push_back(std::move(*found));
@@ -405,6 +458,19 @@ ReportInput read_study(const fs::path& folder) {
   add_settings(rows, "bootstrap ", study["bootstrap"]);
   add_table("Settings and seeds", {"setting", "value"}, std::move(rows));
   rows = {};
+  for (const JsonView& history : study["histories"].items()) {
+    for (const JsonView& model : history["models"].items()) {
+      const fs::path description = folder / model["folder"].text() / "model.json";
+      if (!rows.empty() || !choice || model["name"].text() != choice["model"].text()) continue;
+      if (!is_there(input, description, "What the model chosen was trained with")) continue;
+      const nlohmann::json model_document = read_json(description);
+      const JsonView told_by_model(model_document, description.string());
+      for (const std::string key : {"rendering", "split", "training", "network", "result"})
+        add_settings(rows, key + " ", told_by_model[key]);
+    }
+  }
+  add_table("The model chosen, " + choice["model"].text() + ": what it was trained with", {"setting", "value"}, std::move(rows));
+  rows = {};
   add_settings(rows, "", study["software"]);
   add_settings(rows, "", study["machine"]);
   add_table("Software and machine", {"what", "value"}, std::move(rows));
@@ -425,7 +491,7 @@ ReportInput read_study(const fs::path& folder) {
                     step["command"] ? step["command"].text() : "-"});
     if (std::isfinite(step["seconds"].number())) total += step["seconds"].number();
   }
-  if (!rows.empty()) rows.push_back({"all steps, one after the other", seconds_text(total), "", ""});
+  if (!rows.empty()) rows.push_back({"work of all steps, several of them side by side", seconds_text(total), "", ""});
   add_table("Steps and their times", {"step", "took", "finished (UTC)", "the same by"}, std::move(rows));
   return input;
 }
@@ -483,7 +549,8 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
     if (!is_first) continue;
     input.title = fmt::format("Results of {}{}", name, input.simulated ? " (simulated runs)" : "");
     if (std::isfinite(history_ms)) input.history_ms = history_ms;
-    for (const std::string key : {"rendering", "split", "training", "software"}) add_settings(settings, key + " ", model[key]);
+    for (const std::string key : {"rendering", "split", "training", "network", "software"})
+      add_settings(settings, key + " ", model[key]);
     settings.push_back({"dataset", model["dataset"]["file"].words()});
     settings.push_back({"dataset manifest, SHA-256", model["dataset"]["manifest_hash"].words()});
     settings.push_back({"threads of the training", model["threads"].words()});
@@ -496,7 +563,11 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
       constexpr std::size_t most_runs = 3;
       for (const fs::path& csv : files) {
         if (input.runs.size() == most_runs) break;
-        input.runs.push_back({.run = csv.stem().string(), .model = name, .history_ms = input.history_ms, .csv = csv});
+        input.runs.push_back({.run = csv.stem().string(),
+                              .model = name,
+                              .history_ms = input.history_ms,
+                              .csv = csv,
+                              .outcome = fs::path(csv).replace_extension(".json")});
       }
       if (files.size() > most_runs)
         input.remarks.push_back(fmt::format("Of {} runs over time the first {} are shown.", files.size(), most_runs));

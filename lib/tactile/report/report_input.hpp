@@ -18,11 +18,12 @@ namespace tactile {
 struct ReportedClaim {
   struct Side {
     Measured measured;
-    std::string verdict;  ///< "holds", "does not", "cannot tell"
-    std::string note;     ///< may be empty
+    std::string verdict;        ///< "holds", "does not", "cannot tell"
+    std::string note;           ///< may be empty
+    std::string in_words, why;  ///< what was measured, and why one cannot tell; may be empty
     std::vector<std::pair<std::string, Measured>> objects;
   };
-  std::string claim, paper, asked, unit;
+  std::string id, claim, paper, asked, unit;
   double limit = std::numeric_limits<double>::quiet_NaN();
   Side reported;
   std::optional<Side> all_test;  ///< chosen on the runs reported on, as in the paper
@@ -38,7 +39,10 @@ struct ReportedDelays {
 struct ReportedFalseAlarms {
   std::string of;  ///< "network", "always_press"
   Measured per_min;
-  double press_ms = std::numeric_limits<double>::quiet_NaN(), slip_ms = press_ms;  ///< mean delays
+  DelayBar press, slip;  ///< over all objects
+  std::optional<std::uint64_t> count, after_intervals,
+      unlabelled;                                              ///< begun in none time, within the guard, in motion nobody labels
+  double none_min = std::numeric_limits<double>::quiet_NaN();  ///< what `per_min` is per [min]
 };
 
 /// Accuracy on one object, or the mean over all, in several ways.
@@ -62,10 +66,13 @@ struct ReportedEvaluation {
   std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
   std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
   std::vector<OperatingPoint> operating_curve;
+  std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
   std::vector<ReliabilityBin> reliability;
   Measured ece;
   std::optional<OverTime> press_over_time, slip_over_time;
-  std::vector<std::pair<std::string, std::array<Measured, 4>>> over_time;  ///< class: first, later, last, last less first
+  std::vector<std::pair<std::string, std::array<Measured, 6>>>
+      over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end
+  bool is_beside = false;  ///< the paper's own way, beside what the study reports: folded
 };
 
 /// A run over time, as a CSV of `tactile eval --run`.
@@ -73,6 +80,7 @@ struct ReportedRun {
   std::string run, model;
   double history_ms = 40;
   std::filesystem::path csv;
+  std::filesystem::path outcome;  ///< how its intervals were met, as `tactile eval --run` writes it; may not be there
 };
 
 /// Objects seen beside the same held out.
@@ -83,6 +91,7 @@ struct ReportedUnseen {
   std::vector<Measured> differences;  ///< held out less seen, of each object
   SeenAndHeldOut mean;
   Measured mean_difference;
+  bool is_beside = false;
 };
 
 struct ReportedTable {
@@ -95,6 +104,7 @@ struct ReportedTable {
 struct ReportedHistories {
   std::string runs;
   std::vector<HistoryCurve> curves;
+  bool is_beside = false;
 };
 
 /// All that a report tells, from wherever it was read.
@@ -104,6 +114,7 @@ struct ReportInput {
   std::string summary;  ///< may be empty
   std::vector<std::string> remarks;
   std::vector<ReportedClaim> claims;
+  std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::vector<ReportedTable> choice;  ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "tactile/report/plot_script.hpp"
 
@@ -36,11 +38,13 @@ class AccuracyAxis {
   double least_ = 100;
 };
 
+bool has_interval(const Measured& measured) { return std::isfinite(measured.low) && std::isfinite(measured.high); }
+
 /// The interval, or the value twice where there is none: gnuplot leaves out a point whose interval is a gap.
 void add_interval(std::vector<double>& values, const Measured& measured) {
-  const bool has_interval = std::isfinite(measured.low) && std::isfinite(measured.high);
-  values.push_back(percent(has_interval ? measured.low : measured.value));
-  values.push_back(percent(has_interval ? measured.high : measured.value));
+  const bool is_bounded = has_interval(measured);
+  values.push_back(percent(is_bounded ? measured.low : measured.value));
+  values.push_back(percent(is_bounded ? measured.high : measured.value));
 }
 
 std::string left_out(std::size_t there, std::size_t shown) {
@@ -53,6 +57,57 @@ std::string row_names(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i)
     tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", plot_text(shortened(names[i], 22)), names.size() - 1 - i);
   return tics.empty() ? "'' 0" : tics;
+}
+
+/// Where words fit beside points of a panel, in pixels.
+class FreePlaces {
+ public:
+  explicit FreePlaces(const PlotBox& panel) : panel_(panel) {}
+
+  void take_point(double x, double y) {
+    constexpr double half = 7;
+    if (std::isfinite(x) && std::isfinite(y)) taken_.push_back({x - half, y - half, x + half, y + half});
+  }
+
+  /// The middle of a place near (x, y) for words of this width, which is taken from then on; nothing where there is none.
+  std::optional<std::pair<double, double>> beside(double x, double y, double width) {
+    if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+    constexpr double half_height = 7, away = 16;
+    const double aside = width / 2 + 12;
+    for (const auto& [dx, dy] :
+         {std::pair(0.0, -away), std::pair(aside, 0.0), std::pair(-aside, 0.0), std::pair(0.0, away), std::pair(aside, -away),
+          std::pair(-aside, -away), std::pair(aside, away), std::pair(-aside, away)}) {
+      const Box box{x + dx - width / 2, y + dy - half_height, x + dx + width / 2, y + dy + half_height};
+      const bool is_in = box.left > panel_.left && box.right < panel_.right && box.top > panel_.top && box.bottom < panel_.bottom;
+      const auto meets = [&box](const Box& other) {
+        return box.left < other.right && other.left < box.right && box.top < other.bottom && other.top < box.bottom;
+      };
+      if (!is_in || std::any_of(taken_.begin(), taken_.end(), meets)) continue;
+      taken_.push_back(box);
+      return std::pair(x + dx, y + dy);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Box {
+    double left, top, right, bottom;
+  };
+  PlotBox panel_;
+  std::vector<Box> taken_;
+};
+
+/// 1, 2 and 5 of each decade within [least, most], as tics of an axis of logarithms.
+std::string decade_tics(double least, double most) {
+  std::string tics;
+  for (int decade = static_cast<int>(std::floor(std::log10(least))); decade <= static_cast<int>(std::ceil(std::log10(most)));
+       ++decade) {
+    for (const int step : {1, 2, 5}) {
+      const double value = step * std::pow(10, decade);
+      if (value >= least && value <= most) tics += fmt::format("{}{:.9g}", tics.empty() ? "" : ", ", value);
+    }
+  }
+  return tics;
 }
 
 }  // namespace
@@ -85,8 +140,18 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
     for (const double history : histories) tics += fmt::format("{}{:g}", tics.empty() ? "" : ", ", history);
   }
 
+  std::size_t with_interval = 0;
+  for (const HistoryCurve& curve : curves) {
+    with_interval += std::any_of(curve.points.begin(), curve.points.end(),
+                                 [](const HistoryCurve::Point& point) { return has_interval(point.accuracy); })
+                         ? 1U
+                         : 0U;
+  }
   script.text(left_out(curves.size(), shown) +
-                  "Blue: the panel's own, with its 95 % interval; grey: the others. Orange: its best history.",
+                  (with_interval == 0              ? "Blue: the panel's own, no interval for want of three runs; "
+                   : with_interval < curves.size() ? "Blue: the panel's own, with its 95 % interval where three could be drawn; "
+                                                   : "Blue: the panel's own, with its 95 % interval; ") +
+                  "grey: the others. Orange: its best history.",
               20, 52, "left font ',12'", faint_ink);
   script.text("accuracy [%]", 20, 76, "left font ',12'");
   script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 8, "center font ',12'");
@@ -135,6 +200,14 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
   return std::move(script).plot();
 }
 
+namespace {
+
+bool has_whiskers(const std::vector<DelayBar>& bars) {
+  return std::any_of(bars.begin(), bars.end(), [](const DelayBar& bar) { return std::isfinite(bar.sem_ms); });
+}
+
+}  // namespace
+
 Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
                 const std::vector<DelayBar>& slip, double limit_ms) {
   constexpr int left = 200, right = 24, top = 106, gap = 30, row_height = 30, below = 62;
@@ -143,12 +216,10 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   const std::vector<std::string> names(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(shown));
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text(
-      left_out(objects.size(), shown) +
-          fmt::format(
-              "Bars: mean over detected intervals; whiskers: standard error; dashed: {:g} ms, which the paper stays below.",
-              limit_ms),
-      20, 52, "left font ',12'", faint_ink);
+  script.text(left_out(objects.size(), shown) +
+                  fmt::format("Bars: mean over detected intervals; {}dashed: {:g} ms, which the paper stays below.",
+                              has_whiskers(press) || has_whiskers(slip) ? "whiskers: standard error; " : "", limit_ms),
+              20, 52, "left font ',12'", faint_ink);
   const int width = (page_width - left - right - gap) / 2;
   for (const Touch touch : {Touch::press, Touch::slip}) {
     const bool is_press = touch == Touch::press;
@@ -271,15 +342,19 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
   return std::move(script).plot();
 }
 
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points) {
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
+                          const std::optional<OperatingPoint>& own) {
   constexpr int left = 90, right = 40, top = 84, gap = 34, delay_height = 290, missed_height = 150, below = 62;
   const int delay_bottom = top + delay_height, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text("Blue circles: press; orange squares: slip. The numbers are the probability from which on press or slip is said.",
+  script.text(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: the probability from which on it is said.",
+                          own ? "; diamonds: no threshold" : ""),
               20, 52, "left font ',12'", faint_ink);
+  std::vector<OperatingPoint> all = points;
+  if (own) all.push_back(*own);
   // False alarms span decades: their logarithm, with none at all at a place of its own on the left.
   double most_alarms = 0, least_alarms = 1e9, longest = 0, most_missed = 0;
-  for (const OperatingPoint& point : points) {
+  for (const OperatingPoint& point : all) {
     if (std::isfinite(point.false_alarms_per_min) && point.false_alarms_per_min > 0) {
       most_alarms = std::max(most_alarms, point.false_alarms_per_min);
       least_alarms = std::min(least_alarms, point.false_alarms_per_min);
@@ -312,32 +387,44 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
                1.18 * most);
     script.add("set ylabel {} textcolor rgb '{}'", plot_text(label), ink);
   };
-  const auto draw_lines = [&](std::vector<double> values) {
+  const auto draw_lines = [&](std::vector<double> values, std::vector<double> of_own) {
     script.add(
         "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.6 pt 7 ps 1.3 notitle, "
-        "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.7 notitle",
-        script.table(3, std::move(values)), figure_colours::press, figure_colours::slip);
+        "{0} using 1:3 with linespoints lc rgb '{2}' lw 1.6 dt 2 pt 5 ps 0.7 notitle, "
+        "{3} using 1:2 with points lc rgb '{1}' lw 2.2 pt 12 ps 2.6 notitle, "
+        "{3} using 1:3 with points lc rgb '{2}' lw 2.2 pt 12 ps 2.6 notitle",
+        script.table(3, std::move(values)), figure_colours::press, figure_colours::slip, script.table(3, std::move(of_own)));
+  };
+  const auto values_of_own = [&](auto of_touch) {
+    if (!own) return std::vector<double>();
+    return std::vector<double>{place_of(own->false_alarms_per_min), of_touch(own->press), of_touch(own->slip)};
   };
   begin_panel(top, delay_bottom, longest, "mean delay [ms]");
   script.add("set xtics ({})", bare_tics);
-  // Thresholds are told only where those before left room.
-  std::vector<std::pair<double, double>> told;
-  for (const OperatingPoint& point : points) {
-    const double upper = std::fmax(point.press.mean_ms, point.slip.mean_ms), x = place_of(point.false_alarms_per_min);
-    if (!std::isfinite(x) || !std::isfinite(upper)) continue;
-    const double across = x / span, up = upper / longest;
-    const auto is_near = [&](const auto& other) {
-      return std::abs(other.first - across) < 0.06 && std::abs(other.second - up) < 0.09;
-    };
-    if (std::any_of(told.begin(), told.end(), is_near)) continue;
-    told.emplace_back(across, up);
-    script.add("set label {} at first {:.9g}, first {:.9g} center offset 0,0.9 font ',10' textcolor rgb '{}'",
-               plot_text(fmt::format("{:.4g}", point.threshold)), x, upper, faint_ink);
+  // Thresholds are told beside their points, only where nothing else is.
+  const auto across = [&](double x) { return left + (page_width - left - right) * (x - none_at + 0.03 * span) / (1.06 * span); };
+  const auto down = [&](double delay_ms) { return delay_bottom - delay_height * (delay_ms + 0.03 * longest) / (1.21 * longest); };
+  FreePlaces places({.left = left, .top = top, .right = page_width - right, .bottom = delay_bottom});
+  for (const OperatingPoint& point : all) {
+    for (const OperatingPoint::OfTouch& touch : {point.press, point.slip})
+      places.take_point(across(place_of(point.false_alarms_per_min)), down(touch.mean_ms));
   }
-  draw_lines(std::move(delays));
+  for (const Touch touch : {Touch::slip, Touch::press}) {
+    for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
+      const auto point = std::find_if(points.begin(), points.end(),
+                                      [wanted](const OperatingPoint& one) { return std::abs(one.threshold - wanted) < 1e-9; });
+      if (point == points.end()) continue;
+      const double delay_ms = touch == Touch::press ? point->press.mean_ms : point->slip.mean_ms;
+      const std::string words = fmt::format("{:.4g}", wanted);
+      const auto place =
+          places.beside(across(place_of(point->false_alarms_per_min)), down(delay_ms), 7.0 * static_cast<double>(words.size()));
+      if (place) script.text(words, place->first, place->second, "center font ',10'", figure_colours::of(touch));
+    }
+  }
+  draw_lines(std::move(delays), values_of_own([](const OperatingPoint::OfTouch& touch) { return touch.mean_ms; }));
   begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed or early [%]");
   script.add("set xtics ({})\nset xlabel 'false alarms per minute' textcolor rgb '{}'", tics, ink);
-  draw_lines(std::move(missed));
+  draw_lines(std::move(missed), values_of_own([](const OperatingPoint::OfTouch& touch) { return percent(touch.missed); }));
   return std::move(script).plot();
 }
 
@@ -345,14 +432,16 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
   constexpr int width = 760, left = 90, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
   const int upper_bottom = top + upper_height, lower_top = upper_bottom + gap, bottom = lower_top + lower_height;
   PlotScript script(title, width, bottom + below);
-  script.text("Dashed: what is said with 90 % certainty is right in 90 % of cases.", 20, 52, "left font ',12'", faint_ink);
-  std::vector<double> accuracies, boxes;
+  script.text(fmt::format("Dashed: as often right as it is sure. Hollow: fewer than {} samples.", few_samples), 20, 52,
+              "left font ',12'", faint_ink);
+  std::vector<double> accuracies, of_few, boxes;
   std::uint64_t most = 1;
   double least = 100;
   for (const ReliabilityBin& bin : bins) {
     if (bin.samples == 0) continue;
-    accuracies.insert(accuracies.end(), {percent(bin.confidence), percent(bin.accuracy.value)});
-    add_interval(accuracies, bin.accuracy);
+    std::vector<double>& points = bin.samples < few_samples ? of_few : accuracies;
+    points.insert(points.end(), {percent(bin.confidence), percent(bin.accuracy.value)});
+    add_interval(points, bin.accuracy);
     const auto samples = static_cast<double>(bin.samples);
     boxes.insert(boxes.end(), {percent((bin.from + bin.to) / 2), samples, percent(bin.from), percent(bin.to), 0.8, samples});
     most = std::max(most, bin.samples);
@@ -364,10 +453,12 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
              begin, ink);
   script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
              faint_ink);
+  const std::string of_many_table = script.table(4, std::move(accuracies)), of_few_table = script.table(4, std::move(of_few));
   script.add(
       "plot {0} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1.6 pt 7 ps 1.1 notitle, "
-      "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle",
-      script.table(4, std::move(accuracies)), figure_colours::network);
+      "{0} using 1:2 with lines lc rgb '{1}' lw 1.6 notitle, "
+      "{2} using 1:2:3:4 with yerrorbars lc rgb '{1}' lw 1 dt 1 pt 6 ps 1.1 notitle",
+      of_many_table, figure_colours::network, of_few_table);
   script.begin_panel({.left = left, .top = lower_top, .right = width - right, .bottom = bottom});
   script.add("set xrange [{:.9g}:101]\nset logscale y\nset yrange [0.8:{:.9g}]\nset format y '%.0f'", begin,
              2.0 * static_cast<double>(most));
@@ -382,7 +473,7 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
 }
 
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
-  constexpr int left = 80, right = 20, top = 84, gap = 84, panel_height = 320, below = 76, key_row = 24;
+  constexpr int left = 96, right = 20, top = 84, gap = 84, panel_height = 320, below = 76, key_row = 24;
   constexpr std::size_t most_named = 8;
   const std::size_t named = std::min(curves.size(), most_named);
   const int bottom = top + panel_height, key_rows = static_cast<int>((named + 1) / 2);
@@ -431,8 +522,8 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
     return lines;
   };
   script.begin_panel({.left = left, .top = top, .right = left + width, .bottom = bottom});
-  script.add("set logscale y\nset xrange [0.5:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\nset format y '%.3g'", most_epochs + 0.5,
-             least_loss / 1.3, greatest_loss * 1.3);
+  script.add("set logscale y\nset xrange [0.5:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\nset format y '%.3g'\nset ytics ({})",
+             most_epochs + 0.5, least_loss / 1.3, greatest_loss * 1.3, decade_tics(least_loss / 1.3, greatest_loss * 1.3));
   script.add("set xlabel 'epoch' textcolor rgb '{0}'\nset ylabel 'loss' textcolor rgb '{0}'", ink);
   script.add("plot {}", lines_of(2, false));
   script.begin_panel({.left = left + width + gap, .top = top, .right = page_width - right, .bottom = bottom});

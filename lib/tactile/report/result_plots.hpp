@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,8 +80,11 @@ struct OperatingPoint {
   OfTouch press, slip;
 };
 
-/// Delay, and what it leaves out, against false alarms over the thresholds, some of which are told.
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points);
+/// Delay, and what it leaves out, against false alarms over the thresholds. A few are told beside the points of each curve, in
+/// its colour, where there is room.
+/// @param own  what the network's own verdicts give, without a threshold: hollow diamonds
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
+                          const std::optional<OperatingPoint>& own = {});
 
 /// Samples whose largest probability lies in (from, to].
 struct ReliabilityBin {
@@ -89,6 +93,8 @@ struct ReliabilityBin {
   double confidence = std::numeric_limits<double>::quiet_NaN();  ///< mean of their largest probability
   Measured accuracy;                                             ///< share of them said right
 };
+
+inline constexpr std::uint64_t few_samples = 20;  ///< a bin with fewer is drawn hollow
 
 Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin>& bins);
 

@@ -1,11 +1,13 @@
 #include "tactile/study/claims.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -30,9 +32,11 @@ std::map<std::string, Figure> scaled(std::map<std::string, Figure> figures, doub
   return figures;
 }
 
-Claim unmeasured(std::string id, std::string claim, std::string paper, std::string unit, Asked asked, double limit) {
+Claim unmeasured(std::string id, ClaimScope scope, std::string claim, std::string paper, std::string unit, Asked asked,
+                 double limit) {
   Claim empty;
   empty.id = std::move(id);
+  empty.scope = scope;
   empty.claim = std::move(claim);
   empty.paper = std::move(paper);
   empty.unit = std::move(unit);
@@ -40,6 +44,40 @@ Claim unmeasured(std::string id, std::string claim, std::string paper, std::stri
   empty.limit = limit;
   return empty;
 }
+
+/// Intervals that hold for `count` objects at once.
+BootstrapOptions wide_for(std::size_t count, BootstrapOptions options) {
+  options.confidence = 1 - (1 - options.confidence) / static_cast<double>(std::max<std::size_t>(count, 1));
+  return options;
+}
+
+/// Takes over the figures of objects, the outermost as what is measured, and of how many objects the claim is true.
+void take(Claim& claim, ObjectFigures figures) {
+  claim.measured = claim.asked == Asked::below ? largest_of(figures) : smallest_of(figures);
+  claim.objects = std::move(figures.objects);
+  claim.kept = 0;
+  claim.of = 0;
+  for (const auto& [name, figure] : claim.objects) {
+    if (std::isnan(figure.value)) continue;
+    ++*claim.of;
+    *claim.kept += (claim.asked == Asked::below ? figure.value < claim.limit : figure.value > claim.limit) ? 1U : 0U;
+  }
+}
+
+/// The object whose value is `claim.measured`.
+std::string furthest_object(const Claim& claim) {
+  for (const auto& [name, figure] : claim.objects) {
+    if (figure.value == claim.measured.value) return name;
+  }
+  return {};
+}
+
+/// "3 of 10 objects", "1 of 1 object"
+std::string kept_of(const Claim& claim) {
+  return fmt::format("{} of {} object{}", claim.kept.value_or(0), claim.of.value_or(0), claim.of == std::size_t{1} ? "" : "s");
+}
+
+std::string ms_of(microseconds us) { return fmt::format("{}", static_cast<double>(us.count()) / 1000); }
 
 /// Accuracies of the same runs at every history.
 class Histories {
@@ -98,30 +136,37 @@ class Histories {
 
 Claim history_2_worst(const Histories& histories, const BootstrapOptions& options) {
   Claim claim = unmeasured(
-      "history-2-worst",
+      "history-2-worst", ClaimScope::every_object,
       "A history of 2 ms is the worst for every object: its accuracy less the lowest at any other history, of the object "
       "where that is largest",
       "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", Asked::below, 0);
   if (!histories.has_others(shortest)) return claim;
   const auto others = histories.those([](microseconds history) { return history != shortest; });
+  const Statistic less_lowest = [&](const RunsByObject& drawn) -> std::optional<double> {
+    double lowest = 1;
+    for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, drawn.front()));
+    return 100 * (histories.accuracy(shortest, drawn.front()) - lowest);
+  };
+  ObjectFigures figures;
   for (const auto& [object, runs] : histories.objects()) {
-    claim.objects[object] = figure_of_object(
-        runs,
-        [&](const RunsByObject& drawn) -> std::optional<double> {
-          double lowest = 1;
-          for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, drawn.front()));
-          return 100 * (histories.accuracy(shortest, drawn.front()) - lowest);
-        },
-        options);
+    figures.objects[object] = figure_of_object(runs, less_lowest, options);
+    figures.wide[object] = figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options));
   }
-  claim.measured = largest_of(claim.objects);
+  take(claim, std::move(figures));
+  const double furthest = claim.measured.value;
+  claim.in_words = fmt::format("2 ms is the worst for {}; {}: {}, where {}.", kept_of(claim),
+                               furthest < 0 ? "least so" : "furthest off", furthest_object(claim),
+                               furthest > 0   ? fmt::format("another history is {:.2f} points worse", furthest)
+                               : furthest < 0 ? fmt::format("it is {:.2f} points below the next", -furthest)
+                                              : std::string("another history is just as bad"));
   return claim;
 }
 
 Claim best_history_40(const Histories& histories, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      "best-history-40", "A history of 40 ms is the best for more objects than any other: their number less that of the next one",
-      "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", Asked::above, 0);
+  Claim claim =
+      unmeasured("best-history-40", ClaimScope::over_objects,
+                 "A history of 40 ms is the best for more objects than any other: their number less that of the next one",
+                 "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", Asked::above, 0);
   if (!histories.has_others(chosen)) return claim;
   std::map<microseconds, std::size_t> counts;
   for (const auto& object : histories.objects()) ++counts[histories.best(object.second)];
@@ -135,112 +180,164 @@ Claim best_history_40(const Histories& histories, const BootstrapOptions& option
     return best[chosen] - next;
   };
   claim.measured = figure_over_objects(without_names(histories.objects()), lead, options);
-  for (const auto& [history, count] : counts)
-    claim.note += fmt::format("{}{} ms is the best for {}", claim.note.empty() ? "" : ", ",
-                              static_cast<double>(history.count()) / 1000, count);
-  if (!claim.note.empty()) claim.note += fmt::format(" of {} objects (the shorter of equals).", histories.objects().size());
+  claim.kept = counts[chosen];
+  claim.of = histories.objects().size();
+  std::string others;
+  for (const auto& [history, count] : counts) {
+    if (history != chosen) others += fmt::format("{}{} ms for {}", others.empty() ? "; " : ", ", ms_of(history), count);
+  }
+  claim.in_words = fmt::format("40 ms is the best for {}{} (the shorter of equals).", kept_of(claim), others);
   return claim;
 }
 
 Claim marginal_past_20(const Histories& histories, const BootstrapOptions& options) {
   Claim claim =
-      unmeasured("marginal-past-20",
+      unmeasured("marginal-past-20", ClaimScope::over_objects,
                  "Past 20 ms a longer history gains less than a point: the highest mean accuracy past 20 ms less that at 20 ms",
                  "Improvements become marginal after 20 ms", "points", Asked::below, 1);
   const auto longer = histories.those([](microseconds history) { return history > marginal; });
   if (!histories.has(marginal) || longer.empty()) return claim;
+  const RunsByObject all = without_names(histories.objects());
   claim.measured = figure_over_objects(
-      without_names(histories.objects()),
+      all,
       [&](const RunsByObject& objects) -> std::optional<double> {
         double highest = 0;
         for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
         return 100 * (highest - histories.mean_accuracy(marginal, objects));
       },
       options);
+  if (std::isnan(claim.measured.value)) return claim;
+  const microseconds best = *std::max_element(longer.begin(), longer.end(), [&](microseconds a, microseconds b) {
+    return histories.mean_accuracy(a, all) < histories.mean_accuracy(b, all);
+  });
+  claim.in_words =
+      fmt::format("The mean over {} objects is {:.2f} % at 20 ms, and past that {:.2f} % at best, at {} ms.", all.size(),
+                  100 * histories.mean_accuracy(marginal, all), 100 * histories.mean_accuracy(best, all), ms_of(best));
   return claim;
 }
 
 Claim accuracy_at_40(const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured("accuracy-at-40", "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
+  Claim claim = unmeasured("accuracy-at-40", ClaimScope::every_object,
+                           "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
                            "The average accuracy of the nine test runs exceeds 95 % for all ten objects", "%", Asked::above, 95);
   const auto found = inputs.histories.find(chosen);
   if (found == inputs.histories.end()) return claim;
-  claim.objects = scaled(accuracy_of(found->second, options).objects, 100);
-  claim.measured = smallest_of(claim.objects);
+  ObjectFigures figures{scaled(accuracy_of(found->second, options).objects, 100), {}};
+  figures.wide = scaled(accuracy_of(found->second, wide_for(figures.objects.size(), options)).objects, 100);
+  take(claim, std::move(figures));
+  claim.in_words = fmt::format("Above 95 % for {}; the lowest is {} with {:.2f} %.", kept_of(claim), furthest_object(claim),
+                               claim.measured.value);
   return claim;
 }
 
-Claim delay_claim(const std::string& touch, const std::map<std::string, ObjectDelays>& delays) {
-  Claim claim =
-      unmeasured(touch + "-delay",
-                 fmt::format("The mean detection delay of {} is below 5 ms for every object: that of the slowest object", touch),
-                 "The average delay is below 5 ms for press and slip and for all ten objects", "ms", Asked::below, 5);
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-  for (const auto& [object, delay] : delays) {
-    claim.objects[object] = delay.mean_ms;
-    intervals += delay.intervals;
-    misses += delay.misses;
-    early += delay.early;
-  }
-  if (delays.empty()) return claim;
-  claim.measured = largest_of(claim.objects);
-  if (misses + early > 0)
-    claim.note =
-        fmt::format("Of {} intervals {} were missed and {} told early; they are not in the means.", intervals, misses, early);
+Claim delay_claim(Touch touch, const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      fmt::format("{}-delay", name_of(touch)), ClaimScope::every_object,
+      fmt::format("The mean detection delay of {} is below 5 ms for every object: that of the slowest object", name_of(touch)),
+      "The average delay is below 5 ms for press and slip and for all ten objects", "ms", Asked::below, 5);
+  const DelayTable delays = delay_table(inputs.detections, touch, options);
+  if (delays.objects.empty()) return claim;
+  const DelayTable wide = delay_table(inputs.detections, touch, wide_for(delays.objects.size(), options));
+  ObjectFigures figures;
+  for (const auto& [object, delay] : delays.objects) figures.objects[object] = delay.mean_ms;
+  for (const auto& [object, delay] : wide.objects) figures.wide[object] = delay.mean_ms;
+  take(claim, std::move(figures));
+  claim.of = claim.objects.size();
+  const DelaySummary& all = delays.all;
+  claim.in_words = std::isnan(claim.measured.value) ? fmt::format("No {} of {} was detected.", name_of(touch), all.intervals)
+                                                    : fmt::format("Below 5 ms for {}; the slowest is {} with {:.2f} ms.",
+                                                                  kept_of(claim), furthest_object(claim), claim.measured.value);
+  if (all.misses + all.early > 0)
+    claim.note = fmt::format("Of {} intervals {} were missed and {} told early; they are not in the means.", all.intervals,
+                             all.misses, all.early);
   return claim;
 }
 
 /// A delay holds only where every interval had one.
-void judge_delay(Claim& claim, const std::map<std::string, ObjectDelays>& delays) {
-  const bool all_detected = std::all_of(delays.begin(), delays.end(),
-                                        [](const auto& object) { return object.second.misses + object.second.early == 0; });
-  if (claim.verdict == Verdict::holds && !all_detected) {
-    claim.verdict = Verdict::cannot_tell;
-    claim.note += " Without them the claim would hold.";
+void judge_delay(Claim& claim) {
+  if (claim.verdict != Verdict::holds || claim.note.empty()) return;
+  claim.verdict = Verdict::cannot_tell;
+  claim.why = "some intervals have no delay; of the others the claim would hold";
+}
+
+/// Nothing where the runs have no slip.
+std::optional<bool> every_slip_at_once(std::span<const RunDetections> runs, std::span<const std::size_t> chosen_runs,
+                                       double tick_ms) {
+  std::optional<bool> all;
+  for (const std::size_t i : chosen_runs) {
+    for (const Detection& detection : runs[i].detections) {
+      if (detection.interval.touch != Touch::slip) continue;
+      const bool at_once = detection.outcome == DetectionOutcome::detected &&
+                           static_cast<double>(detection.delay.count()) <= 1000 * tick_ms * (1 + 1e-9);
+      all = all.value_or(true) && at_once;
+    }
   }
+  return all;
 }
 
 Claim slip_at_once(const ClaimInputs& inputs, const BootstrapOptions& options) {
   Claim claim = unmeasured(
-      "slip-at-once",
+      "slip-at-once", ClaimScope::over_objects,
       "In most objects slip is told at the first moment: the share of objects in which every slip was told at its first tick",
       "In six of ten objects slip is detected with minimal delay in all trials", "%", Asked::above, 50);
-  std::vector<double> at_once;
-  RunsByObject objects;
-  for (const auto& [object, delay] : inputs.slip) {
-    if (delay.intervals == 0) continue;
-    objects.push_back({at_once.size()});
-    const bool all = delay.misses + delay.early == 0 && delay.mean_ms.value <= inputs.tick_ms * (1 + 1e-9);
-    at_once.push_back(all ? 100 : 0);
-  }
-  claim.measured = figure_over_objects(
-      objects, mean_over_objects([&](std::span<const std::size_t> object) { return at_once[object.front()]; }), options);
+  const std::span<const RunDetections> runs(inputs.detections);
+  const auto objects = runs_by_object(runs, [](const RunDetections& run) {
+    return std::any_of(run.detections.begin(), run.detections.end(),
+                       [](const Detection& detection) { return detection.interval.touch == Touch::slip; });
+  });
+  if (objects.empty()) return claim;
+  claim.measured = figure_over_objects(without_names(objects),
+                                       mean_over_objects([&](std::span<const std::size_t> of_object) -> std::optional<double> {
+                                         const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
+                                         return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
+                                       }),
+                                       options);
+  claim.kept = 0;
+  claim.of = objects.size();
+  for (const auto& object : objects) *claim.kept += every_slip_at_once(runs, object.second, inputs.tick_ms) == true ? 1U : 0U;
+  claim.in_words = fmt::format("Every slip was told at its first tick for {}.", kept_of(claim));
   return claim;
 }
 
 Claim right_at_first(const ClaimInputs& inputs) {
   Claim claim =
-      unmeasured("right-at-first", "In the first 500 ms of a press or slip verdicts are right: the share of ticks said right",
+      unmeasured("right-at-first", ClaimScope::over_objects,
+                 "In the first 500 ms of a press or slip verdicts are right: the share of ticks said right",
                  "During the beginning of pressing and slippage the classification is highly accurate", "%", Asked::above, 95);
-  claim.measured = scaled(inputs.first, 100);
+  claim.measured = scaled(inputs.over_time.first, 100);
+  claim.in_words = fmt::format("{:.2f} % of the ticks in the first 500 ms are said right, the mean over {} objects.",
+                               claim.measured.value, claim.measured.n);
   return claim;
 }
 
 Claim worse_near_the_end(const ClaimInputs& inputs) {
   Claim claim = unmeasured(
-      "worse-near-the-end",
-      "Near the end of a press or slip verdicts are worse: the share of ticks said right in the last 200 ms, less that in the "
-      "first 500 ms",
+      "worse-near-the-end", ClaimScope::over_objects,
+      "Near the end of a press or slip verdicts are worse: the share of ticks said right in the last 200 ms, less that ahead of "
+      "them in the same interval",
       "Near the end of each incident the model deviates from the ground truth", "points", Asked::below, 0);
-  claim.measured = scaled(inputs.last_minus_first, 100);
+  const VerdictsOverTime& over_time = inputs.over_time;
+  claim.measured = scaled(over_time.last_minus_before, 100);
+  const std::uint64_t compared = over_time.intervals - std::min(over_time.intervals, over_time.short_ones);
+  claim.in_words = fmt::format(
+      "In the last 200 ms the share said right is {:.2f} points {} than ahead of them: the mean over {} objects, {} of "
+      "{} intervals; {} have no tick ahead of them and are left out.",
+      std::abs(claim.measured.value), claim.measured.value < 0 ? "lower" : "higher", claim.measured.n, compared,
+      over_time.intervals, over_time.short_ones);
+  if (std::isfinite(over_time.still_said.value)) {
+    claim.note = fmt::format(
+        "The paper's first reason is what is said behind the end: in the {:g} ms after an interval {:.1f} % of the ticks still "
+        "say press or slip. Part of that is t_h itself, which looks {:g} ms back.",
+        over_time.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
+  }
   return claim;
 }
 
 Claim unseen_near_seen(const ClaimInputs& inputs, const BootstrapOptions& options) {
   Claim claim = unmeasured(
-      "unseen-near-seen",
+      "unseen-near-seen", ClaimScope::every_object,
       fmt::format("Unseen objects but {} come near seen ones: what accuracy loses without them in training is less than "
-                  "5 points, the mean over these objects",
+                  "5 points for each, told of the one that loses most",
                   exception_object),
       "For most unseen objects the accuracy is comparable to that with the objects in training", "points", Asked::above,
       -near_points);
@@ -252,38 +349,94 @@ Claim unseen_near_seen(const ClaimInputs& inputs, const BootstrapOptions& option
     held_out.push_back(inputs.held_out[i]);
   }
   const Accuracy difference = accuracy_difference(seen, held_out, options);
-  claim.measured = scaled(difference.mean, 100);
-  claim.objects = scaled(difference.objects, 100);
+  if (difference.objects.empty()) return claim;
+  ObjectFigures figures{scaled(difference.objects, 100), {}};
+  figures.wide = scaled(accuracy_difference(seen, held_out, wide_for(figures.objects.size(), options)).objects, 100);
+  take(claim, std::move(figures));
+  claim.in_words = fmt::format("Less than 5 points are lost for {}; {} {} {:.2f} points.", kept_of(claim), furthest_object(claim),
+                               claim.measured.value < 0 ? "loses most," : "gains least,", std::abs(claim.measured.value));
+  claim.note = fmt::format("The mean over these objects changes by {:+.2f} points, which decides nothing here.",
+                           100 * difference.mean.value);
   return claim;
 }
 
 Claim unseen_exception(const ClaimInputs& inputs, const BootstrapOptions& options) {
   Claim claim = unmeasured(
-      fmt::format("unseen-{}", exception_object),
+      fmt::format("unseen-{}", exception_object), ClaimScope::one_object,
       fmt::format("{} is the exception: what accuracy loses without it in training is more than 5 points", exception_object),
       "The only exception is the plastic container, where the accuracy was significantly lower", "points", Asked::below,
       -near_points);
   if (inputs.seen.empty()) return claim;
   const auto differences = accuracy_difference(inputs.seen, inputs.held_out, options).objects;
-  if (const auto found = differences.find(exception_object); found != differences.end())
-    claim.measured = scaled(found->second, 100);
+  const auto found = differences.find(exception_object);
+  if (found == differences.end()) return claim;
+  claim.measured = scaled(found->second, 100);
+  claim.in_words = fmt::format("Without it in training {} {} {:.2f} points.", exception_object,
+                               claim.measured.value < 0 ? "loses" : "gains", std::abs(claim.measured.value));
   return claim;
 }
 
-Figure outermost_of(const std::map<std::string, Figure>& objects, const std::function<bool(double, double)>& further,
+/// What there is too little of to tell a claim, in words; empty where there is enough.
+std::string too_few(const Claim& claim) {
+  if (claim.scope == ClaimScope::over_objects) {
+    return claim.measured.n >= fewest_objects ? std::string()
+                                              : fmt::format("too few objects: {}, {} wanted", claim.measured.n, fewest_objects);
+  }
+  if (claim.scope == ClaimScope::one_object) {
+    return claim.measured.n >= fewest_runs ? std::string()
+                                           : fmt::format("too few runs: {}, {} wanted", claim.measured.n, fewest_runs);
+  }
+  std::vector<std::string> short_of;
+  std::set<std::size_t> counts;
+  for (const auto& [name, figure] : claim.objects) {
+    if (figure.n >= fewest_runs) continue;
+    short_of.push_back(name);
+    counts.insert(figure.n);
+  }
+  if (short_of.empty()) return {};
+  const std::string count =
+      counts.size() == 1 ? fmt::format("{}", *counts.begin()) : fmt::format("{} to {}", *counts.begin(), *counts.rbegin());
+  return short_of.size() == claim.objects.size()
+             ? fmt::format("too few runs: {} each, {} wanted", count, fewest_runs)
+             : fmt::format("too few runs of {}: {}, {} wanted of each object", fmt::join(short_of, ", "), count, fewest_runs);
+}
+
+/// A single object beyond the limit tells that not every object is on its good side, whatever the others lack.
+void judge(Claim& claim) {
+  if (std::isnan(claim.measured.value)) {
+    claim.in_words.clear();
+    claim.note = "Not measured in this study.";
+    claim.why = "not measured";
+    return;
+  }
+  const std::string lacking = too_few(claim);
+  claim.verdict = claim.asked == Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
+  if (claim.scope == ClaimScope::over_objects && !lacking.empty()) claim.verdict = Verdict::cannot_tell;
+  claim.can_be_told = lacking.empty() || claim.verdict != Verdict::cannot_tell;
+  if (claim.verdict != Verdict::cannot_tell) return;
+  const bool is_bounded = claim.measured.low && claim.measured.high;
+  claim.why = !lacking.empty() ? lacking
+              : is_bounded     ? std::string("the interval lies across the limit")
+                               : std::string("no interval: too many of the draws hold nothing to measure");
+}
+
+Figure outermost_of(const ObjectFigures& figures, const std::function<bool(double, double)>& further,
                     std::optional<double> Figure::*inner, std::optional<double> Figure::*outer) {
   Figure result;
   bool all_known = true;
-  for (const auto& [name, figure] : objects) {
+  const auto take_further = [&](std::optional<double>& bound, const std::optional<double>& other) {
+    if (other && (!bound || further(*other, *bound))) bound = other;
+  };
+  for (const auto& [name, figure] : figures.wide) take_further(result.*inner, figure.*inner);
+  for (const auto& [name, figure] : figures.objects) {
     if (std::isnan(figure.value)) {
       all_known = false;
       continue;
     }
     ++result.n;
     if (std::isnan(result.value) || further(figure.value, result.value)) result.value = figure.value;
-    if (figure.*inner && (!(result.*inner) || further(*(figure.*inner), *(result.*inner)))) result.*inner = figure.*inner;
     if (!(figure.*outer)) all_known = false;
-    if (figure.*outer && (!(result.*outer) || further(*(figure.*outer), *(result.*outer)))) result.*outer = figure.*outer;
+    take_further(result.*outer, figure.*outer);
   }
   if (!all_known) result.*outer = std::nullopt;
   return result;
@@ -305,53 +458,63 @@ std::string_view name_of(Verdict verdict) {
 
 Verdict below(const Figure& figure, double limit) {
   if (figure.high && *figure.high < limit) return Verdict::holds;
-  if (figure.low && *figure.low >= limit) return Verdict::does_not;
+  if (figure.low && *figure.low > limit) return Verdict::does_not;
   return Verdict::cannot_tell;
 }
 
 Verdict above(const Figure& figure, double limit) {
   if (figure.low && *figure.low > limit) return Verdict::holds;
-  if (figure.high && *figure.high <= limit) return Verdict::does_not;
+  if (figure.high && *figure.high < limit) return Verdict::does_not;
   return Verdict::cannot_tell;
 }
 
-Figure largest_of(const std::map<std::string, Figure>& objects) {
+Figure largest_of(const ObjectFigures& figures) {
   return outermost_of(
-      objects, [](double a, double b) { return a > b; }, &Figure::low, &Figure::high);
+      figures, [](double a, double b) { return a > b; }, &Figure::low, &Figure::high);
 }
 
-Figure smallest_of(const std::map<std::string, Figure>& objects) {
+Figure smallest_of(const ObjectFigures& figures) {
   return outermost_of(
-      objects, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
+      figures, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
 }
 
 void to_json(nlohmann::json& json, const Claim& claim) {
+  const auto count = [](const std::optional<std::size_t>& objects) {
+    return objects ? nlohmann::json(*objects) : nlohmann::json();
+  };
   json = {{"id", claim.id},
           {"claim", claim.claim},
           {"paper", claim.paper},
           {"unit", claim.unit},
+          {"in_words", claim.in_words},
           {"asked", claim.asked == Asked::below ? "below" : "above"},
           {"limit", claim.limit},
           {"measured", claim.measured},
           {"objects", claim.objects},
+          {"kept", count(claim.kept)},
+          {"of", count(claim.of)},
           {"verdict", name_of(claim.verdict)},
+          {"why", claim.why},
+          {"can_be_told", claim.can_be_told},
           {"note", claim.note}};
 }
 
 std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options) {
   const Histories histories(inputs.histories);
-  std::vector<Claim> claims{history_2_worst(histories, options),  best_history_40(histories, options),
-                            marginal_past_20(histories, options), accuracy_at_40(inputs, options),
-                            delay_claim("press", inputs.press),   delay_claim("slip", inputs.slip),
-                            slip_at_once(inputs, options),        right_at_first(inputs),
-                            worse_near_the_end(inputs),           unseen_near_seen(inputs, options),
+  std::vector<Claim> claims{history_2_worst(histories, options),
+                            best_history_40(histories, options),
+                            marginal_past_20(histories, options),
+                            accuracy_at_40(inputs, options),
+                            delay_claim(Touch::press, inputs, options),
+                            delay_claim(Touch::slip, inputs, options),
+                            slip_at_once(inputs, options),
+                            right_at_first(inputs),
+                            worse_near_the_end(inputs),
+                            unseen_near_seen(inputs, options),
                             unseen_exception(inputs, options)};
-  for (Claim& claim : claims) {
-    claim.verdict = claim.asked == Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
-    if (std::isnan(claim.measured.value)) claim.note = "Not measured in this study.";
-  }
-  judge_delay(claims[4], inputs.press);
-  judge_delay(claims[5], inputs.slip);
+  for (Claim& claim : claims) judge(claim);
+  judge_delay(claims[4]);
+  judge_delay(claims[5]);
   return claims;
 }
 
@@ -359,9 +522,12 @@ std::string summary_of(const std::vector<Claim>& claims, bool simulated) {
   const auto number_of = [&](Verdict verdict) {
     return std::count_if(claims.begin(), claims.end(), [&](const Claim& claim) { return claim.verdict == verdict; });
   };
-  return fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and of {} one cannot tell.",
-                     simulated ? "simulated" : "real", number_of(Verdict::holds), claims.size(), number_of(Verdict::does_not),
-                     number_of(Verdict::cannot_tell));
+  const auto untellable = std::count_if(claims.begin(), claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
+  std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and of {} one cannot tell",
+                                 simulated ? "simulated" : "real", number_of(Verdict::holds), claims.size(),
+                                 number_of(Verdict::does_not), number_of(Verdict::cannot_tell));
+  if (untellable > 0) text += fmt::format(": for {} of them there are too few runs or objects, whatever they say", untellable);
+  return text + ".";
 }
 
 }  // namespace tactile

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/detection_delay.hpp"
 
 namespace tactile {
 
@@ -17,48 +19,74 @@ enum class Verdict : std::uint8_t { holds, does_not, cannot_tell };
 
 std::string_view name_of(Verdict verdict);  ///< "holds", "does not", "cannot tell"
 
-/// Whether a figure lies below or above a limit: said only where its whole 95 % interval lies on one side. A bound that is not
-/// known is on no side; the limit itself is neither below nor above.
+/// Whether a figure lies below or above a limit: said only where its whole interval lies on one side. A bound that is not known
+/// is on no side, and neither is one at the limit itself.
 Verdict below(const Figure& figure, double limit);
 Verdict above(const Figure& figure, double limit);
 
-/// The largest (smallest) of several objects' figures, and its interval: the largest (smallest) of the lows and of the highs. Its
-/// high (low) is unknown if that of any object is; the other bound needs only one. n = objects.
-Figure largest_of(const std::map<std::string, Figure>& objects);
-Figure smallest_of(const std::map<std::string, Figure>& objects);
+/// Objects' figures, with two intervals for each.
+struct ObjectFigures {
+  std::map<std::string, Figure> objects;  ///< 95 %
+  std::map<std::string, Figure> wide;     ///< so wide that all of them hold at once with 95 %: 1 - 0.05 / k for k objects
+};
 
-/// How the touches of one class were met in one object's runs.
-struct ObjectDelays {
-  Figure mean_ms;  ///< over detected ones
-  std::uint64_t intervals = 0, misses = 0, early = 0;
+/// The largest (smallest) of several objects' figures, and its interval. High (low) is the largest (smallest) of the objects'
+/// own, unknown if that of any object is: all of them must lie on the good side. Low (high) is the largest (smallest) of the wide
+/// intervals: of many looks one may go wrong by chance alone. n = objects.
+Figure largest_of(const ObjectFigures& figures);
+Figure smallest_of(const ObjectFigures& figures);
+
+/// Right verdicts within presses and slips and behind them, as an evaluation tells them; shares in [0, 1].
+struct VerdictsOverTime {
+  Figure first;                                 ///< within 500 ms of the onset
+  Figure last_minus_before;                     ///< in the last 200 ms, less that ahead of them in the same intervals
+  Figure still_said;                            ///< press or slip said in the time after an interval
+  double after_ms = 100;                        ///< that time
+  std::uint64_t intervals = 0, short_ones = 0;  ///< all, and those with no tick ahead of the last 200 ms
 };
 
 /// What a study measured on one set of runs. What was not measured is empty, and its claims cannot be told.
 struct ClaimInputs {
   std::map<microseconds, std::vector<RunConfusion>> histories;  ///< balanced samples by history t_h, the same runs in each
-  std::map<std::string, ObjectDelays> press, slip;              ///< delays of the history chosen
+  std::vector<RunDetections> detections;                        ///< of each run, by the history chosen
   double tick_ms = 2;                                           ///< the shortest delay that there can be, > 0
-  Figure first, last_minus_first;  ///< share of ticks said right: within 500 ms of the onset, and near the end less that
+  double history_ms = 40;                                       ///< t_h, the one chosen
+  VerdictsOverTime over_time;
   std::vector<RunConfusion> seen, held_out;  ///< balanced samples of objects held out of training, the same runs in both
 };
 
 enum class Asked : std::uint8_t { below, above };
 
+/// What a claim is about, and so what it takes to tell it.
+enum class ClaimScope : std::uint8_t {
+  every_object,  ///< three runs of each
+  one_object,    ///< three runs of it
+  over_objects,  ///< a mean, a share or a count: five objects
+};
+
+inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5;
+
 /// One of the paper's claims beside what was measured of it.
 struct Claim {
-  std::string id;     ///< "history-2-worst"
-  std::string claim;  ///< in words, with what it is measured by
-  std::string paper;  ///< what the paper says
-  std::string unit;   ///< of `measured`, `limit` and `objects`: "%", "points" (of percent), "ms", "objects"
+  std::string id;        ///< "history-2-worst"
+  std::string claim;     ///< in words, with what it is measured by
+  std::string paper;     ///< what the paper says
+  std::string unit;      ///< of `measured`, `limit` and `objects`: "%", "points" (of percent), "ms", "objects"
+  std::string in_words;  ///< what was measured, a sentence: which object decides, and of how many the claim is true
+  ClaimScope scope = ClaimScope::over_objects;
   Asked asked = Asked::below;
   double limit = 0;
   Figure measured;
   std::map<std::string, Figure> objects;  ///< where the claim is about each object
+  std::optional<std::size_t> kept, of;    ///< of how many objects the claim is true by their values, and of how many measured
   Verdict verdict = Verdict::cannot_tell;
-  std::string note;  ///< what there is to be said, such as intervals missed; may be empty
+  std::string why;           ///< one cannot tell, in words; empty where one can
+  bool can_be_told = false;  ///< there are runs and objects enough for a verdict, whatever they say
+  std::string note;          ///< what there is to be said beside, such as intervals missed; may be empty
 };
 
-/// {"id", "claim", "paper", "unit", "asked", "limit", "measured", "objects", "verdict", "note"}
+/// {"id", "claim", "paper", "unit", "in_words", "asked", "limit", "measured", "objects", "kept", "of", "verdict", "why",
+/// "can_be_told", "note"}
 void to_json(nlohmann::json& json, const Claim& claim);
 
 /// The claims of the paper's section V, always the same ones in the same order.
@@ -69,10 +97,10 @@ void to_json(nlohmann::json& json, const Claim& claim);
 /// - accuracy-at-40: the lowest object's accuracy at 40 ms is above 95 %.
 /// - press-delay, slip-delay: the largest object's mean delay is below 5 ms; cannot be told to hold where one was missed or
 /// early.
-/// - slip-at-once: of more than half of the objects every slip was told at its first tick.
+/// - slip-at-once: of more than half of the objects every slip was told at its first tick; objects are drawn, then runs.
 /// - right-at-first: within 500 ms of an onset more than 95 % of the ticks are said right.
-/// - worse-near-the-end: near an interval's end fewer are than that.
-/// - unseen-near-seen: held-out objects but plastic-container lose less than 5 points, on average over them.
+/// - worse-near-the-end: in an interval's last 200 ms fewer are than ahead of them; what is still said behind it is noted.
+/// - unseen-near-seen: each held-out object but plastic-container loses less than 5 points.
 /// - unseen-plastic-container: that one loses more than 5 points.
 ///
 /// The paper says "highly accurate" and "comparable": 95 % is its own other figure, 5 points are ours.
@@ -80,7 +108,8 @@ void to_json(nlohmann::json& json, const Claim& claim);
 /// Source: Faris et al., arXiv:2403.10120, section V.
 std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options = {});
 
-/// "On simulated runs 3 of the paper's 11 claims hold, 2 do not, and of 6 one cannot tell."
+/// "On simulated runs 3 of the paper's 11 claims hold, 2 do not, and of 6 one cannot tell: for 4 there are too few runs or
+/// objects for a verdict."
 std::string summary_of(const std::vector<Claim>& claims, bool simulated);
 
 }  // namespace tactile

@@ -29,6 +29,7 @@
 #include "tactile/study/folder_lock.hpp"
 #include "tactile/study/history_choice.hpp"
 #include "tactile/study/leave_five_out.hpp"
+#include "tactile/study/left_out.hpp"
 #include "tactile/study/sample_verdicts.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/study/study_json.hpp"
@@ -43,6 +44,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr microseconds shortest_stored{50'000};  ///< of events before each sample, by windows' default
+constexpr int evaluation_form = 2;               ///< another one, and evaluations that are kept are made anew
 
 double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 
@@ -310,6 +312,7 @@ class Study {
     model.settings.rendering.history = history;
     model.settings.training.seed = seed;
     model.settings.training.epochs = epochs_;
+    model.settings.training.engine = options_.engine;
     model.settings.split.train_run = options_.train_run;
     if (!held_out.empty()) model.settings.split = {SplitKind::unseen, options_.train_run, held_out};
     model.bundle = {options_.models / default_name(model.settings)};
@@ -455,6 +458,7 @@ class Study {
                  .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
                                         {"weights", read_description(model.bundle).weights_sha256},
                                         {"truth", truths_of(set.runs)},
+                                        {"form", evaluation_form},
                                         {"runs", set.names}}),
                  .outputs =
                      [json_file, csv_file] {
@@ -477,6 +481,8 @@ class Study {
     return states;
   }
 
+  fs::path outcome_of_full_run() const { return fs::path(full_run_file_).replace_extension(".json"); }
+
   /// One run over time, as the paper's figure 8: of the water bottle where there is one.
   void predict_full_run() {
     std::uint32_t shown = runs_.reported.front();
@@ -493,8 +499,12 @@ class Study {
                                         std::string(name_of(options_.engine))}),
                  .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
                                         {"weights", read_description(model.bundle).weights_sha256},
+                                        {"form", evaluation_form},
                                         {"truth", truths_of({shown})}}),
-                 .outputs = [this] { return hash_of_file(full_run_file_); },
+                 .outputs =
+                     [this] {
+                       return hashes_of({full_run_file_, outcome_of_full_run()});
+                     },
                  .work =
                      [&](const ProgressCallback& progress) {
                        check_unchanged(*dataset_, shown);
@@ -513,6 +523,7 @@ class Study {
                                          tactile::tell(progress, done, total, "every tick of " + full_run_);
                                        });
                        write_prediction(full_run_file_, prediction, samples);
+                       write_json(outcome_of_full_run(), outcome_json(prediction));
                      }});
   }
 
@@ -554,12 +565,16 @@ class Study {
     const json evaluation = read_json(evaluated.json_file);
     ClaimInputs inputs;
     inputs.histories = confusions_.at(set.name);
-    inputs.press = delays_in(evaluation, "press", where);
-    inputs.slip = delays_in(evaluation, "slip", where);
+    inputs.detections = detections_in(evaluation, where);
     inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
-    const auto both = member<json>(member<json>(evaluation, "over_time", where), "both", where);
-    inputs.first = figure_in(member<json>(both, "first", where), where);
-    inputs.last_minus_first = figure_in(member<json>(both, "last_minus_first", where), where);
+    inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
+    const auto over_time = member<json>(evaluation, "over_time", where), both = member<json>(over_time, "both", where);
+    inputs.over_time = {figure_in(member<json>(both, "first", where), where),
+                        figure_in(member<json>(both, "last_minus_before", where), where),
+                        figure_in(member<json>(both, "still_said", where), where),
+                        member<double>(over_time, "after_ms", where),
+                        member<std::uint64_t>(both, "intervals", where),
+                        member<std::uint64_t>(both, "short_ones", where)};
     if (!unseen_.empty()) {
       const SeenAndHeldOut comparison = compared(unseen_, set);
       if (!comparison.runs.empty()) {
@@ -571,23 +586,51 @@ class Study {
     return claims_of(inputs);
   }
 
+  json training_json(const StudyModel& model) const {
+    return {{"seed", model.settings.training.seed},
+            {"name", model.name()},
+            {"folder", from_study(model.bundle.folder)},
+            {"history", from_study(model.bundle.history())},
+            {"weights_sha256", read_description(model.bundle).weights_sha256},
+            {"samples", from_study(samples_file(model))}};
+  }
+
   json histories_json() const {
     json histories = json::array();
     for (const auto& [history, models] : models_) {
       json entry = {{"th_ms", in_ms(history)}, {"models", json::array()}, {"accuracy", {{"choice", nullptr}}}};
       for (const StudyModel& model : models) {
-        entry["models"].push_back({{"seed", model.settings.training.seed},
-                                   {"name", model.name()},
-                                   {"folder", from_study(model.bundle.folder)},
-                                   {"history", from_study(model.bundle.history())},
-                                   {"weights_sha256", read_description(model.bundle).weights_sha256},
-                                   {"samples", from_study(samples_file(model))},
-                                   {"accuracy", accuracy_of(judged({model}, reported().names)).mean}});
+        json one = training_json(model);
+        one["accuracy"] = accuracy_of(judged({model}, reported().names)).mean;
+        entry["models"].push_back(one);
       }
       for (const auto& [set, accuracies] : accuracies_) entry["accuracy"][set] = accuracies.at(history);
       histories.push_back(entry);
     }
     return histories;
+  }
+
+  /// Where another history has the higher mean, the rule that decides all the same.
+  static std::string rule_of(const HistoryChoice& made, const AccuracyByHistory& accuracies) {
+    const auto best = std::max_element(accuracies.begin(), accuracies.end(),
+                                       [](const auto& a, const auto& b) { return a.second.mean.value < b.second.mean.value; });
+    const double chosen = accuracies.at(made.history).mean.value;
+    if (!(best->second.mean.value > chosen)) return " The mean over objects is the highest there, too.";
+    return fmt::format(
+        " The mean over objects is higher at {} ms there, {:.2f} % against {:.2f} %; the rule is the paper's: the history that "
+        "is "
+        "best for the most objects, the mean among equals alone.",
+        ms_text(best->first), 100 * best->second.mean.value, 100 * chosen);
+  }
+
+  /// What intervals hold, and what they do not.
+  std::string words_on_seeds() const {
+    if (options_.seeds == 1)
+      return "One training each: intervals are over runs and objects, and do not hold what another seed would change.";
+    return fmt::format(
+        "{} trainings each, whose verdicts are counted together, and of delays the first: intervals are over runs and objects, "
+        "and do not hold what other seeds would change. The accuracy of each training stands in the table of models.",
+        options_.seeds);
   }
 
   json choice_json() const {
@@ -598,9 +641,9 @@ class Study {
                    {"best", {{"choice", nullptr}}}};
     if (chosen_on_runs) {
       const HistoryChoice& made = choices_.at("choice");
-      choice["why"] =
-          fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).", ms_text(history_),
-                      made.counts.at(history_), made.of_objects.size(), fmt::join(preset_.choice_runs, ", "));
+      choice["why"] = fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).{}",
+                                  ms_text(history_), made.counts.at(history_), made.of_objects.size(),
+                                  fmt::join(preset_.choice_runs, ", "), rule_of(choices_.at("choice"), accuracies_.at("choice")));
     } else {
       choice["why"] = fmt::format("There is no run to choose a history on beside those reported on, so that t_h stays {} ms.",
                                   ms_text(history_));
@@ -614,8 +657,9 @@ class Study {
     return {{"th_ms", in_ms(paper_history_)},
             {"model", models_.at(paper_history_).front().name()},
             {"why",
-             fmt::format("{} ms is the best history for {} of {} objects on all test runs, the very runs that are reported on.",
-                         ms_text(paper_history_), made.counts.at(paper_history_), made.of_objects.size())}};
+             fmt::format("{} ms is the best history for {} of {} objects on all test runs, the very runs that are reported on.{}",
+                         ms_text(paper_history_), made.counts.at(paper_history_), made.of_objects.size(),
+                         rule_of(made, accuracies_.at("all_test")))}};
   }
 
   json evaluations_json() const {
@@ -649,8 +693,10 @@ class Study {
             {"seed", options_.seed},
             {"seeds", seeds},
             {"train_run", options_.train_run},
+            {"held_out", held_out_},
             {"histories_ms", histories},
             {"epochs", epochs_},
+            {"engine", name_of(options_.engine)},
             {"splits", splits_.size()},
             {"objects", simulated_here_ && !options_.objects.empty() ? json(options_.objects) : json()},
             {"runs", simulated_here_ && options_.runs ? json(*options_.runs) : json()}};
@@ -671,7 +717,11 @@ class Study {
           {"cores", std::thread::hardware_concurrency()},
           {"memory_bytes", memory_bytes()},
           {"threads", threads_}}},
-        {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
+        {"bootstrap",
+         {{"draws", bootstrap.draws},
+          {"confidence", bootstrap.confidence},
+          {"seed", bootstrap.seed},
+          {"trainings", words_on_seeds()}}},
         {"steps", json::array()},
         {"dataset",
          {{"file", from_study(dataset_file())},
@@ -698,6 +748,7 @@ class Study {
                                 {"finished_at", record.finished_at}});
     }
     for (const RunSet& set : sets_) study["runs"][set.name] = set.names;
+    study["left_out"] = left_out_of(*dataset_, runs_below(options_.data));
 
     std::vector<std::unique_ptr<SeenAndHeldOut>> comparisons;
     std::vector<UnseenRow> unseen_rows;
@@ -717,10 +768,12 @@ class Study {
           study["unseen"] = {{"th_ms", in_ms(history_)},
                              {"held_out", held_out_},
                              {"models", {{"seen", models_.at(history_).front().name()}, {"held_out", unseen_.front().name()}}}};
+      for (const StudyModel& model : unseen_) unseen["trainings"].push_back(training_json(model));
       add_comparison(unseen, "paper", unseen_);
     }
     for (std::size_t i = 0; i < splits_.size(); ++i) {
       json split = {{"name", splits_[i].name}, {"held_out", splits_[i].held_out}, {"model", split_models_[i].name()}};
+      split["training"] = training_json(split_models_[i]);
       add_comparison(split, splits_[i].name, {split_models_[i]});
       study["splits"].push_back(split);
     }
@@ -730,7 +783,8 @@ class Study {
     study["claims"] = json::array();
     for (std::size_t i = 0; i < on_reported.size(); ++i) {
       json claim = on_reported[i], beside = on_all[i];
-      for (const char* key : {"measured", "verdict", "objects", "note"}) claim["all_test"][key] = beside.at(key);
+      for (const char* key : {"measured", "verdict", "why", "can_be_told", "in_words", "kept", "of", "objects", "note"})
+        claim["all_test"][key] = beside.at(key);
       study["claims"].push_back(claim);
     }
     study["summary"] = summary_of(on_reported, dataset_->simulated());

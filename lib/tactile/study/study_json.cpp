@@ -47,6 +47,16 @@ std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, 
   return delays;
 }
 
+std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
+  std::vector<RunDetections> runs;
+  for (const nlohmann::json& run : member<nlohmann::json>(evaluation, "runs", where)) {
+    runs.push_back({member<std::string>(run, "object", where), {}});
+    for (const nlohmann::json& interval : member<nlohmann::json>(run, "intervals", where))
+      runs.back().detections.push_back(detection_in(interval, where));
+  }
+  return runs;
+}
+
 std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms) {
   std::map<std::string, bool> at_once;
   for (const auto& [object, delay] : delays) {
@@ -87,10 +97,14 @@ std::string unseen_csv(const std::vector<UnseenRow>& rows) {
 }
 
 std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test) {
-  std::string text = "id,runs,value,low,high,n,unit,asked,limit,verdict\n";
+  std::string text = "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\n";
   const auto add = [&](const Claim& claim, const char* runs) {
-    text += fmt::format("{},{},{},{},{},{},{}\n", claim.id, runs, cells(claim.measured), claim.unit,
-                        claim.asked == Asked::below ? "below" : "above", claim.limit, name_of(claim.verdict));
+    const auto count = [](const std::optional<std::size_t>& objects) {
+      return objects ? std::to_string(*objects) : std::string();
+    };
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", claim.id, runs, cells(claim.measured), claim.unit,
+                        claim.asked == Asked::below ? "below" : "above", claim.limit, count(claim.kept), count(claim.of),
+                        name_of(claim.verdict));
   };
   for (std::size_t i = 0; i < reported.size(); ++i) {
     add(reported[i], "reported");

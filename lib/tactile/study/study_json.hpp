@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,9 +17,18 @@ namespace tactile {
 /// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
 Figure figure_in(const nlohmann::json& json, const std::string& where);
 
+/// Delays of one object's intervals of one class.
+struct ObjectDelays {
+  Figure mean_ms;  ///< over detected ones
+  std::uint64_t intervals = 0, misses = 0, early = 0;
+};
+
 /// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error  likewise
 std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
                                               const std::string& where);
+
+/// How the intervals of each run were met: "runs" of an evaluation. @throws Error  likewise
+std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
 
 /// Which objects had every slip told at the first tick: none missed, none early, and a mean of one tick.
 std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms);
@@ -50,7 +60,7 @@ struct UnseenRow {
 /// split,runs,object,of,value,low,high,n
 std::string unseen_csv(const std::vector<UnseenRow>& rows);
 
-/// id,runs,value,low,high,n,unit,asked,limit,verdict; `reported` and `all_test` in the same order.
+/// id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict; `reported` and `all_test` in the same order.
 std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test);
 
 }  // namespace tactile

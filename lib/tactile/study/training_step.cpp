@@ -30,6 +30,8 @@ Step training_step(const Dataset& dataset, const ModelSettings& settings, const 
   if (rendering.factor != usual.factor) words.insert(words.end(), {"--factor", fmt::format("{}", rendering.factor)});
   if (rendering.resize != usual.resize) words.insert(words.end(), {"--resize", rendered.at("resize")});
   if (rendering.denoise != usual.denoise) words.insert(words.end(), {"--denoise", rendered.at("denoise")});
+  if (settings.training.engine != EngineKind::fast)
+    words.insert(words.end(), {"--engine", std::string(name_of(settings.training.engine))});
   if (settings.split.train_run != "01") words.insert(words.end(), {"--train-run", settings.split.train_run});
   if (settings.split.kind == SplitKind::unseen)
     words.insert(words.end(), {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ","))});

@@ -1,0 +1,133 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/model/train_model.hpp"
+#include "tactile/model/training.hpp"
+#include "tactile/windows/dataset.hpp"
+
+// precision_benchmark DATASET SEEDS EPOCHS THREADS: what rounding costs. With each seed a network learns three times from the
+// same samples in the same order: in float32 by the fast engine and by libtorch, and in float64. Prints their accuracies on the
+// test runs, and how far they differ, with 95 % intervals.
+
+namespace {
+
+using namespace tactile;
+
+/// Shares of balanced samples that were right: the sums that these are made of, for each run.
+struct RunCounts {
+  double right = 0, all = 0;
+};
+
+struct Way {
+  const char* name;
+  EngineKind engine;
+  bool float64;
+};
+constexpr std::array ways{Way{"float32, fast", EngineKind::fast, false}, Way{"float32, libtorch", EngineKind::libtorch, false},
+                          Way{"float64", EngineKind::libtorch, true}};
+
+std::vector<Touch> truth_of(const Dataset& dataset, const std::vector<std::uint32_t>& samples) {
+  std::vector<Touch> truth;
+  for (const std::uint32_t sample : samples) truth.push_back(dataset.samples()[sample].touch);
+  return truth;
+}
+
+std::string text_of(const Figure& figure) {
+  if (!figure.low) return fmt::format("{:+.2f} | -", 100 * figure.value);
+  return fmt::format("{:+.2f} | {:+.2f} to {:+.2f}", 100 * figure.value, 100 * *figure.low, 100 * *figure.high);
+}
+
+void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned threads) {
+  ModelSettings settings;
+  settings.training.epochs = epochs;
+  const Split split = split_of(dataset, settings.split);
+  const auto training = samples_of_runs(dataset, split.train_runs), testing = samples_of_runs(dataset, split.test_runs);
+  const auto training_maps = sample_heatmaps(dataset, settings.rendering, training, threads);
+  const auto testing_maps = sample_heatmaps(dataset, settings.rendering, testing, threads);
+  const auto training_truth = truth_of(dataset, training), testing_truth = truth_of(dataset, testing);
+
+  std::map<std::string, std::vector<std::size_t>> runs_of_objects;
+  for (const std::uint32_t run : split.test_runs) runs_of_objects[dataset.runs()[run].object].push_back(run);
+  RunsByObject runs;
+  for (const auto& [object, its_runs] : runs_of_objects) runs.push_back(its_runs);
+
+  // Of each way and seed, and over all seeds in the last place.
+  std::vector<std::vector<std::vector<RunCounts>>> counts(
+      ways.size(), std::vector<std::vector<RunCounts>>(seeds + 1, std::vector<RunCounts>(dataset.runs().size())));
+  fmt::print("| seed |");
+  for (const Way& way : ways) fmt::print(" {}: loss | accuracy [%] |", way.name);
+  fmt::print("\n| ---: |");
+  for (std::size_t i = 0; i < 2 * ways.size(); ++i) fmt::print(" ---: |");
+  fmt::print("\n");
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    fmt::print("| {} |", seed);
+    for (std::size_t way = 0; way < ways.size(); ++way) {
+      settings.training.seed = seed;
+      settings.training.engine = ways[way].engine;
+      const auto trained = train_lenet({.size = heatmap_size(dataset.sensor(), settings.rendering.factor),
+                                        .training = {training_maps, training_truth},
+                                        .options = settings.training,
+                                        .threads = threads,
+                                        .float64 = ways[way].float64});
+      const auto logits = trained.network.logits(testing_maps, threads);
+      double right = 0;
+      for (std::size_t i = 0; i < logits.size(); ++i) {
+        const double hit = verdict_of(logits[i]) == testing_truth[i] ? 1 : 0;
+        right += hit;
+        for (const std::size_t place : {std::size_t{seed} - 1, std::size_t{seeds}}) {
+          RunCounts& of_run = counts[way][place][dataset.samples()[testing[i]].run_index];
+          of_run.right += hit;
+          of_run.all += 1;
+        }
+      }
+      fmt::print(" {:.6f} | {:.2f} |", trained.summary.history.back().loss, 100 * right / static_cast<double>(logits.size()));
+      std::fflush(stdout);
+    }
+    fmt::print("\n");
+  }
+
+  const auto accuracy = [&](std::size_t way, std::size_t place, std::span<const std::size_t> of_runs) {
+    RunCounts sum;
+    for (const std::size_t run : of_runs) {
+      sum.right += counts[way][place][run].right;
+      sum.all += counts[way][place][run].all;
+    }
+    return sum.all > 0 ? std::optional(sum.right / sum.all) : std::nullopt;
+  };
+  const auto difference = [&](std::size_t way, std::size_t place, std::size_t other_way, std::size_t other_place) {
+    return figure_over_objects(runs, mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
+                                 const auto ours = accuracy(way, place, of_runs),
+                                            theirs = accuracy(other_way, other_place, of_runs);
+                                 return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
+                               }));
+  };
+  fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
+  for (std::size_t way = 0; way + 1 < ways.size(); ++way)
+    fmt::print("| {} less float64, {} seeds together | {} |\n", ways[way].name, seeds,
+               text_of(difference(way, seeds, ways.size() - 1, seeds)));
+  if (seeds > 1)
+    fmt::print("| float64, seed 1 less seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    fmt::print(stderr, "precision_benchmark: expected DATASET SEEDS EPOCHS THREADS\n");
+    return 1;
+  }
+  try {
+    const auto number = [&](int i) { return static_cast<unsigned>(std::stoul(argv[i])); };
+    measure(Dataset(argv[1]), number(2), number(3), number(4));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "precision_benchmark: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
