@@ -189,6 +189,16 @@ TEST(Claims, BestHistoryCountsObjectsAndTheShorterOfEquals) {
   EXPECT_EQ(all.verdict, Verdict::holds);
 }
 
+TEST(Claims, NoHistoryIsTheBestOfThoseThatWereNotTrained) {
+  ClaimInputs inputs = with_histories({{20ms, five_objects(50, 50, 50)}, {40ms, five_objects(90, 92, 90)}});
+  ASSERT_EQ(claim_named(inputs, "best-history-40").verdict, Verdict::holds);
+  inputs.untrained = {2ms, 50ms};
+  const auto open = claim_named(inputs, "best-history-40");
+  EXPECT_EQ(open.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(open.why, "nothing was trained of 2, 50 ms, which the paper compares");
+  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, Verdict::does_not) << "one history suffices for that";
+}
+
 TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
   const auto claim = claim_named(
       with_histories({{20ms, five_objects(90, 90, 90)}, {40ms, five_objects(93, 93, 93)}, {50ms, five_objects(99, 80, 80)}}),

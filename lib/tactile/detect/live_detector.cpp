@@ -42,7 +42,12 @@ void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTim
 void LiveDetector::take(const QueuedPacket& packet) {
   const std::span<const Event> events = packet.elements.events;
   const HostTime at = packet.arrived;
-  if (stream_ && *stream_ != packet.source_index) begin_anew("", "", at);  // who changed the stream has said why
+  if (stream_ && *stream_ != packet.source_index) {
+    // What arrived ahead of the change is told of first.
+    while (!plays() && tell_due(at)) {
+    }
+    begin_anew("", "", at);  // who changed the stream has said why
+  }
   stream_ = packet.source_index;
   if (events.empty()) return;
   if (is_silent_) fault_({"silence", fmt::format("events again after {:.1f} s", seconds_of(at - *last_arrival_)), at});

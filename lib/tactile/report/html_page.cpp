@@ -38,7 +38,7 @@ thead th { border-bottom: 2px solid var(--line); white-space: nowrap; }
 tbody th { font-weight: 600; }
 /* A caption stays where it can be read while its table scrolls. */
 caption span { display: inline-block; position: sticky; left: 0; max-width: min(46rem, calc(100vw - 2rem)); }
-thead th.number { text-align: right; }
+thead th.number { text-align: right; white-space: normal; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tbody th, td { min-width: 7.5rem; }
 .long { min-width: 13rem; }

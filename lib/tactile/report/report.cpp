@@ -170,6 +170,7 @@ class Report {
       return text;
     };
     for (const ReportedClaim& claim : input_.claims) {
+      if (!std::isfinite(claim.reported.measured.value)) missing_.push_back("The claim was not measured: " + claim.claim + ".");
       const std::string asked =
           std::isfinite(claim.limit) ? fmt::format("; asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
       const std::string measured = with_unit(claim.reported.measured, claim.unit) + asked;

@@ -513,6 +513,15 @@ std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& 
                             unseen_near_seen(inputs, options),
                             unseen_exception(inputs, options)};
   for (Claim& claim : claims) judge(claim);
+  // That a claim about histories does not hold one of them may tell; that it holds takes all.
+  for (std::size_t i = 0; i < 3 && !inputs.untrained.empty(); ++i) {
+    if (claims[i].verdict != Verdict::holds) continue;
+    std::vector<std::string> lacking;
+    for (const microseconds history : inputs.untrained) lacking.push_back(ms_of(history));
+    claims[i].verdict = Verdict::cannot_tell;
+    claims[i].why = fmt::format("nothing was trained of {} ms, which the paper compares", fmt::join(lacking, ", "));
+    claims[i].can_be_told = false;
+  }
   judge_delay(claims[4]);
   judge_delay(claims[5]);
   return claims;

@@ -48,9 +48,10 @@ struct VerdictsOverTime {
 /// What a study measured on one set of runs. What was not measured is empty, and its claims cannot be told.
 struct ClaimInputs {
   std::map<microseconds, std::vector<RunConfusion>> histories;  ///< balanced samples by history t_h, the same runs in each
-  std::vector<RunDetections> detections;                        ///< of each run, by the history chosen
-  double tick_ms = 2;                                           ///< the shortest delay that there can be, > 0
-  double history_ms = 40;                                       ///< t_h, the one chosen
+  std::vector<microseconds> untrained;    ///< of the paper's histories: without them none is the best of all
+  std::vector<RunDetections> detections;  ///< of each run, by the history chosen
+  double tick_ms = 2;                     ///< the shortest delay that there can be, > 0
+  double history_ms = 40;                 ///< t_h, the one chosen
   VerdictsOverTime over_time;
   std::vector<RunConfusion> seen, held_out;  ///< balanced samples of objects held out of training, the same runs in both
 };

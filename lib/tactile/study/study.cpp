@@ -565,6 +565,9 @@ class Study {
     const json evaluation = read_json(evaluated.json_file);
     ClaimInputs inputs;
     inputs.histories = confusions_.at(set.name);
+    for (const microseconds history : StudyOptions{}.histories) {
+      if (!inputs.histories.contains(history)) inputs.untrained.push_back(history);
+    }
     inputs.detections = detections_in(evaluation, where);
     inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
     inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
