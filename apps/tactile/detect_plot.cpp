@@ -10,27 +10,11 @@
 #include "tactile/report/prediction_picture.hpp"
 
 namespace tactile {
-namespace {
-
-std::string words_of(const Detection& detection) {
-  switch (detection.outcome) {
-    case DetectionOutcome::detected:
-      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
-    case DetectionOutcome::missed:
-      return "missed";
-    case DetectionOutcome::early:
-      return "early";
-  }
-  return "";
-}
-
-}  // namespace
-
 void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& rendering, const std::string& title,
                      const std::optional<RunFolder>& run, const std::filesystem::path& file) {
   if (ticks.empty()) throw Error(file.string() + ": there is no tick to draw; expected a stream longer than the history");
-  const auto first = std::find_if(ticks.begin(), ticks.end(),
-                                  [&](const ToldTick& tick) { return tick.beginning == ticks.back().beginning; });
+  const auto first =
+      std::find_if(ticks.begin(), ticks.end(), [&](const ToldTick& tick) { return tick.beginning == ticks.back().beginning; });
   PredictionPicture picture;
   picture.title = title;
   const double history_ms = static_cast<double>(rendering.history.count()) / 1000;

@@ -54,7 +54,6 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const Eva
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
   if (options.gate) name += "-gate";
   if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
-  if (args.gate) name += "-gate";
   return usual.parent_path() / (name + ".json");
 }
 

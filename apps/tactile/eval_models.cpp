@@ -26,11 +26,9 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   command += fmt::format(" --th {}", static_cast<double>(settings.rendering.history.count()) / 1000);
   if (settings.split.kind == SplitKind::unseen) {
     command += " --split unseen";
-    nlohmann::json ours = settings, usual = settings;
     ModelSettings with_default = settings;
     with_default.split.held_out = default_held_out();
-    usual = with_default;
-    if (ours != usual) command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
+    if (!same_settings(settings, with_default)) command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
   }
   add("train-run", settings.split.train_run, defaults.split.train_run);
   add("seed", settings.training.seed, defaults.training.seed);

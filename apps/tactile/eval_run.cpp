@@ -58,22 +58,10 @@ ModelBundle model_for_runs(const EvalArguments& args, const std::optional<Datase
   return *found;
 }
 
-std::string outcome_of(const Detection& detection) {
-  switch (detection.outcome) {
-    case DetectionOutcome::detected:
-      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
-    case DetectionOutcome::missed:
-      return "missed";
-    case DetectionOutcome::early:
-      return "early";
-  }
-  return "";
-}
-
 /// How an interval was met; "in doubt" where its labels are.
 std::string words_of(const TouchInterval& interval, const RunPrediction& prediction) {
   for (const Detection& detection : prediction.detections) {
-    if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return outcome_of(detection);
+    if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return words_of(detection);
   }
   return "in doubt";
 }
@@ -178,7 +166,10 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   std::vector<std::vector<std::string>> rows;
   for (const ChosenRun& run : runs) {
     const std::string name = run.folder.name();
-    const bool learned_from = tactile::learned_from(model, sha256_of_file(run.folder.events()));
+    // Of this dataset's runs the hash is known, and was held against the file.
+    const bool learned_from =
+        tactile::learned_from(model, of_this_dataset && run.in_dataset ? dataset->runs()[*run.in_dataset].events_sha256
+                                                                       : sha256_of_file(run.folder.events()));
     const RunPrediction prediction = predict_run(run.folder, classifier, options, [&](std::size_t ticks) {
       done += ticks;
       tell(progress, done, total, "every tick of " + name);
@@ -202,7 +193,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
 
     std::string met;
     for (const Detection& detection : prediction.detections)
-      met += fmt::format("{}{} {}", met.empty() ? "" : ", ", name_of(detection.interval.touch), outcome_of(detection));
+      met += fmt::format("{}{} {}", met.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
     rows.push_back({name + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
                     prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
                     met.empty() ? "no labels" : met});

@@ -203,6 +203,8 @@ TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
   const auto json = read_json(trained.bundle.folder / "eval-confirm-2-of-3-guard-20-ms.json");
   EXPECT_EQ(json.at("confirm"), nlohmann::json("2/3"));
   EXPECT_EQ(json.at("guard_ms"), nlohmann::json(20.0));
+  ASSERT_EQ(run_tactile("eval --quiet --gate", trained.folder.path()).exit_code, 0);
+  EXPECT_TRUE(fs::exists(trained.bundle.folder / "eval-gate.json"));
 }
 
 TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {

@@ -9,6 +9,9 @@ namespace tactile {
 /// Characters of UTF-8, not bytes: "µs" is two wide.
 std::size_t characters_in(std::string_view text);
 
+/// How many bytes the UTF-8 character at the text's begin has; 0 if there is none. @param text  not empty
+std::size_t character_at(std::string_view text);
+
 /// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.
 std::string wrapped(const std::string& text, std::size_t indent = 0, std::size_t width = 80);
 

@@ -1,5 +1,7 @@
 #include "tactile/evaluation/detection_delay.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -82,6 +84,18 @@ DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject&
 }
 
 }  // namespace
+
+std::string words_of(const Detection& detection) {
+  switch (detection.outcome) {
+    case DetectionOutcome::detected:
+      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
+    case DetectionOutcome::missed:
+      return "missed";
+    case DetectionOutcome::early:
+      return "early";
+  }
+  return "";
+}
 
 std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
                                      std::span<const TouchInterval> intervals, const DelayOptions& options) {

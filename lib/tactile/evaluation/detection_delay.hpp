@@ -31,6 +31,9 @@ struct Detection {
   std::optional<std::int64_t> leading_episode;  ///< first tick index of the episode that ran into the onset, where one did
 };
 
+/// "8 ms", "missed" or "early"
+std::string words_of(const Detection& detection);
+
 std::string_view name_of(DetectionOutcome outcome);  ///< "detected", "missed", "early"
 
 /// {"class", "start_us", "end_us", "outcome", "delay_ms"}; the delay is null but of a detected one.

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -214,24 +215,6 @@ void add_table(std::string& script, const PlotTable& table) {
       fmt::format_to(std::back_inserter(script), "NaN{}", behind);
   }
   script += "end_of_table\n";
-}
-
-/// How many bytes the UTF-8 character at the text's begin has; 0 if there is none.
-std::size_t character_at(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte(0);
-  const std::size_t length = lead < 0x80                   ? 1
-                             : lead >= 0xC2 && lead < 0xE0 ? 2
-                             : lead >= 0xE0 && lead < 0xF0 ? 3
-                             : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                           : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0U) != 0x80U) return 0;
-  }
-  const bool too_long = (lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xF0 && byte(1) < 0x90);
-  const bool no_character = (lead == 0xED && byte(1) >= 0xA0) || (lead == 0xF4 && byte(1) >= 0x90);
-  return too_long || no_character ? 0 : length;
 }
 
 }  // namespace
