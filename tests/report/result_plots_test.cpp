@@ -120,8 +120,8 @@ TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
 }
 
 TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoints) {
-  const OperatingPoint own{.threshold = NAN, .false_alarms_per_min = 100, .press = {4, 0.1}, .slip = {5, 0.2}};
-  std::vector<OperatingPoint> points;
+  const OperatingMark own{.threshold = NAN, .false_alarms_per_min = 100, .press = {4, 0.1}, .slip = {5, 0.2}};
+  std::vector<OperatingMark> points;
   for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})
     points.push_back(
         {.threshold = threshold, .false_alarms_per_min = 10, .press = {2 + threshold, 0}, .slip = {3 + threshold, 0}});
@@ -195,7 +195,7 @@ TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
 }
 
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
-  const OverTime press{.since_onset = {{0, 50, {0.9, 0.8, 0.95, 10}}}, .before_end = {{0, 50, {0.6, 0.5, 0.7, 10}}}};
+  const TouchOverTime press{.since_onset = {{0, 50, {0.9, 0.8, 0.95, 10}}}, .before_end = {{0, 50, {0.6, 0.5, 0.7, 10}}}};
   const Plot plot = over_time_plot("Over time", press, {});
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));

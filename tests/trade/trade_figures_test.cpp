@@ -24,7 +24,7 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
                  {0, camera_time(38'000), Touch::press},   // 8 ms behind it
                  {0, camera_time(42'000), Touch::press}};  // behind the last one
   const RunSaid said = said_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
-  const RunOutcome outcome = outcome_of(run, said, said.said);
+  const TradedRun outcome = outcome_of(run, said, said.said);
   EXPECT_EQ(outcome.confusion.counts[0][0], 1U);
   EXPECT_EQ(outcome.confusion.counts[1][1], 2U);
   EXPECT_EQ(outcome.confusion.counts[1][2], 1U);
@@ -33,7 +33,7 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
 TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   const JudgedRun run = run_with_a_press();
   const RunSaid said = said_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
-  const RunOutcome outcome = outcome_of(run, said, said.said);
+  const TradedRun outcome = outcome_of(run, said, said.said);
   EXPECT_EQ(outcome.intervals, 1U);
   EXPECT_EQ(outcome.delays_us, std::vector<double>{40'000 - 21'000});
   EXPECT_EQ(outcome.misses + outcome.early, 0U);
@@ -41,9 +41,9 @@ TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   EXPECT_EQ(outcome_of(run, silent, silent.said).misses, 1U);
 }
 
-RunOutcome outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, std::vector<double> delays,
-                   std::vector<double> tick_us) {
-  RunOutcome made;
+TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, std::vector<double> delays,
+                  std::vector<double> tick_us) {
+  TradedRun made;
   made.object = object;
   made.confusion.counts[1][1] = right;
   made.confusion.counts[1][0] = wrong;
@@ -57,8 +57,8 @@ RunOutcome outcome(const std::string& object, std::uint64_t right, std::uint64_t
 }
 
 TEST(ResultOf, IsWhatOneWorksOutByHand) {
-  const std::vector<RunOutcome> runs{outcome("a", 3, 1, {1000, 3000}, {10, 20, 30}), outcome("b", 4, 0, {5000}, {40, 50}),
-                                     outcome("c", 2, 2, {7000}, {60})};
+  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000, 3000}, {10, 20, 30}), outcome("b", 4, 0, {5000}, {40, 50}),
+                                    outcome("c", 2, 2, {7000}, {60})};
   const TradeResult result = result_of(runs);
   EXPECT_DOUBLE_EQ(result.figures.accuracy.value, (0.75 + 1 + 0.5) / 3);
   EXPECT_DOUBLE_EQ(result.figures.us_p50.value, 35);
@@ -76,7 +76,7 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
 
 TEST(DifferenceOf, IsPairedOverRuns) {
   // Ten times as much between objects as between settings: only a paired interval tells them apart.
-  std::vector<RunOutcome> a, b;
+  std::vector<TradedRun> a, b;
   for (const auto& [object, right] : {std::pair("a", 50U), std::pair("b", 70U), std::pair("c", 90U), std::pair("d", 60U)}) {
     a.push_back(outcome(object, right, 100 - right, {1000}, {10}));
     b.push_back(outcome(object, right + 2, 98 - right, {3000}, {15}));
@@ -91,8 +91,8 @@ TEST(DifferenceOf, IsPairedOverRuns) {
   EXPECT_ANY_THROW(difference_of(a, b));
 }
 
-TEST(RunOutcome, SeedsAreCountedTogether) {
-  RunOutcome sum = outcome("a", 3, 1, {1000}, {10});
+TEST(TradedRun, SeedsAreCountedTogether) {
+  TradedRun sum = outcome("a", 3, 1, {1000}, {10});
   sum += outcome("a", 1, 3, {2000, 4000}, {99});
   EXPECT_EQ(sum.confusion.samples(), 8U);
   EXPECT_EQ(sum.delays_us.size(), 3U);

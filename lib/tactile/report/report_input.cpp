@@ -42,9 +42,9 @@ std::optional<ReportedDelays> delays_if_there(const JsonView& json) {
   return json ? std::optional(delays_of(json)) : std::nullopt;
 }
 
-OverTime over_time_of(const JsonView& json) {
+TouchOverTime over_time_of(const JsonView& json) {
   const auto bins_of = [](const JsonView& list) {
-    std::vector<OverTime::Bin> bins;
+    std::vector<TouchOverTime::Bin> bins;
     for (const JsonView& bin : list.items())
       bins.push_back(
           {.from_ms = bin["from_ms"].number(), .to_ms = bin["to_ms"].number(), .accuracy = bin["accuracy"].measured()});
@@ -53,7 +53,7 @@ OverTime over_time_of(const JsonView& json) {
   return {.since_onset = bins_of(json["since_onset"]), .before_end = bins_of(json["before_end"])};
 }
 
-OperatingPoint::OfTouch operating_delay(const JsonView& json) {
+OperatingMark::OfTouch operating_delay(const JsonView& json) {
   const std::uint64_t intervals = json["intervals"].count();
   return {.mean_ms = json["mean"].measured().value,
           .missed = intervals == 0
@@ -135,10 +135,10 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   evaluation.gross_slip = delays_if_there(json["delay_gross_ms"]["slip"]);
   if (json["false_alarms_per_min"]) {
     evaluation.false_alarms.push_back(false_alarms_of("network", json));
-    evaluation.own_point = OperatingPoint{.threshold = std::numeric_limits<double>::quiet_NaN(),
-                                          .false_alarms_per_min = json["false_alarms_per_min"].measured().value,
-                                          .press = operating_delay(json["delay_ms"]["press"]),
-                                          .slip = operating_delay(json["delay_ms"]["slip"])};
+    evaluation.own_point = OperatingMark{.threshold = std::numeric_limits<double>::quiet_NaN(),
+                                         .false_alarms_per_min = json["false_alarms_per_min"].measured().value,
+                                         .press = operating_delay(json["delay_ms"]["press"]),
+                                         .slip = operating_delay(json["delay_ms"]["slip"])};
   }
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
   for (const JsonView& point : json["operating_curve"].items()) {

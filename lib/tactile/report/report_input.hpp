@@ -65,11 +65,11 @@ struct ReportedEvaluation {
   ReportedDelays press, slip;
   std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
   std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
-  std::vector<OperatingPoint> operating_curve;
-  std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
+  std::vector<OperatingMark> operating_curve;
+  std::optional<OperatingMark> own_point;  ///< the network's own verdicts, without a threshold
   std::vector<ReliabilityBin> reliability;
   Measured ece;
-  std::optional<OverTime> press_over_time, slip_over_time;
+  std::optional<TouchOverTime> press_over_time, slip_over_time;
   std::vector<std::pair<std::string, std::array<Measured, 6>>>
       over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end
   bool is_beside = false;  ///< the paper's own way, beside what the study reports: folded
@@ -87,9 +87,9 @@ struct ReportedRun {
 struct ReportedUnseen {
   std::string runs;  ///< in words; may be empty
   std::string seen_model, held_out_model;
-  std::vector<SeenAndHeldOut> objects;
+  std::vector<UnseenBars> objects;
   std::vector<Measured> differences;  ///< held out less seen, of each object
-  SeenAndHeldOut mean;
+  UnseenBars mean;
   Measured mean_difference;
   bool is_beside = false;
 };

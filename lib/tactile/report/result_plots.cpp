@@ -273,7 +273,7 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   return std::move(script).plot();
 }
 
-Plot unseen_plot(const std::string& title, const std::vector<SeenAndHeldOut>& objects) {
+Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects) {
   constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
   const std::size_t shown = std::min(objects.size(), most_panels);
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
@@ -286,7 +286,7 @@ Plot unseen_plot(const std::string& title, const std::vector<SeenAndHeldOut>& ob
   std::vector<double> seen, held_out, joined;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < shown; ++i) {
-    const SeenAndHeldOut& object = objects[i];
+    const UnseenBars& object = objects[i];
     names.push_back(object.object);
     axis.include(object.seen);
     axis.include(object.held_out);
@@ -342,24 +342,24 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
   return std::move(script).plot();
 }
 
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
-                          const std::optional<OperatingPoint>& own) {
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingMark>& points,
+                          const std::optional<OperatingMark>& own) {
   constexpr int left = 90, right = 40, top = 84, gap = 34, delay_height = 290, missed_height = 150, below = 62;
   const int delay_bottom = top + delay_height, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   PlotScript script(title, page_width, bottom + below);
   script.text(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: the probability from which on it is said.",
                           own ? "; diamonds: no threshold" : ""),
               20, 52, "left font ',12'", faint_ink);
-  std::vector<OperatingPoint> all = points;
+  std::vector<OperatingMark> all = points;
   if (own) all.push_back(*own);
   // False alarms span decades: their logarithm, with none at all at a place of its own on the left.
   double most_alarms = 0, least_alarms = 1e9, longest = 0, most_missed = 0;
-  for (const OperatingPoint& point : all) {
+  for (const OperatingMark& point : all) {
     if (std::isfinite(point.false_alarms_per_min) && point.false_alarms_per_min > 0) {
       most_alarms = std::max(most_alarms, point.false_alarms_per_min);
       least_alarms = std::min(least_alarms, point.false_alarms_per_min);
     }
-    for (const OperatingPoint::OfTouch& touch : {point.press, point.slip}) {
+    for (const OperatingMark::OfTouch& touch : {point.press, point.slip}) {
       if (std::isfinite(touch.mean_ms)) longest = std::max(longest, touch.mean_ms);
       if (std::isfinite(touch.missed)) most_missed = std::max(most_missed, percent(touch.missed));
     }
@@ -376,7 +376,7 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
     bare_tics += fmt::format(", '' {}", decade);
   }
   std::vector<double> delays, missed;
-  for (const OperatingPoint& point : points) {
+  for (const OperatingMark& point : points) {
     const double x = place_of(point.false_alarms_per_min);
     delays.insert(delays.end(), {x, point.press.mean_ms, point.slip.mean_ms});
     missed.insert(missed.end(), {x, percent(point.press.missed), percent(point.slip.missed)});
@@ -405,14 +405,14 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
   const auto across = [&](double x) { return left + (page_width - left - right) * (x - none_at + 0.03 * span) / (1.06 * span); };
   const auto down = [&](double delay_ms) { return delay_bottom - delay_height * (delay_ms + 0.03 * longest) / (1.21 * longest); };
   FreePlaces places({.left = left, .top = top, .right = page_width - right, .bottom = delay_bottom});
-  for (const OperatingPoint& point : all) {
-    for (const OperatingPoint::OfTouch& touch : {point.press, point.slip})
+  for (const OperatingMark& point : all) {
+    for (const OperatingMark::OfTouch& touch : {point.press, point.slip})
       places.take_point(across(place_of(point.false_alarms_per_min)), down(touch.mean_ms));
   }
   for (const Touch touch : {Touch::slip, Touch::press}) {
     for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
       const auto point = std::find_if(points.begin(), points.end(),
-                                      [wanted](const OperatingPoint& one) { return std::abs(one.threshold - wanted) < 1e-9; });
+                                      [wanted](const OperatingMark& one) { return std::abs(one.threshold - wanted) < 1e-9; });
       if (point == points.end()) continue;
       const double delay_ms = touch == Touch::press ? point->press.mean_ms : point->slip.mean_ms;
       const std::string words = fmt::format("{:.4g}", wanted);
@@ -421,10 +421,10 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingP
       if (place) script.text(words, place->first, place->second, "center font ',10'", figure_colours::of(touch));
     }
   }
-  draw_lines(std::move(delays), values_of_own([](const OperatingPoint::OfTouch& touch) { return touch.mean_ms; }));
+  draw_lines(std::move(delays), values_of_own([](const OperatingMark::OfTouch& touch) { return touch.mean_ms; }));
   begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed or early [%]");
   script.add("set xtics ({})\nset xlabel 'false alarms per minute' textcolor rgb '{}'", tics, ink);
-  draw_lines(std::move(missed), values_of_own([](const OperatingPoint::OfTouch& touch) { return percent(touch.missed); }));
+  draw_lines(std::move(missed), values_of_own([](const OperatingMark::OfTouch& touch) { return percent(touch.missed); }));
   return std::move(script).plot();
 }
 
@@ -544,21 +544,21 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
   return std::move(script).plot();
 }
 
-Plot over_time_plot(const std::string& title, const OverTime& press, const OverTime& slip) {
+Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip) {
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   PlotScript script(title, page_width, bottom + below);
   script.text("Blue circles: press; orange squares: slip. Share of ticks said right, with 95 % intervals.", 20, 52,
               "left font ',12'", faint_ink);
   AccuracyAxis axis;
-  for (const OverTime* touch : {&press, &slip}) {
-    for (const std::vector<OverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const OverTime::Bin& bin : *bins) axis.include(bin.accuracy);
+  for (const TouchOverTime* touch : {&press, &slip}) {
+    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const TouchOverTime::Bin& bin : *bins) axis.include(bin.accuracy);
     }
   }
-  const auto table_of = [&](const std::vector<OverTime::Bin>& bins) {
+  const auto table_of = [&](const std::vector<TouchOverTime::Bin>& bins) {
     std::vector<double> values;
-    for (const OverTime::Bin& bin : bins) {
+    for (const TouchOverTime::Bin& bin : bins) {
       values.insert(values.end(), {(bin.from_ms + bin.to_ms) / 2, percent(bin.accuracy.value)});
       add_interval(values, bin.accuracy);
     }
@@ -567,8 +567,9 @@ Plot over_time_plot(const std::string& title, const OverTime& press, const OverT
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
-    for (const OverTime* touch : {&press, &slip}) {
-      for (const OverTime::Bin& bin : from_onset ? touch->since_onset : touch->before_end) longest = std::max(longest, bin.to_ms);
+    for (const TouchOverTime* touch : {&press, &slip}) {
+      for (const TouchOverTime::Bin& bin : from_onset ? touch->since_onset : touch->before_end)
+        longest = std::max(longest, bin.to_ms);
     }
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");

@@ -57,20 +57,20 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
                 const std::vector<DelayBar>& slip, double limit_ms = 5);
 
 /// Accuracy on one object with it in training, and without.
-struct SeenAndHeldOut {
+struct UnseenBars {
   std::string object;
   Measured seen, held_out;  ///< in [0, 1]
 };
 
 /// Source: Faris et al., arXiv:2403.10120, figure 9.
-Plot unseen_plot(const std::string& title, const std::vector<SeenAndHeldOut>& objects);
+Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects);
 
 /// Rows true, columns said; each field with its count and its share of the row.
 /// @param counts  [none, press, slip][none, press, slip]
 Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts);
 
 /// What is met where press or slip is said from one probability on.
-struct OperatingPoint {
+struct OperatingMark {
   struct OfTouch {
     double mean_ms = std::numeric_limits<double>::quiet_NaN();
     double missed = std::numeric_limits<double>::quiet_NaN();  ///< share of intervals missed or early, in [0, 1]
@@ -83,8 +83,8 @@ struct OperatingPoint {
 /// Delay, and what it leaves out, against false alarms over the thresholds. A few are told beside the points of each curve, in
 /// its colour, where there is room.
 /// @param own  what the network's own verdicts give, without a threshold: hollow diamonds
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
-                          const std::optional<OperatingPoint>& own = {});
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingMark>& points,
+                          const std::optional<OperatingMark>& own = {});
 
 /// Samples whose largest probability lies in (from, to].
 struct ReliabilityBin {
@@ -113,7 +113,7 @@ struct TrainingCurve {
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves);
 
 /// The share of ticks said right by where they lie in their interval.
-struct OverTime {
+struct TouchOverTime {
   struct Bin {
     double from_ms = 0, to_ms = 0;
     Measured accuracy;  ///< in [0, 1]
@@ -122,6 +122,6 @@ struct OverTime {
 };
 
 /// Presses and slips, since the onset on the left and before the end on the right.
-Plot over_time_plot(const std::string& title, const OverTime& press, const OverTime& slip);
+Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip);
 
 }  // namespace tactile

@@ -12,9 +12,9 @@ namespace tactile {
 
 /// What somebody wants of a detector; what is not said may be anything.
 struct TradeWish {
-  std::optional<double> at_most_us;  ///< of time, for 99 of 100 ticks
-  std::optional<double> at_least_accuracy;
-  std::optional<double> at_most_false_alarms_per_min;
+  std::optional<double> at_most_us{};  ///< of time, for 99 of 100 ticks
+  std::optional<double> at_least_accuracy{};
+  std::optional<double> at_most_false_alarms_per_min{};
 
   bool any() const { return at_most_us || at_least_accuracy || at_most_false_alarms_per_min; }
 };

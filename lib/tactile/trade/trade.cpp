@@ -364,20 +364,20 @@ class Trade {
     return gate_limit(network.bundle, read_description(network.bundle));
   }
 
-  static void add_times(RunOutcome& outcome, const std::vector<TickTime>& times, std::optional<std::uint64_t> gate) {
+  static void add_times(TradedRun& outcome, const std::vector<TickTime>& times, std::optional<std::uint64_t> gate) {
     for (const TickTime& time : times) outcome.tick_us.push_back(time.total(gate));
   }
 
   /// Of every tested run, all seeds together.
-  std::vector<RunOutcome> outcomes_of(const TradePoint& point) const {
-    std::vector<RunOutcome> outcomes(tested_.size());
+  std::vector<TradedRun> outcomes_of(const TradePoint& point) const {
+    std::vector<TradedRun> outcomes(tested_.size());
     for (std::size_t seed = 0; seed < point.networks.size(); ++seed) {
       const TradeNetwork& network = point.networks[seed];
       const auto gate = gate_of(point.setting, network);
       const std::vector<RunSaid>& said = said_.at(said_name(network, point.setting));
       for (std::size_t run = 0; run < tested_.size(); ++run) {
         const RunSaid at_its_tick = at_tick(said[run], point.setting.rendering.tick);
-        const RunOutcome outcome =
+        const TradedRun outcome =
             outcome_of(judged_[run], at_its_tick, verdicts_of(at_its_tick, gate, point.setting.confirmation));
         if (seed == 0) {
           outcomes[run] = outcome;
@@ -393,11 +393,11 @@ class Trade {
   }
 
   void judge() {
-    const std::vector<RunOutcome> usual = outcomes_of(points_.front());
+    const std::vector<TradedRun> usual = outcomes_of(points_.front());
     parallel_for(points_.size(), threads_, [&](std::size_t i) {
       TradePoint& point = points_[i];
-      const std::vector<RunOutcome> outcomes = outcomes_of(point);
-      const std::span<const RunOutcome> all(outcomes);
+      const std::vector<TradedRun> outcomes = outcomes_of(point);
+      const std::span<const TradedRun> all(outcomes);
       point.choice = result_of(all.first(choice_count_));
       point.reported = result_of(all.subspan(choice_count_));
       point.difference.reset();
@@ -544,7 +544,7 @@ class Trade {
     const std::vector<TimedWay> ways{way_of(points_.front()), way_of(point)};
     const auto times = time_ticks(ways, std::span(recordings_).subspan(choice_count_), options_.timing, progress);
     const auto said = said_anew(network, setting, setting.rendering.tick, reported, progress);
-    std::vector<RunOutcome> outcomes;
+    std::vector<TradedRun> outcomes;
     for (std::size_t i = 0; i < reported.size(); ++i) {
       outcomes.push_back(outcome_of(judged_[choice_count_ + i], said[i], verdicts_of(said[i], gate, setting.confirmation)));
       add_times(outcomes.back(), times[1].at(i), gate);

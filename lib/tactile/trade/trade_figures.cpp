@@ -7,7 +7,7 @@
 namespace tactile {
 namespace {
 
-using Runs = std::span<const RunOutcome>;
+using Runs = std::span<const TradedRun>;
 using OfRuns = std::function<std::optional<double>(const RunsByObject&)>;
 
 double in_minutes(microseconds us) { return static_cast<double>(us.count()) / 60e6; }
@@ -23,7 +23,7 @@ std::optional<double> quantile_of(std::vector<double> values, double q) {
   return *below + (place - static_cast<double>(below - values.begin())) * (above - *below);
 }
 
-std::vector<double> joined(Runs runs, const RunsByObject& chosen, std::vector<double> RunOutcome::*values) {
+std::vector<double> joined(Runs runs, const RunsByObject& chosen, std::vector<double> TradedRun::*values) {
   std::vector<double> all;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) all.insert(all.end(), (runs[i].*values).begin(), (runs[i].*values).end());
@@ -40,12 +40,12 @@ OfRuns accuracy_in(Runs runs) {
 }
 
 OfRuns tick_us_in(Runs runs, double q) {
-  return [runs, q](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &RunOutcome::tick_us), q); };
+  return [runs, q](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::tick_us), q); };
 }
 
 OfRuns delay_in(Runs runs) {
   return [runs](const RunsByObject& chosen) -> std::optional<double> {
-    const std::vector<double> delays = joined(runs, chosen, &RunOutcome::delays_us);
+    const std::vector<double> delays = joined(runs, chosen, &TradedRun::delays_us);
     if (delays.empty()) return std::nullopt;
     double sum = 0;
     for (const double delay : delays) sum += delay;
@@ -76,7 +76,7 @@ OfRuns alarms_in(Runs runs) {
 }
 
 RunsByObject all_by_object(Runs runs) {
-  return without_names(runs_by_object(runs, [](const RunOutcome&) { return true; }));
+  return without_names(runs_by_object(runs, [](const TradedRun&) { return true; }));
 }
 
 void add_to(Figure& figure, double more) {
@@ -87,7 +87,7 @@ void add_to(Figure& figure, double more) {
 
 }  // namespace
 
-RunOutcome& RunOutcome::operator+=(const RunOutcome& other) {
+TradedRun& TradedRun::operator+=(const TradedRun& other) {
   confusion += other.confusion;
   delays_us.insert(delays_us.end(), other.delays_us.begin(), other.delays_us.end());
   intervals += other.intervals;
@@ -97,8 +97,8 @@ RunOutcome& RunOutcome::operator+=(const RunOutcome& other) {
   return *this;
 }
 
-RunOutcome outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts) {
-  RunOutcome outcome;
+TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts) {
+  TradedRun outcome;
   outcome.object = run.object;
   const TickRange& ticks = said.ticks;
   for (const Sample& sample : run.samples) {
@@ -145,11 +145,11 @@ TradeResult result_of(Runs runs, const BootstrapOptions& options) {
   result.figures.delay_us = figure(delay_in(runs));
   result.figures.false_alarms_per_min = figure(alarms_in(runs));
   result.delay_p95_us =
-      figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &RunOutcome::delays_us), 0.95); });
+      figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));
   add_to(result.figures.delay_us, result.figures.us_p50.value);
   add_to(result.delay_p95_us, result.figures.us_p50.value);
-  for (const RunOutcome& run : runs) {
+  for (const TradedRun& run : runs) {
     result.intervals += run.intervals;
     result.misses += run.misses;
     result.early += run.early;
@@ -167,7 +167,7 @@ void to_json(nlohmann::json& json, const TradeDifference& difference) {
 
 TradeDifference difference_of(Runs a, Runs b, const BootstrapOptions& options) {
   const bool same = std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                               [](const RunOutcome& one, const RunOutcome& other) { return one.object == other.object; });
+                               [](const TradedRun& one, const TradedRun& other) { return one.object == other.object; });
   if (!same) throw Error("difference of settings: the two are not of the same objects; expected the same runs in the same order");
   const RunsByObject all = all_by_object(a);
   const auto figure = [&](const OfRuns& of_a, const OfRuns& of_b) {

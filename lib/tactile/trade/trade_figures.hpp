@@ -27,7 +27,7 @@ struct JudgedRun {
 };
 
 /// What a detector did in one run; of several seeds all together.
-struct RunOutcome {
+struct TradedRun {
   std::string object;
   Confusion confusion;
   std::vector<double> delays_us;  ///< of the detected presses and slips: t_c(k) - onset, without computing
@@ -35,12 +35,12 @@ struct RunOutcome {
   FalseAlarms alarms;
   std::vector<double> tick_us;  ///< what ticks took
 
-  RunOutcome& operator+=(const RunOutcome& other);  ///< a seed more; `tick_us` stays
+  TradedRun& operator+=(const TradedRun& other);  ///< a seed more; `tick_us` stays
 };
 
 /// A balanced sample takes the verdict of the last tick up to it; none before the first.
 /// @param said  at the setting's tick
-RunOutcome outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
+TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
 
 /// All figures over the same runs, as one wants them told; a delay includes computing: the median time per tick.
 struct TradeResult {
@@ -52,7 +52,7 @@ struct TradeResult {
 
 void to_json(nlohmann::json& json, const TradeResult& result);
 
-TradeResult result_of(std::span<const RunOutcome> runs, const BootstrapOptions& options = {});
+TradeResult result_of(std::span<const TradedRun> runs, const BootstrapOptions& options = {});
 
 /// `b - a` of the same runs in the same order, in each draw too.
 struct TradeDifference {
@@ -62,6 +62,6 @@ struct TradeDifference {
 void to_json(nlohmann::json& json, const TradeDifference& difference);
 
 /// @throws Error  if they are not of the same objects
-TradeDifference difference_of(std::span<const RunOutcome> a, std::span<const RunOutcome> b, const BootstrapOptions& options = {});
+TradeDifference difference_of(std::span<const TradedRun> a, std::span<const TradedRun> b, const BootstrapOptions& options = {});
 
 }  // namespace tactile
