@@ -130,8 +130,7 @@ BitsAskedFor bits_of(const DetectArguments& args) {
   add(args.slip_bit, {.at_press = false, .at_slip = true});
   if (asked.bits.empty() && !args.robot.empty())
     throw Error("--robot: there is no bit to tell it; expected --bit, --press-bit or --slip-bit with a register from 64 to 127");
-  if (!asked.bits.empty() && args.robot.empty())
-    throw Error("--bit: there is no robot to tell; expected --robot HOST beside it");
+  if (!asked.bits.empty() && args.robot.empty()) throw Error("--bit: there is no robot to tell; expected --robot HOST beside it");
   for (std::size_t i = 0; i < asked.bits.size(); ++i) {
     if (std::find(asked.bits.begin(), asked.bits.begin() + static_cast<std::ptrdiff_t>(i), asked.bits[i]) !=
         asked.bits.begin() + static_cast<std::ptrdiff_t>(i))
@@ -264,9 +263,8 @@ class TickReader {
     if (!prints_) return;
     line_.clear();
     const double seconds = 1e-6 * static_cast<double>(us_of(tick.verdict.t));
-    const std::string text =
-        fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
-                    static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)]));
+    const std::string text = fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
+                                         static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)]));
     std::fwrite(text.data(), 1, text.size(), stdout);
     std::fflush(stdout);
   }
@@ -320,7 +318,9 @@ Recording begin_recording(const DetectArguments& args, CameraSource& source, boo
     bool simulated() const override { return copy->simulated(); }
     bool live() const override { return copy->live(); }
     nlohmann::json camera() const override { return copy->camera(); }
-    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override { return copy->receive(packet, patience); }
+    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+      return copy->receive(packet, patience);
+    }
     SourceDrops drops() const override { return copy->drops(); }
     void begin_run(const RunFolder& run) override { copy->begin_run(run); }
     void end_run(const RunFolder& run, bool wants_robot, bool wants_video) override {
@@ -388,9 +388,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
                    .history = summary.rendering.history,
                    .slack = microseconds{args.slack_us},
                    .by_events_alone = plays};
-  TickDetector tick_detector(
-      sensor, model.input, network_of(args, bundle, model),
-      {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
+  TickDetector tick_detector(sensor, model.input, network_of(args, bundle, model),
+                             {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
 
   std::unique_ptr<UdpRecords> udp;
   if (udp_address) udp = std::make_unique<UdpRecords>(*udp_address);
@@ -427,6 +426,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   EventFeedOptions feed_options;
   feed_options.waits = plays;
   feed_options.fault = tell_fault;
+  feed_options.wakes = [&detector](const CameraPacket& packet) { return detector->awaits(packet.events); };
   if (args.from.starts_with("tcp:") || args.from.starts_with("unix:") || args.from.starts_with("camera"))
     feed_options.open = [&args, source_options] { return open_camera_source(args.from, source_options); };
   feed_options.reconnect = std::chrono::milliseconds{std::llround(1000 * args.reconnect_s)};
@@ -458,7 +458,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   std::thread working([&] {
     if (real_time) hurry(detector_priority);
     try {
-      detector->run(queue, [&] { return stops || is_over; }, [&feed] { return feed.lost_events(); });
+      detector->run(
+          queue, [&] { return stops || is_over; }, [&feed] { return feed.lost_events(); });
     } catch (...) {
       failure = std::current_exception();
     }
@@ -548,8 +549,9 @@ void add_detect_command(CLI::App& app) {
       ->add_option("--from", args->from,
                    "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]")
       ->type_name("SOURCE");
-  command->add_option("--confirm", args->confirm,
-                      "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
+  command
+      ->add_option("--confirm", args->confirm,
+                   "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
       ->check(is_confirmation())
       ->capture_default_str();
   command->add_flag("--gate", args->gate, "A verdict is none below the model's limit of events, without rendering or network");
@@ -580,7 +582,8 @@ void add_detect_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--udp", args->udp, "Send a record each tick")->type_name("HOST:PORT");
   command->add_option("--ticks", args->ticks, "Write every tick to this CSV")->type_name("FILE.csv");
-  command->add_option("--plot", args->plot, "Draw probabilities over time beside events and truth")->type_name("FILE.png|FILE.svg");
+  command->add_option("--plot", args->plot, "Draw probabilities over time beside events and truth")
+      ->type_name("FILE.png|FILE.svg");
   CLI::Option* record = command->add_flag("--record", args->record, "Record the run too, as 'record' does");
   command->add_option("--out", args->out, "With --record: folder of runs")->needs(record)->capture_default_str();
   command->add_option("--object", args->object, "With --record: what is touched")->needs(record)->capture_default_str();

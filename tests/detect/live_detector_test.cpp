@@ -4,7 +4,10 @@
 
 #include <cstdint>
 #include <limits>
+#include <thread>
 
+#include "support/comes_true.hpp"
+#include "tactile/core/host_clock.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 
 namespace tactile {
@@ -30,11 +33,14 @@ struct Live {
   LiveDetector detector;
 
   explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {})
-      : detector({sensor, input, slip_where_anything_is,
-                  {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
-                 {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
-                 [this](const ToldTick& tick) { told.push_back(tick); },
-                 [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
+      : detector(
+            {sensor,
+             input,
+             slip_where_anything_is,
+             {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
+            {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
+            [this](const ToldTick& tick) { told.push_back(tick); },
+            [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
 
   void take(std::vector<std::int64_t> times, std::int64_t arrived, std::size_t source_index = 0) {
     QueuedPacket packet{.source_index = source_index, .arrived = host_time(arrived), .elements = {}};
@@ -138,7 +144,8 @@ TEST(LiveDetector, NeverMixesEventsOfTwoOpenings) {
   live.take({}, base + end, 1);
   live.tell_all(base + end + 100'000);
   EXPECT_EQ(live.told.size(), before) << "while the source is gone nothing is known";
-  for (std::int64_t t = 0; t <= 12'000; t += 500) live.take({t}, base + end + 200'000 + t, 2), live.tell_all(base + end + 200'000 + t);
+  for (std::int64_t t = 0; t <= 12'000; t += 500)
+    live.take({t}, base + end + 200'000 + t, 2), live.tell_all(base + end + 200'000 + t);
   ASSERT_EQ(live.told.size(), before + 2);
   EXPECT_EQ(live.told[before].verdict.t, camera_time(10'000));
   EXPECT_EQ(live.told[before].verdict.events, 20U) << "of the new clock alone";
@@ -178,7 +185,8 @@ TEST(LiveDetector, MarksVerdictsWhoseHistoryLacksEvents) {
   for (std::int64_t t = 11'000; t <= 30'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
   EXPECT_EQ(live.detector.counts().lost_events, 7U);
   for (const ToldTick& tick : live.told)
-    EXPECT_EQ(tick.incomplete, tick.verdict.t > camera_time(11'000) && tick.verdict.t < camera_time(21'000)) << us_of(tick.verdict.t);
+    EXPECT_EQ(tick.incomplete, tick.verdict.t > camera_time(11'000) && tick.verdict.t < camera_time(21'000))
+        << us_of(tick.verdict.t);
 }
 
 TEST(LiveDetector, GatesQuietTicksWithoutAskingTheNetwork) {
@@ -236,8 +244,43 @@ TEST(LiveDetector, TellsEveryTickOfWhatIsPlayedAsARecordingHasThem) {
   }
 }
 
+TEST(LiveDetector, IsWokenOnlyByWhatClosesATickOrIsMuchToCount) {
+  Live live;
+  const auto events_at = [](std::int64_t t, std::size_t count) {
+    Event event;
+    event.t = camera_time(t);
+    return std::vector<Event>(count, event);
+  };
+  PacketQueue queue(1U << 20U);
+  const auto push = [&](std::int64_t t, bool wakes) {
+    PacketQueue::Packet packet = queue.take();
+    packet.front().arrived = host_now();
+    packet.front().elements.events = events_at(t, 1);
+    return queue.push(packet, false, wakes);
+  };
+  EXPECT_TRUE(live.detector.awaits(events_at(0, 1))) << "nothing is known yet";
+  std::thread running([&] {
+    live.detector.run(
+        queue, [] { return false; }, [] { return std::uint64_t{0}; });
+  });
+  EXPECT_TRUE(push(0, true));
+  EXPECT_TRUE(test::comes_true([&] { return !live.detector.awaits(events_at(9'999, 1)); })) << "the first tick is at 10 ms";
+  EXPECT_TRUE(live.detector.awaits(events_at(10'000, 1)));
+  EXPECT_TRUE(live.detector.awaits(events_at(5'000, 1'000)));
+  EXPECT_TRUE(live.detector.awaits({})) << "the stream may begin anew";
+  EXPECT_TRUE(push(9'000, false)) << "it lies there until the next one";
+  EXPECT_TRUE(push(10'000, true));
+  EXPECT_TRUE(test::comes_true([&] { return !live.detector.awaits(events_at(11'999, 1)); }));
+  queue.close();
+  running.join();
+  ASSERT_GE(live.told.size(), 1U);
+  EXPECT_EQ(live.told[0].verdict.t, camera_time(10'000));
+  EXPECT_EQ(live.told[0].verdict.events, 2U);
+}
+
 TEST(LiveDetector, RefusesAModelOfAnotherSize) {
-  EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}), std::exception);
+  EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}),
+               std::exception);
 }
 
 }  // namespace

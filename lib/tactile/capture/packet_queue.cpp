@@ -40,7 +40,7 @@ PacketQueue::Packet PacketQueue::take() {
   return packet;
 }
 
-bool PacketQueue::push(Packet& packet, bool wait) {
+bool PacketQueue::push(Packet& packet, bool wait, bool wakes) {
   std::size_t bytes = allocated_bytes(packet.front());
   // A few samples in a buffer that once held a burst of events: where room gets short they shall take no more than they need.
   if (waiting_bytes() > limit_ / 4 && bytes > 2 * used_bytes(packet.front())) {
@@ -63,7 +63,7 @@ bool PacketQueue::push(Packet& packet, bool wait) {
   waiting_bytes_ += bytes;
   waiting_.splice(waiting_.end(), packet);
   lock.unlock();
-  filled_.notify_one();
+  if (wakes) filled_.notify_one();
   return true;
 }
 

@@ -34,7 +34,8 @@ class PacketQueue {
 
   /// True, and `packet` is gone, if there was room. With `wait` it waits for room. One larger than the limit goes in if nothing
   /// else waits. False: it is still the caller's, for lack of room or because the queue is closed.
-  bool push(Packet& packet, bool wait);
+  /// @param wakes  whoever waits for packets; else it is found when they look
+  bool push(Packet& packet, bool wait, bool wakes = true);
 
   /// The next packet into `packet`, or none if none came within `patience`; false once the queue is closed and empty.
   bool pop(Packet& packet, std::chrono::microseconds patience);

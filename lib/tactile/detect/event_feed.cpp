@@ -37,7 +37,9 @@ EventFeed::EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, E
 
 EventFeed::~EventFeed() { stop(); }
 
-void EventFeed::start() { thread_ = std::thread([this] { receive_all(); }); }
+void EventFeed::start() {
+  thread_ = std::thread([this] { receive_all(); });
+}
 
 void EventFeed::stop() {
   {
@@ -110,7 +112,8 @@ void EventFeed::hand_over() {
   const CameraPacket& elements = packet_.front().elements;
   if (elements.events.empty() && !elements.empty()) return;  // of another stream, which tells no verdict
   const std::uint64_t events = elements.events.size();
-  if (queue_.push(packet_, options_.waits)) {
+  const bool wakes = !options_.wakes || options_.wakes(elements);
+  if (queue_.push(packet_, options_.waits, wakes)) {
     packet_ = queue_.take();
   } else if (queue_.is_open()) {
     lost_ += events;
@@ -144,7 +147,8 @@ bool EventFeed::open_again(const std::string& why, bool broke) {
   };
   const bool tries = options_.open && options_.reconnect > milliseconds(0);
   if (broke || tries)
-    say(broke ? "broken" : "closed", fmt::format("{}{}{}", broke ? "" : name_ + ": ", why, tries ? "; trying to open it again" : ""));
+    say(broke ? "broken" : "closed",
+        fmt::format("{}{}{}", broke ? "" : name_ + ": ", why, tries ? "; trying to open it again" : ""));
   if (!tries) return gone_for_good();
   {
     const std::scoped_lock lock(guard_);

@@ -19,16 +19,18 @@ namespace tactile {
 struct EventFeedOptions {
   /// Opens the source again after it closed or broke; one that cannot be opened again, such as a file, has none.
   std::function<std::unique_ptr<CameraSource>()> open = {};
-  std::chrono::milliseconds reconnect{10'000};  ///< how long it is tried, >= 0
-  bool waits = false;                           ///< for room in the queue; else what finds none is dropped and counted
+  std::chrono::milliseconds reconnect{10'000};        ///< how long it is tried, >= 0
+  bool waits = false;                                 ///< for room in the queue; else what finds none is dropped and counted
   std::function<void(const CameraPacket&)> see = {};  ///< shown every packet as it comes
-  std::function<void()> prepare = {};                 ///< done first on the thread that receives
+  /// Whether a packet is worth waking who takes them from the queue; each is if this is empty.
+  std::function<bool(const CameraPacket&)> wakes = {};
+  std::function<void()> prepare = {};  ///< done first on the thread that receives
   TellFault fault = {};
 };
 
 /// Brings what a source sends into a queue, on a thread of its own, and opens the source again where it closed or broke. Each
-/// opening has a `source_index` of its own, and so has each time between two: then one empty packet tells that the source is gone.
-/// When it is over the queue is closed.
+/// opening has a `source_index` of its own, and so has each time between two: then one empty packet tells that the source is
+/// gone. When it is over the queue is closed.
 class EventFeed {
  public:
   /// @param queue  must outlive this
@@ -40,9 +42,9 @@ class EventFeed {
   void start();
   void stop();  ///< waits for what it is busy with, and closes the queue
 
-  CameraSource& source() { return *source_; }     ///< while it does not run
-  std::string error() const;                      ///< why the source is gone for good; empty where it ended by itself
-  SourceDrops drops() const;                      ///< of all openings
+  CameraSource& source() { return *source_; }  ///< while it does not run
+  std::string error() const;                   ///< why the source is gone for good; empty where it ended by itself
+  SourceDrops drops() const;                   ///< of all openings
   std::uint64_t lost_events() const { return lost_.load(std::memory_order_relaxed); }  ///< for which the queue had no room
   std::uint64_t reopened() const { return reopened_.load(std::memory_order_relaxed); }
 

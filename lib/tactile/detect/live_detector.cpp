@@ -14,13 +14,14 @@ using std::chrono::nanoseconds;
 
 constexpr std::size_t chunk = 8192;  // events of what is played, counted ahead of their tick at the most
 constexpr microseconds longest_wait{20'000};
+constexpr std::size_t few_events = 128;  // counted in some microseconds
 
 double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
 
 }  // namespace
 
-LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& options,
-                           std::function<void(const ToldTick&)> tell, TellFault fault, std::function<void()> forget)
+LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& options, std::function<void(const ToldTick&)> tell,
+                           TellFault fault, std::function<void()> forget)
     : detector_(std::move(detector)),
       options_(options),
       tell_(std::move(tell)),
@@ -72,7 +73,8 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   if (last_arrival_ && clock_.last_event()) {
     const microseconds gap = between(*clock_.last_event(), first), passed = at - *last_arrival_;
     if (gap > passed + options_.jump) {
-      begin_anew("jump", fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - passed)),
+      begin_anew("jump",
+                 fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - passed)),
                  at);
     }
   }
@@ -163,10 +165,15 @@ void LiveDetector::look_for_silence(HostTime now) {
           now});
 }
 
-void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop,
-                       const std::function<std::uint64_t()>& lost_so_far) {
+bool LiveDetector::awaits(std::span<const Event> events) const {
+  return events.size() > few_events || events.empty() || events.back().t >= awaited_.load(std::memory_order_relaxed);
+}
+
+void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far) {
   PacketQueue::Packet packet;
   for (bool open = true; open && !stop();) {
+    // An earlier one only wakes this too often. A stream that begins anew says so by an empty packet, which is always awaited.
+    awaited_.store(plays() ? CameraTime::min() : clock_.next_tick().value_or(CameraTime::min()), std::memory_order_relaxed);
     const HostTime waited_from = host_now();
     open = queue.pop(packet, std::max(microseconds{0}, wakes_at(waited_from) - waited_from));
     const HostTime begun = host_now();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -33,16 +34,16 @@ struct ToldTick {
 
 struct LiveDetectorOptions {
   TickClockOptions clock;  ///< `by_events_alone`: every tick is told, none skipped, however late; of what is played at any pace
-  microseconds silence{2'000'000};   ///< after it, that nothing comes is said
-  microseconds jump{1'000'000};      ///< the camera's time is so far ahead of the host's: it jumped
-  microseconds late_for{500'000};    ///< all events have come too late for so long: the stream is another one
+  microseconds silence{2'000'000};  ///< after it, that nothing comes is said
+  microseconds jump{1'000'000};     ///< the camera's time is so far ahead of the host's: it jumped
+  microseconds late_for{500'000};   ///< all events have come too late for so long: the stream is another one
 };
 
 struct LiveCounts {
-  std::uint64_t events = 0;         ///< counted in some tick or waiting for one
-  std::uint64_t late_events = 0;    ///< of a tick that was told already; left out
-  std::uint64_t lost_events = 0;    ///< for which there was no room ahead of the detector
-  std::uint64_t packets = 0;        ///< with events
+  std::uint64_t events = 0;                              ///< counted in some tick or waiting for one
+  std::uint64_t late_events = 0;                         ///< of a tick that was told already; left out
+  std::uint64_t lost_events = 0;                         ///< for which there was no room ahead of the detector
+  std::uint64_t packets = 0;                             ///< with events
   std::uint64_t gated = 0, by_host = 0, incomplete = 0;  ///< ticks told
   std::uint32_t beginnings = 0;
 };
@@ -68,6 +69,11 @@ class LiveDetector {
   void look_for_silence(HostTime now);
   void note_lost(std::uint64_t events_so_far);  ///< what the queue had no room for, all in all
 
+  /// Whether `run` has something to do once a packet is there: it closes a tick, or counting it all at the tick's end would take
+  /// a while. Others may wait in the queue until `run` wakes by itself: a thread is woken at a cost of some microseconds, which
+  /// is most of what a quiet scene takes. On any thread.
+  bool awaits(std::span<const Event> events) const;
+
   /// Takes packets until the queue is closed and empty, or `stop` says so, by the host's clock.
   void run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far);
 
@@ -90,10 +96,11 @@ class LiveDetector {
   TickClock clock_;
   DeadlineMonitor deadlines_;
   LiveCounts counts_;
-  std::optional<std::size_t> stream_;       ///< `source_index` of the packets
-  std::optional<HostTime> last_arrival_;    ///< of events of this beginning
-  std::optional<HostTime> late_since_;      ///< from when on no event was in time
-  std::optional<CameraTime> hole_until_;    ///< histories that begin before it lack events
+  std::optional<std::size_t> stream_;                   ///< `source_index` of the packets
+  std::optional<HostTime> last_arrival_;                ///< of events of this beginning
+  std::optional<HostTime> late_since_;                  ///< from when on no event was in time
+  std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
+  std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
   bool is_silent_ = false, told_of_long_packets_ = false, lost_pending_ = false;
 };
 

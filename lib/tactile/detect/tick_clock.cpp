@@ -25,14 +25,14 @@ void TickClock::arrived(CameraTime first, CameraTime last, HostTime at) {
     all_ = full_ticks(first, CameraTime::max(), options_.history, options_.tick);
   }
   last_event_ = last;
-  const auto tick = upcoming();
+  const auto tick = next_tick();
   if (!tick || last < *tick) return;
   // One that closes no further tick than the one before it tells nothing new.
   const auto ticks_until = [this](CameraTime t) { return full_ticks(*first_event_, t, options_.history, options_.tick).count; };
   if (arrivals_.empty() || ticks_until(last) > ticks_until(arrivals_.back().last)) arrivals_.push_back({last, at});
 }
 
-std::optional<CameraTime> TickClock::upcoming() const {
+std::optional<CameraTime> TickClock::next_tick() const {
   if (!first_event_ || next_ >= all_.count) return std::nullopt;
   return all_.at(next_);
 }
@@ -63,12 +63,12 @@ std::optional<DueTick> TickClock::due(std::int64_t index, HostTime now) const {
 }
 
 std::optional<DueTick> TickClock::next(HostTime now) const {
-  if (!upcoming()) return std::nullopt;
+  if (!next_tick()) return std::nullopt;
   return due(next_, now);
 }
 
 std::optional<DueTick> TickClock::newest(HostTime now) const {
-  if (!upcoming()) return std::nullopt;
+  if (!next_tick()) return std::nullopt;
   CameraTime until = *last_event_;
   if (host_closes()) until = std::max(until, line_.camera_of(now));
   std::int64_t index = std::min(all_.count, full_ticks(*first_event_, until, options_.history, options_.tick).count) - 1;
@@ -76,8 +76,7 @@ std::optional<DueTick> TickClock::newest(HostTime now) const {
   if (host_closes() && all_.at(std::max(index, next_)) > *last_event_) {
     const std::int64_t open = (std::max(options_.slack, longest_packet_) / options_.tick) + 1 +
                               between(*last_event_, until).count() / 10'000 / options_.tick.count();
-    const std::int64_t by_events =
-        full_ticks(*first_event_, *last_event_, options_.history, options_.tick).count - 1;
+    const std::int64_t by_events = full_ticks(*first_event_, *last_event_, options_.history, options_.tick).count - 1;
     std::int64_t candidate = index;
     for (std::int64_t step = 0; step <= open + 1 && candidate > by_events && closes_at(all_.at(candidate)) > now; ++step)
       --candidate;
@@ -90,7 +89,7 @@ std::optional<DueTick> TickClock::newest(HostTime now) const {
 }
 
 std::optional<HostTime> TickClock::next_by_host() const {
-  const auto tick = upcoming();
+  const auto tick = next_tick();
   if (!tick || !host_closes()) return std::nullopt;
   return closes_at(*tick);
 }
@@ -98,7 +97,7 @@ std::optional<HostTime> TickClock::next_by_host() const {
 void TickClock::told(const DueTick& tick) {
   next_ += static_cast<std::int64_t>(tick.skipped) + 1;
   last_told_ = tick.t;
-  const auto upcoming_tick = upcoming();
+  const auto upcoming_tick = next_tick();
   const auto is_over = [&](const Arrival& arrival) { return !upcoming_tick || arrival.last < *upcoming_tick; };
   arrivals_.erase(arrivals_.begin(), std::find_if_not(arrivals_.begin(), arrivals_.end(), is_over));
 }

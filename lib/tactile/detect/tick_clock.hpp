@@ -31,8 +31,8 @@ struct DueTick {
 ///
 ///   host_of(t_c) + max(slack, longest packet) + 100 ppm * (t_c - last event)
 ///
-/// by the line below the arrivals, since a quiet scene sends nothing. The last term is what two clocks may drift apart in silence.
-/// Right up to both ends of int64: where the clock ends there are no further ticks.
+/// by the line below the arrivals, since a quiet scene sends nothing. The last term is what two clocks may drift apart in
+/// silence. Right up to both ends of int64: where the clock ends there are no further ticks.
 class TickClock {
  public:
   explicit TickClock(const TickClockOptions& options) : options_(options) { arrivals_.reserve(64); }
@@ -55,6 +55,8 @@ class TickClock {
 
   void told(const DueTick& tick);  ///< it and all before it are over
 
+  std::optional<CameraTime> next_tick()
+      const;  ///< whether it is closed or not; nothing before the first event and where the clock ends
   std::optional<CameraTime> last_event() const { return last_event_; }
   std::optional<CameraTime> last_told() const { return last_told_; }
   microseconds longest_packet() const { return longest_packet_; }
@@ -65,7 +67,6 @@ class TickClock {
     CameraTime last;
     HostTime at;
   };
-  std::optional<CameraTime> upcoming() const;
   HostTime closes_at(CameraTime tick) const;
   std::optional<DueTick> due(std::int64_t index, HostTime now) const;
   bool host_closes() const { return !options_.by_events_alone && line_.is_known(); }
@@ -74,8 +75,8 @@ class TickClock {
   ArrivalLine line_;
   microseconds longest_packet_{0};
   std::optional<CameraTime> first_event_, last_event_, last_told_;
-  TickRange all_;               ///< from the first event to the end of the clock
-  std::int64_t next_ = 0;       ///< of `all_`: those before were told or skipped
+  TickRange all_;                  ///< from the first event to the end of the clock
+  std::int64_t next_ = 0;          ///< of `all_`: those before were told or skipped
   std::vector<Arrival> arrivals_;  ///< whose events close ticks not told yet, ascending
 };
 
