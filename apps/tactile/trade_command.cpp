@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -128,18 +129,25 @@ double number_in(const nlohmann::json& json) { return json.is_null() ? NAN : jso
 
 std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
 
-/// "95.12 [93.10, 97.00]"
-std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
-  std::string text = text_of(factor * number_in(figure.at("value")), decimals);
+/// "95.1 [93.1, 97.0]"
+std::string percent_text(const nlohmann::json& figure) {
+  std::string text = text_of(100 * number_in(figure.at("value")), 1);
   if (!figure.at("low").is_null() && !figure.at("high").is_null()) {
-    text += fmt::format(" [{}, {}]", text_of(factor * number_in(figure.at("low")), decimals),
-                        text_of(factor * number_in(figure.at("high")), decimals));
+    text +=
+        fmt::format(" [{}, {}]", text_of(100 * number_in(figure.at("low")), 1), text_of(100 * number_in(figure.at("high")), 1));
   }
   return text;
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
 std::string settings_text(const nlohmann::json& trade) {
-  constexpr std::size_t most_rows = 60;
+  constexpr std::size_t most_rows = 60, width_of_setting = 16;
   std::vector<std::vector<std::string>> rows;
   std::size_t more = 0;
   for (const auto& point : trade.at("points")) {
@@ -149,17 +157,17 @@ std::string settings_text(const nlohmann::json& trade) {
       continue;
     }
     const auto &reported = point.at("reported"), &delay = reported.at("delay_us");
-    rows.push_back({point.at("text"), std::to_string(point.at("seeds").get<std::size_t>()),
-                    figure_text(reported.at("accuracy"), 100, 2), text_of(1e-3 * number_in(delay.at("mean").at("value")), 2),
-                    text_of(1e-3 * number_in(delay.at("p95").at("value")), 2),
-                    text_of(100 * number_in(delay.at("missed").at("value")), 1),
-                    text_of(number_in(reported.at("false_alarms_per_min").at("value")), 2),
-                    text_of(number_in(reported.at("us").at("p50").at("value")), 0),
-                    text_of(number_in(reported.at("us").at("p99").at("value")), 0),
-                    std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "")});
+    const std::string front = std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "");
+    const std::vector<std::string> words = lines_of(wrapped(point.at("text"), 0, width_of_setting));
+    rows.push_back(
+        {words.front(), front, percent_text(reported.at("accuracy")), text_of(1e-3 * number_in(delay.at("mean").at("value")), 1),
+         text_of(1e-3 * number_in(delay.at("p95").at("value")), 1), text_of(100 * number_in(delay.at("missed").at("value")), 0),
+         text_of(number_in(reported.at("false_alarms_per_min").at("value")), 1),
+         text_of(number_in(reported.at("us").at("p50").at("value")), 0),
+         text_of(number_in(reported.at("us").at("p99").at("value")), 0)});
+    for (std::size_t i = 1; i < words.size(); ++i) rows.push_back({words[i], "", "", "", "", "", "", "", ""});
   }
-  std::string text = text_table(
-      {"setting", "seeds", "accuracy [%]", "delay [ms]", "p95", "missed [%]", "alarms/min", "p50 [us]", "p99 [us]", ""}, rows);
+  std::string text = text_table({"setting", "", "accuracy [%]", "delay", "p95", "missed", "alarms", "p50", "p99"}, rows);
   if (more > 0) text += fmt::format("and {} more, on no front\n", more);
   return text + "\n";
 }
@@ -188,11 +196,13 @@ std::string text_of(const TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
   std::string text =
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
-      fmt::format(
-          "On the reported runs ({}); A: on the front of accuracy and time, D: of delay, misses and false alarms, both\n"
-          "as found on the runs to choose on ({})\n\n",
-          trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size()) +
-      settings_text(trade) + growth_text(trade);
+      wrapped(fmt::format(
+          "On the {} reported runs: accuracy with its 95 % interval, mean and 95 % quantile of the delay [ms], share missed [%], "
+          "false alarms a minute, time per tick [us]. A: on the front of accuracy and time, D: of delay, misses and false "
+          "alarms, "
+          "both as found on the {} runs to choose on.",
+          trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size())) +
+      "\n\n" + settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
     std::string list;
     for (const auto& pair : trade.at("left_out"))
@@ -252,14 +262,14 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   std::string text = text_of(summary);
   const auto tell_all = [&] { print_result(common, result, text); };
   try {
+    if (!args.no_figures) {
+      result["figures"] = draw_figures(args.out);
+      text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
+    }
     if (!args.apply.empty()) {
       write_json(args.apply, detect_config(summary.trade, args.out));
       result["applied"] = args.apply;
       text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
-    }
-    if (!args.no_figures) {
-      result["figures"] = draw_figures(args.out);
-      text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
     }
   } catch (const Error&) {
     // What was measured is told all the same.

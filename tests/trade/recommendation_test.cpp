@@ -42,6 +42,15 @@ TEST(Choose, GoesByValuesOnlyWhereNoIntervalMeetsTheWish) {
   EXPECT_FALSE(choice->in_interval);
 }
 
+TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheWish) {
+  // The first is the most accurate and on the verge of both limits; the second is in the middle of what may be.
+  const std::vector<TradeFigures> settings{figures(0.959, 199), figures(0.957, 195), figures(0.951, 100)};
+  const auto choice = choose({.at_most_us = 200, .at_least_accuracy = 0.95}, settings);
+  ASSERT_TRUE(choice);
+  EXPECT_EQ(choice->index, 1U) << "0.5 of its half interval from the limit of time, the first 0.1, the third 0.1 from the other";
+  EXPECT_FALSE(choice->in_interval);
+}
+
 TEST(Choose, FindsNothingWhereNothingMeetsEveryWish) {
   const std::vector<TradeFigures> settings{figures(0.99, 400, 0.1), figures(0.90, 50, 0.1), figures(0.99, 50, 9)};
   EXPECT_FALSE(choose({.at_most_us = 200, .at_least_accuracy = 0.95, .at_most_false_alarms_per_min = 1}, settings));

@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +18,24 @@ bool all_met(const TradeWish& wish, const TradeFigures& figures,
   return (!wish.at_most_us || is_met(figures.us_p99, *wish.at_most_us, false)) &&
          (!wish.at_least_accuracy || is_met(figures.accuracy, *wish.at_least_accuracy, true)) &&
          (!wish.at_most_false_alarms_per_min || is_met(figures.false_alarms_per_min, *wish.at_most_false_alarms_per_min, false));
+}
+
+/// How far a figure is on the right side of its limit, in halves of its interval; 0 where there is none.
+double margin(const Figure& figure, double limit, bool at_least) {
+  const std::optional<double>& bound = at_least ? figure.low : figure.high;
+  if (!bound) return 0;
+  const double room = std::abs(figure.value - limit), doubt = std::abs(figure.value - *bound);
+  return doubt > 0 ? room / doubt : std::numeric_limits<double>::infinity();
+}
+
+/// The least margin of all that is wished, by a setting whose values meet it.
+double least_margin(const TradeWish& wish, const TradeFigures& figures) {
+  double least = std::numeric_limits<double>::infinity();
+  all_met(wish, figures, [&](const Figure& figure, double limit, bool at_least) {
+    least = std::min(least, margin(figure, limit, at_least));
+    return true;
+  });
+  return least;
 }
 
 std::string interval_text(const Figure& figure, double factor, const char* format_of, const char* unit) {
@@ -73,11 +93,15 @@ std::optional<TradeChoice> choose(const TradeWish& wish, std::span<const TradeFi
     return wants_fast ? std::tuple(us, accuracy, figures.delay_us.value) : std::tuple(accuracy, figures.delay_us.value, us);
   };
   for (const bool in_interval : {true, false}) {
+    const auto goes_first = [&](const TradeFigures& a, const TradeFigures& b) {
+      const double doubt_a = in_interval ? 0 : -least_margin(wish, a), doubt_b = in_interval ? 0 : -least_margin(wish, b);
+      return doubt_a != doubt_b ? doubt_a < doubt_b : rank(a) < rank(b);
+    };
     std::optional<TradeChoice> best;
     for (std::size_t i = 0; i < settings.size(); ++i) {
       if (!std::isfinite(settings[i].accuracy.value) || !std::isfinite(settings[i].us_p99.value)) continue;
       if (!(in_interval ? meets_in_interval(wish, settings[i]) : meets(wish, settings[i]))) continue;
-      if (!best || rank(settings[i]) < rank(settings[best->index])) best = TradeChoice{i, in_interval};
+      if (!best || goes_first(settings[i], settings[best->index])) best = TradeChoice{i, in_interval};
     }
     if (best) return best;
   }

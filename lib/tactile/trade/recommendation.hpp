@@ -41,8 +41,13 @@ struct TradeChoice {
   bool in_interval = false;  ///< all of its intervals meet the wish; else its values alone, and no other's intervals do
 };
 
-/// The setting for a wish: of those whose intervals meet it, else of those whose values do, the most accurate one; where an
-/// accuracy is wished for and no time, the fastest. Of alike ones that with the shorter delay.
+/// The setting for a wish: of those whose intervals meet it the most accurate one; where an accuracy is wished for and no time,
+/// the fastest. Of alike ones that with the shorter delay. Where no interval meets it, the surest of those whose values do: that
+/// whose
+///
+///   min over what is wished   |value - limit| / |value - the bound on the limit's side|
+///
+/// is the largest, for one on the verge would hardly meet it on other runs; where that is alike too, as above.
 /// @return  nothing if there is none
 std::optional<TradeChoice> choose(const TradeWish& wish, std::span<const TradeFigures> settings);
 
