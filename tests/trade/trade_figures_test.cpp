@@ -50,7 +50,7 @@ TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t 
   made.intervals = delays.size() + 1;
   made.misses = 1;
   made.delays_us = std::move(delays);
-  made.tick_us = std::move(tick_us);
+  made.tick_us = made.open_tick_us = std::move(tick_us);
   made.alarms.alarms = 2;
   made.alarms.none_time = std::chrono::seconds(60);
   return made;
@@ -72,6 +72,35 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
   ASSERT_TRUE(result.figures.accuracy.low && result.figures.accuracy.high);
   EXPECT_LE(*result.figures.accuracy.low, result.figures.accuracy.value);
   EXPECT_GE(*result.figures.accuracy.high, result.figures.accuracy.value);
+}
+
+TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
+  std::vector<TradedRun> runs{outcome("a", 3, 1, {1000}, {1, 1, 1, 150})};
+  runs[0].open_tick_us = {150};
+  EXPECT_DOUBLE_EQ(result_of(runs).figures.us_p50.value, 1);
+  EXPECT_DOUBLE_EQ(result_of(runs).figures.delay_us.value, 1150);
+  runs[0].open_tick_us.clear();
+  EXPECT_DOUBLE_EQ(result_of(runs).figures.delay_us.value, 1001);
+}
+
+TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
+  std::vector<TradedRun> runs;
+  for (const char* object : {"a", "b", "c"}) {
+    runs.push_back(outcome(object, 3, 1, {1000}, {10}));
+    runs.back().alarms.alarms = 0;
+    runs.back().alarms.none_time = std::chrono::seconds(20);
+  }
+  const Figure in_a_minute = result_of(runs).figures.false_alarms_per_min;
+  EXPECT_EQ(in_a_minute.value, 0);
+  ASSERT_TRUE(in_a_minute.low && in_a_minute.high);
+  EXPECT_EQ(*in_a_minute.low, 0);
+  EXPECT_NEAR(*in_a_minute.high, 3.6889, 1e-4) << "none met in a minute";
+  // Another seed on the same runs is no other minute.
+  for (TradedRun& run : runs) run += TradedRun(run);
+  EXPECT_NEAR(*result_of(runs).figures.false_alarms_per_min.high, 3.6889, 1e-4);
+  // Many that differ between runs: the draws say more.
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms.alarms = 1000 * i;
+  EXPECT_GT(*result_of(runs).figures.false_alarms_per_min.high, 1900);
 }
 
 TEST(DifferenceOf, IsPairedOverRuns) {
@@ -98,6 +127,7 @@ TEST(TradedRun, SeedsAreCountedTogether) {
   EXPECT_EQ(sum.delays_us.size(), 3U);
   EXPECT_EQ(sum.intervals, 5U);
   EXPECT_EQ(sum.alarms.alarms, 4U);
+  EXPECT_EQ(sum.seeds, 2U);
   EXPECT_EQ(sum.tick_us, std::vector<double>{10}) << "time is that of the first";
 }
 

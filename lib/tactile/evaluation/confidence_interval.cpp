@@ -80,6 +80,24 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
   };
 }
 
+double poisson_upper_bound(std::uint64_t count, double confidence) {
+  const double share = (1 - confidence) / 2;
+  const auto share_up_to_count = [count](double mean) {
+    double sum = 0;
+    for (std::uint64_t k = 0; k <= count; ++k)
+      sum += std::exp(static_cast<double>(k) * std::log(mean) - mean - std::lgamma(static_cast<double>(k) + 1));
+    return sum;
+  };
+  double low = static_cast<double>(count), high = low + 10;
+  while (share_up_to_count(high) > share) high *= 2;
+  if (low == 0) low = 1e-9;
+  for (int step = 0; step < 100; ++step) {
+    const double middle = (low + high) / 2;
+    (share_up_to_count(middle) > share ? low : high) = middle;
+  }
+  return high;
+}
+
 double quantile(std::vector<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
   std::sort(values.begin(), values.end());

@@ -45,6 +45,11 @@ Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic,
 /// A statistic that averages over objects what `of_object` gives of each one's runs; objects that give nothing are left out.
 Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object);
 
+/// How many of something rare are to be expected at most, where `count` were met: the mean m of a Poisson distribution with
+/// P(X <= count | m) = (1 - confidence) / 2, the upper end of the exact two-sided interval; 3.69 for none met, at 95 %.
+/// Source: F. Garwood, Fiducial limits for the Poisson distribution, Biometrika 28 (1936).
+double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
+
 /// The value below which the share `q` in [0, 1] of the values lies, interpolated between neighbours; `values` not empty, in any
 /// order.
 double quantile(std::vector<double> values, double q);

@@ -86,68 +86,99 @@ class EvenStream {
   std::vector<Event> events_;
 };
 
-GrowthPoint measure_point(std::span<const Event> source, SensorSize source_sensor, SensorSize sensor, double events_per_s,
-                          microseconds history_us, const GrowthOptions& options) {
-  const HeatmapOptions rendering{.history = history_us, .tick = tick};
-  GrowthPoint point{.events_per_s = events_per_s,
-                    .history = history_us,
-                    .sensor = sensor,
-                    .heatmap = heatmap_size(sensor, rendering.factor),
-                    .lit_share = 0,
-                    .sparse = {},
-                    .dense = {}};
-  const Weights weights = random_weights(point.heatmap);
-  LeNetEngine skipping(point.heatmap, weights), whole(point.heatmap, weights, {}, {.skip_empty = false});
-  const auto history = static_cast<std::size_t>(history_us / tick);
-  std::vector<TickParts> sparse(std::size_t{options.pieces} * options.ticks), dense = sparse;
-  std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(point.heatmap.width) *
-                                    static_cast<std::size_t>(point.heatmap.height));
-  std::uint64_t lit = 0, cells = 0;
-  for (unsigned piece = 0; piece < options.pieces; ++piece) {
-    const EvenStream stream(source, source_sensor, sensor, events_per_s, history + options.ticks,
-                            source.size() / options.pieces * piece);
-    for (unsigned turn = 0; turn < options.turns; ++turn) {
-      HeatmapRenderer renderer(sensor, rendering);
-      for (std::size_t at = 1; at <= history; ++at) {
-        renderer.add(stream.between(at - 1, at));
-        renderer.move_to(EvenStream::time_of(at));
-      }
-      renderer.render(std::span(heatmap));
-      skipping.classify(heatmap);
-      for (std::size_t i = 0, at = history + 1; i < options.ticks; ++i, ++at) {
-        const auto events = stream.between(at - 1, at);
-        const auto begin = Clock::now();
-        renderer.add(events);
-        renderer.move_to(EvenStream::time_of(at));
-        renderer.render(std::span(heatmap));
-        const auto rendered = Clock::now();
-        skipping.classify(heatmap);
-        keep_shorter(sparse[std::size_t{piece} * options.ticks + i], begin, rendered, Clock::now());
-        lit += static_cast<std::uint64_t>(
-            std::count_if(heatmap.begin(), heatmap.end(), [](std::uint8_t cell) { return cell != 0; }));
-        cells += heatmap.size();
-      }
-      DenseHeatmaps plain(sensor, rendering.factor);
-      plain.add(stream.between(0, history));
-      plain.render();
-      whole.classify(plain.heatmap());
-      for (std::size_t i = 0, at = history + 1; i < options.ticks; ++i, ++at) {
-        const auto coming = stream.between(at - 1, at), going = stream.between(at - history - 1, at - history);
-        const auto begin = Clock::now();
-        plain.add(coming);
-        plain.forget(going);
-        plain.render();
-        const auto rendered = Clock::now();
-        whole.classify(plain.heatmap());
-        keep_shorter(dense[std::size_t{piece} * options.ticks + i], begin, rendered, Clock::now());
-      }
+/// A place on the curves, measured turn by turn.
+class MeasuredPoint {
+ public:
+  MeasuredPoint(std::span<const Event> source, SensorSize source_sensor, SensorSize sensor, double events_per_s,
+                microseconds history, const GrowthOptions& options)
+      : source_(source),
+        source_sensor_(source_sensor),
+        options_(options),
+        rendering_{.history = history, .tick = tick},
+        point_{.events_per_s = events_per_s,
+               .history = history,
+               .sensor = sensor,
+               .heatmap = heatmap_size(sensor, rendering_.factor),
+               .lit_share = 0,
+               .sparse = {},
+               .dense = {}},
+        sparse_(std::size_t{options.pieces} * options.ticks),
+        dense_(sparse_) {}
+
+  void take_turn() {
+    const auto history = static_cast<std::size_t>(rendering_.history / tick);
+    const Weights weights = random_weights(point_.heatmap);
+    LeNetEngine skipping(point_.heatmap, weights), whole(point_.heatmap, weights, {}, {.skip_empty = false});
+    for (unsigned piece = 0; piece < options_.pieces; ++piece) {
+      const EvenStream stream(source_, source_sensor_, point_.sensor, point_.events_per_s, history + options_.ticks,
+                              source_.size() / options_.pieces * piece);
+      const std::size_t first = std::size_t{piece} * options_.ticks;
+      render_sparse(stream, skipping, std::span(sparse_).subspan(first, options_.ticks));
+      render_dense(stream, whole, std::span(dense_).subspan(first, options_.ticks));
     }
   }
-  point.lit_share = cells == 0 ? 0 : static_cast<double>(lit) / static_cast<double>(cells);
-  point.sparse = way_of(sparse);
-  point.dense = way_of(dense);
-  return point;
-}
+
+  GrowthPoint result() const {
+    GrowthPoint point = point_;
+    point.lit_share = cells_ == 0 ? 0 : static_cast<double>(lit_) / static_cast<double>(cells_);
+    point.sparse = way_of(sparse_);
+    point.dense = way_of(dense_);
+    return point;
+  }
+
+ private:
+  void render_sparse(const EvenStream& stream, LeNetEngine& network, std::span<TickParts> kept) {
+    const auto history = static_cast<std::size_t>(rendering_.history / tick);
+    std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(point_.heatmap.width) *
+                                      static_cast<std::size_t>(point_.heatmap.height));
+    HeatmapRenderer renderer(point_.sensor, rendering_);
+    for (std::size_t at = 1; at <= history; ++at) {
+      renderer.add(stream.between(at - 1, at));
+      renderer.move_to(EvenStream::time_of(at));
+    }
+    renderer.render(std::span(heatmap));
+    network.classify(heatmap);
+    for (std::size_t i = 0, at = history + 1; i < kept.size(); ++i, ++at) {
+      const auto events = stream.between(at - 1, at);
+      const auto begin = Clock::now();
+      renderer.add(events);
+      renderer.move_to(EvenStream::time_of(at));
+      renderer.render(std::span(heatmap));
+      const auto rendered = Clock::now();
+      network.classify(heatmap);
+      keep_shorter(kept[i], begin, rendered, Clock::now());
+      lit_ +=
+          static_cast<std::uint64_t>(std::count_if(heatmap.begin(), heatmap.end(), [](std::uint8_t cell) { return cell != 0; }));
+      cells_ += heatmap.size();
+    }
+  }
+
+  void render_dense(const EvenStream& stream, LeNetEngine& network, std::span<TickParts> kept) const {
+    const auto history = static_cast<std::size_t>(rendering_.history / tick);
+    DenseHeatmaps plain(point_.sensor, rendering_.factor);
+    plain.add(stream.between(0, history));
+    plain.render();
+    network.classify(plain.heatmap());
+    for (std::size_t i = 0, at = history + 1; i < kept.size(); ++i, ++at) {
+      const auto coming = stream.between(at - 1, at), going = stream.between(at - history - 1, at - history);
+      const auto begin = Clock::now();
+      plain.add(coming);
+      plain.forget(going);
+      plain.render();
+      const auto rendered = Clock::now();
+      network.classify(plain.heatmap());
+      keep_shorter(kept[i], begin, rendered, Clock::now());
+    }
+  }
+
+  std::span<const Event> source_;
+  SensorSize source_sensor_;
+  GrowthOptions options_;
+  HeatmapOptions rendering_;
+  GrowthPoint point_;
+  std::vector<TickParts> sparse_, dense_;
+  std::uint64_t lit_ = 0, cells_ = 0;
+};
 
 nlohmann::json json_of(const GrowthPoint::Way& way) {
   return {{"rendering_us", way.rendering_us}, {"network_us", way.network_us}, {"p50_us", way.p50_us}, {"p99_us", way.p99_us}};
@@ -193,23 +224,33 @@ CostGrowth measure_growth(std::span<const Event> source, SensorSize sensor, cons
     throw Error("growth of cost: no events or no sensor; expected some of a sensor's");
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);  // as ours has one
-  CostGrowth growth;
-  const std::uint64_t total = options.rates.size() + options.histories.size() + options.sensors.size();
-  std::uint64_t done = 0;
-  const auto measure = [&](SensorSize of, double rate, microseconds history) {
-    tell(progress, done++, total, "how cost grows");
-    return measure_point(source, sensor, of, rate, history, options);
+  const auto point = [&](SensorSize of, double rate, microseconds history) {
+    return MeasuredPoint(source, sensor, of, rate, history, options);
   };
+  std::vector<MeasuredPoint> by_rate, by_history, by_resolution;
+  for (const double rate : options.rates) by_rate.push_back(point(sensor, rate, usual_history));
+  for (const microseconds history : options.histories) by_history.push_back(point(sensor, options.usual_rate, history));
+  for (const SensorSize of : options.sensors) by_resolution.push_back(point(of, options.usual_rate, usual_history));
+  const std::uint64_t total = (by_rate.size() + by_history.size() + by_resolution.size()) * options.turns;
+  std::uint64_t done = 0;
   try {
-    for (const double rate : options.rates) growth.by_rate.push_back(measure(sensor, rate, usual_history));
-    for (const microseconds history : options.histories)
-      growth.by_history.push_back(measure(sensor, options.usual_rate, history));
-    for (const SensorSize of : options.sensors) growth.by_resolution.push_back(measure(of, options.usual_rate, usual_history));
+    for (unsigned turn = 0; turn < options.turns; ++turn) {
+      for (auto* points : {&by_rate, &by_history, &by_resolution}) {
+        for (MeasuredPoint& one : *points) {
+          tell(progress, done++, total, "how cost grows");
+          one.take_turn();
+        }
+      }
+    }
   } catch (...) {
     cv::setNumThreads(threads);
     throw;
   }
   cv::setNumThreads(threads);
+  CostGrowth growth;
+  for (const MeasuredPoint& one : by_rate) growth.by_rate.push_back(one.result());
+  for (const MeasuredPoint& one : by_history) growth.by_history.push_back(one.result());
+  for (const MeasuredPoint& one : by_resolution) growth.by_resolution.push_back(one.result());
   return growth;
 }
 

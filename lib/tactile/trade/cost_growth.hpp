@@ -48,8 +48,9 @@ struct GrowthOptions {
 /// @throws Error  if there are none
 std::vector<Event> moving_events(std::span<const std::filesystem::path> recordings);
 
-/// Times ticks of 2 ms of streams that take their events from `source`, at an even rate, on this thread; sparse and dense take
-/// turns. The network's weights are drawn at random: what it costs does not depend on them.
+/// Times ticks of 2 ms of streams that take their events from `source`, at an even rate, on this thread; all points, sparse and
+/// dense, take turns, so that what else the machine does falls on all alike. The network's weights are drawn at random: what it
+/// costs does not depend on them.
 /// @param sensor  of the source
 CostGrowth measure_growth(std::span<const Event> source, SensorSize sensor, const GrowthOptions& options = {},
                           const ProgressCallback& progress = {});

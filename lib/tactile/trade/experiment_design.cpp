@@ -116,7 +116,8 @@ std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const Trad
 
 std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const TradeLevels& levels,
                                             const std::map<std::string, TradeOutcome>& measured, std::size_t most) {
-  constexpr double some_alarms = 0.1;  // a minute: ratios to none at all say nothing
+  constexpr double some_alarms =
+      3;  // a minute: an alarm more or less in the runs that there are; ratios to none at all say nothing
   const auto of_usual = measured.find(id_of(usual));
   if (of_usual == measured.end()) return {};
   const TradeOutcome base = of_usual->second;

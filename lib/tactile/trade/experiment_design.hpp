@@ -60,8 +60,8 @@ struct TradeOutcome {
 /// Combinations of two and more values off the default that look promising: were each to change things as it does alone, they
 /// would lie on the front of accuracy against time, or on that of false alarms, delay and misses.
 ///
-///   accuracy, delay, misses: default + sum of differences;   time: default * product of ratios;   false alarms: (default + 0.1)
-///   * product of ratios of what is measured + 0.1, less 0.1
+///   accuracy, delay, misses: default + sum of differences;   time: default * product of ratios;   false alarms: (default + 3)
+///   * product of ratios of what is measured + 3, less 3
 ///
 /// @param measured  what `one_at_a_time` gave, by `id_of`; values that it lacks are in no combination
 /// @param most      of each front, spread along it

@@ -48,7 +48,7 @@ std::string interval_text(const Figure& figure, double factor, const char* forma
 
 std::string measured_text(const TradeFigures& figures) {
   return fmt::format(
-      "an accuracy of {}, a time per tick of {} in 99 of 100 ticks ({} in half of them), a mean delay of {} and "
+      "an accuracy of {}, a computing time of {} in 99 of 100 ticks ({} in half of them), a mean delay of {} and "
       "{} false alarms per minute",
       interval_text(figures.accuracy, 100, "{:.2f}", " %"), interval_text(figures.us_p99, 1, "{:.0f}", " us"),
       interval_text(figures.us_p50, 1, "{:.0f}", " us"), interval_text(figures.delay_us, 1e-3, "{:.2f}", " ms"),
@@ -73,10 +73,12 @@ std::string text_of(const TradeWish& wish) {
   return words.empty() ? "nothing" : fmt::format("{}", fmt::join(words, " and "));
 }
 
+bool keeps_up(const TradeFigures& figures) { return figures.us_p99.value <= figures.tick_us; }
+
 bool meets(const TradeWish& wish, const TradeFigures& figures) {
-  return all_met(wish, figures, [](const Figure& figure, double limit, bool at_least) {
-    return at_least ? figure.value >= limit : figure.value <= limit;  // neither of NaN
-  });
+  return keeps_up(figures) && all_met(wish, figures, [](const Figure& figure, double limit, bool at_least) {
+           return at_least ? figure.value >= limit : figure.value <= limit;  // neither of NaN
+         });
 }
 
 bool meets_in_interval(const TradeWish& wish, const TradeFigures& figures) {
@@ -124,9 +126,8 @@ Recommendation recommend(const TradeWish& wish, const std::optional<std::string>
                                           text_of(wish), *setting, measured_text(again), of_runs);
   } else {
     recommendation.sentence = fmt::format(
-        "No setting that was measured surely gives {}: the one that promised it, {}, has {} when measured again on runs that it "
-        "was "
-        "not chosen on, and the wish must be met by the whole 95 % interval.{}",
+        "The setting chosen for {}, {}, does not surely give it: measured again on runs that it was not chosen on it has {}, and "
+        "all of the 95 % interval must meet the wish. No other was tried on them, for the best of many tries proves nothing.{}",
         text_of(wish), *setting, measured_text(again), of_runs);
   }
   return recommendation;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -29,9 +30,14 @@ struct TradeFigures {
   Figure us_p50;
   Figure delay_us;  ///< mean detection delay
   Figure false_alarms_per_min;
+  double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next
 };
 
-/// Whether every wish is met: by the value itself, and by all of its 95 % interval, which is never so where there is none.
+/// Whether 99 of 100 ticks are done before the next one is due; one that does not keep up can meet no wish.
+bool keeps_up(const TradeFigures& figures);
+
+/// Whether every wish is met, by a setting that keeps up: by the value itself, and by all of its 95 % interval, which is never so
+/// where there is none.
 bool meets(const TradeWish& wish, const TradeFigures& figures);
 bool meets_in_interval(const TradeWish& wish, const TradeFigures& figures);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -23,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Network = std::function<Logits(std::span<const std::uint8_t>)>;
 
-constexpr std::int64_t warm_up = 3;  // ticks
+constexpr std::int64_t warm_up = 1;  // ticks
 constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 float us_between(Clock::time_point begin, Clock::time_point end) {
@@ -94,9 +93,9 @@ Piece piece_of(const TickRange& all, unsigned piece, const TickTimesOptions& opt
   return {all.at(std::clamp<std::int64_t>(begin, 0, all.count - ticks)), ticks};
 }
 
-/// One turn of one way over a piece; keeps what is shorter than before.
+/// One turn of one way over a piece.
 void take_turn(const TimedWay& way, const Network& network, const Recorded& recorded, const Piece& piece,
-               std::span<TickTime> shortest) {
+               std::span<std::vector<TickTime>> turns) {
   const HeatmapOptions& options = way.rendering;
   HeatmapRenderer renderer(recorded.sensor, options);
   std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(renderer.size().width) *
@@ -115,10 +114,16 @@ void take_turn(const TimedWay& way, const Network& network, const Recorded& reco
     network(heatmap);
     const auto end = Clock::now();
     if (i < 0) continue;
-    TickTime& kept = shortest[static_cast<std::size_t>(i)];
-    const TickTime now{us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), renderer.events()};
-    if (now.total({}) < kept.total({})) kept = now;
+    turns[static_cast<std::size_t>(i)].push_back(
+        {us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), renderer.events()});
   }
+}
+
+TickTime median_of(std::vector<TickTime> turns) {
+  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>((turns.size() - 1) / 2);
+  std::nth_element(turns.begin(), middle, turns.end(),
+                   [](const TickTime& a, const TickTime& b) { return a.total({}) < b.total({}); });
+  return *middle;
 }
 
 }  // namespace
@@ -135,22 +140,22 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedWay> ways, std::span<co
     const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
     for (unsigned piece_index = 0; piece_index < options.pieces; ++piece_index) {
       std::vector<Piece> pieces;
-      std::vector<std::vector<TickTime>> shortest;
+      std::vector<std::vector<std::vector<TickTime>>> turns;  // of each way, of each tick
       for (const TimedWay& way : ways) {
         const TickRange all = full_ticks(first, last, way.rendering.history, way.rendering.tick);
         pieces.push_back(all.count > 0 ? piece_of(all, piece_index, options) : Piece{});
-        constexpr float never = std::numeric_limits<float>::infinity();
-        shortest.emplace_back(static_cast<std::size_t>(pieces.back().ticks), TickTime{never, never, never, 0});
+        turns.emplace_back(static_cast<std::size_t>(pieces.back().ticks));
       }
       for (unsigned turn = 0; turn < options.turns; ++turn) {
         for (std::size_t i = 0; i < ways.size(); ++i) {
-          if (pieces[i].ticks > 0) take_turn(ways[i], network_of[i], recorded, pieces[i], shortest[i]);
+          if (pieces[i].ticks > 0) take_turn(ways[i], network_of[i], recorded, pieces[i], turns[i]);
         }
         tell(progress, ++done, std::uint64_t{recordings.size()} * options.pieces * options.turns,
              fmt::format("times of {} ways, in turns", ways.size()));
       }
-      for (std::size_t i = 0; i < ways.size(); ++i)
-        times[i][run].insert(times[i][run].end(), shortest[i].begin(), shortest[i].end());
+      for (std::size_t i = 0; i < ways.size(); ++i) {
+        for (const std::vector<TickTime>& tick : turns[i]) times[i][run].push_back(median_of(tick));
+      }
     }
   }
   return times;

@@ -38,16 +38,17 @@ struct TimedWay {
 };
 
 struct TickTimesOptions {
-  unsigned pieces = 3;  ///< of each run, spread evenly over it, > 0
-  unsigned ticks = 20;  ///< of each piece, behind a full history and three ticks that warm up, > 0
-  unsigned turns = 5;   ///< the shortest counts, > 0
+  unsigned pieces = 60;  ///< of each run, spread evenly over it, the same for every way, > 0
+  unsigned ticks = 1;    ///< of each piece, behind a full history and a tick that warms up, > 0
+  unsigned turns = 3;    ///< the median counts, > 0
 };
 
 /// The times of one way: those of each recording in their order.
 using TimesOfRuns = std::vector<std::vector<TickTime>>;
 
 /// Times all ways in this process on this thread: piece by piece of each recording, every way takes its turn before the first
-/// takes its next, so that what else the machine does falls on all alike. Of each tick the shortest of all turns counts.
+/// takes its next, so that what else the machine does falls on all alike. Of each tick the turn of median length counts: not the
+/// shortest, which nobody can count on.
 /// @throws Error  if a recording or a model cannot be read, or does not fit the other
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedWay> ways, std::span<const std::filesystem::path> recordings,
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {});

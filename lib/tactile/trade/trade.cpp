@@ -39,6 +39,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
+constexpr microseconds shortest_tick_said{100};  // some 40 000 heatmaps a run
+
 double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 
 json hash_of_file(const fs::path& file) { return fs::is_regular_file(file) ? json(sha256_of_file(file)) : json(); }
@@ -243,6 +245,11 @@ class Trade {
       try {
         check_renders(*dataset_, network_of(point.setting, 0).settings.rendering);
         check(point.setting.rendering);
+        const microseconds said_at = tick_said_at(network_of(point.setting, 0), point.setting.rendering.tick);
+        if (said_at < shortest_tick_said) {
+          throw Error(fmt::format("its tick and the network's have only {} us in common; expected {} us at least",
+                                  said_at.count(), shortest_tick_said.count()));
+        }
       } catch (const Error& e) {
         if (point.setting == options_.usual) throw;
         why[id_of(point.setting)] = e.what();
@@ -345,6 +352,7 @@ class Trade {
                             {"runs", tested_names()},
                             {"ways", ways},
                             {"machine", cpu_name()},
+                            {"revision", revision()},
                             {"pieces", options_.timing.pieces},
                             {"ticks", options_.timing.ticks},
                             {"turns", options_.timing.turns}},
@@ -365,13 +373,16 @@ class Trade {
   }
 
   static void add_times(TradedRun& outcome, const std::vector<TickTime>& times, std::optional<std::uint64_t> gate) {
-    for (const TickTime& time : times) outcome.tick_us.push_back(time.total(gate));
+    for (const TickTime& time : times) {
+      outcome.tick_us.push_back(time.total(gate));
+      if (!gate || time.events >= *gate) outcome.open_tick_us.push_back(time.total({}));
+    }
   }
 
-  /// Of every tested run, all seeds together.
-  std::vector<TradedRun> outcomes_of(const TradePoint& point) const {
+  /// Of every tested run, the first seeds together.
+  std::vector<TradedRun> outcomes_of(const TradePoint& point, std::size_t seeds) const {
     std::vector<TradedRun> outcomes(tested_.size());
-    for (std::size_t seed = 0; seed < point.networks.size(); ++seed) {
+    for (std::size_t seed = 0; seed < seeds; ++seed) {
       const TradeNetwork& network = point.networks[seed];
       const auto gate = gate_of(point.setting, network);
       const std::vector<RunSaid>& said = said_.at(said_name(network, point.setting));
@@ -393,17 +404,19 @@ class Trade {
   }
 
   void judge() {
-    const std::vector<TradedRun> usual = outcomes_of(points_.front());
     parallel_for(points_.size(), threads_, [&](std::size_t i) {
       TradePoint& point = points_[i];
-      const std::vector<TradedRun> outcomes = outcomes_of(point);
+      const std::vector<TradedRun> outcomes = outcomes_of(point, point.networks.size());
       const std::span<const TradedRun> all(outcomes);
       point.choice = result_of(all.first(choice_count_));
       point.reported = result_of(all.subspan(choice_count_));
+      point.choice.figures.tick_us = point.reported.figures.tick_us = static_cast<double>(point.setting.rendering.tick.count());
       point.difference.reset();
+      if (i == 0) return;
       // With as many seeds of each, so that the runs are paired.
-      if (i > 0 && point.networks.size() == points_.front().networks.size())
-        point.difference = difference_of(std::span(usual).subspan(choice_count_), all.subspan(choice_count_));
+      const std::size_t seeds = std::min(point.networks.size(), points_.front().networks.size());
+      const std::vector<TradedRun> usual = outcomes_of(points_.front(), seeds), same = outcomes_of(point, seeds);
+      point.difference = difference_of(std::span(usual).subspan(choice_count_), std::span(same).subspan(choice_count_));
     });
     find_fronts();
   }
@@ -435,7 +448,7 @@ class Trade {
 
   /// Trains the networks of the front, and the usual one, with the other seeds too, until the front has no others.
   void sow_the_front() {
-    for (int round = 0; round < 4; ++round) {
+    for (;;) {  // to an end: there are only so many networks
       std::vector<TradeNetwork> networks;
       for (const TradePoint& point : points_) {
         if (!point.on_accuracy_front && !point.on_delay_front && &point != &points_.front()) continue;
@@ -465,6 +478,7 @@ class Trade {
                  .command = "",
                  .inputs = {{"manifest", dataset_->manifest_hash()},
                             {"machine", cpu_name()},
+                            {"revision", revision()},
                             {"rates", growth.rates},
                             {"histories_us", histories},
                             {"sensors", sensors},
@@ -487,7 +501,10 @@ class Trade {
     recommendation_ = {{"wish", wish},    {"setting", nullptr}, {"id", nullptr}, {"met", false}, {"chosen_in_interval", nullptr},
                        {"again", nullptr}};
     std::vector<TradeFigures> candidates;
-    for (const TradePoint& point : points_) candidates.push_back(point.choice.figures);
+    for (const TradePoint& point : points_) {
+      candidates.push_back(point.choice.figures);
+      if (!point.setting.sparse) candidates.back().accuracy = {};  // no detector has it: it is there to compare with
+    }
     const auto choice = wish.any() ? choose(wish, candidates) : std::nullopt;
     Recommendation recommendation;
     if (choice) {
@@ -500,6 +517,7 @@ class Trade {
       figures.us_p99 = figure_in(again.at("us").at("p99"), where);
       figures.delay_us = figure_in(again.at("delay_us").at("mean"), where);
       figures.false_alarms_per_min = figure_in(again.at("false_alarms_per_min"), where);
+      figures.tick_us = point.choice.figures.tick_us;
       const std::string words = &point == &points_.front() ? "the usual setting (" + whole_text(point.setting) + ")"
                                                            : text_of(point.setting, options_.usual) + " (else as usual)";
       recommendation = recommend(wish, words, figures, dataset_->simulated());
@@ -516,8 +534,15 @@ class Trade {
   }
 
   static std::string whole_text(const TradeSetting& setting) {
-    return fmt::format("t_h {:g} ms, tick {:g} ms, factor {:g}", in_ms(setting.rendering.history), in_ms(setting.rendering.tick),
-                       setting.rendering.factor);
+    TradeSetting same_rendering = setting;
+    same_rendering.rendering.history = same_rendering.rendering.tick = microseconds{0};
+    same_rendering.rendering.factor = 0;
+    TradeSetting other;
+    other.rendering.history = other.rendering.tick = microseconds{0};
+    other.rendering.factor = 0;
+    return fmt::format("t_h {:g} ms, tick {:g} ms, factor {:g}{}", in_ms(setting.rendering.history),
+                       in_ms(setting.rendering.tick), setting.rendering.factor,
+                       same_rendering == other ? "" : ", " + text_of(same_rendering, other));
   }
 
   /// The first seed's network on the reported runs: nothing of what was kept is used.
@@ -531,10 +556,18 @@ class Trade {
                             {"weights", read_description(network.bundle).weights_sha256},
                             {"setting", point.setting},
                             {"runs", names_of(*dataset_, reported)},
-                            {"machine", cpu_name()}},
+                            {"truth", truth_hashes(reported)},
+                            {"machine", cpu_name()},
+                            {"revision", revision()}},
                  .outputs = [file] { return hash_of_file(file); },
                  .work = [&](const ProgressCallback& progress) { write_json(file, again(point, reported, progress)); }});
     return read_json(file);
+  }
+
+  json truth_hashes(std::span<const std::uint32_t> runs) const {
+    json hashes = json::array();
+    for (const std::uint32_t run : runs) hashes.push_back(hash_of_file(dataset_->run_folder(run) / "truth.json"));
+    return hashes;
   }
 
   json again(const TradePoint& point, std::span<const std::uint32_t> reported, const ProgressCallback& progress) const {
@@ -549,7 +582,8 @@ class Trade {
       outcomes.push_back(outcome_of(judged_[choice_count_ + i], said[i], verdicts_of(said[i], gate, setting.confirmation)));
       add_times(outcomes.back(), times[1].at(i), gate);
     }
-    json result = result_of(outcomes);
+    const TradeResult counted = result_of(outcomes);
+    json result = counted;
     result["by"] = "trade";
     // `eval` judges at the network's own ticks alone, where samples lie.
     if (setting.rendering.tick == network.settings.rendering.tick) {
@@ -559,7 +593,10 @@ class Trade {
                    {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads_}, progress);
       result["by"] = "eval";
       result["accuracy"] = evaluation.accuracy.mean;
-      result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
+      Figure alarms = evaluation.network.false_alarms.per_min;
+      // By few alarms, as of every other setting.
+      if (alarms.high) alarms.high = std::max(*alarms.high, counted.figures.false_alarms_per_min.high.value_or(*alarms.high));
+      result["false_alarms_per_min"] = alarms;
     }
     result["model"] = network.name();
     result["runs"] = names_of(*dataset_, reported);
@@ -604,10 +641,10 @@ class Trade {
         {"simulated", dataset_->simulated()},
         {"times_are",
          fmt::format(
-             "Time per tick is that of counting events, rendering and network, on one thread of one process: of {} ticks in "
-             "each of {} pieces of every run the shortest of {} turns, in which all settings come one after the other, so "
-             "that what else the machine does falls on all alike.",
-             options_.timing.ticks, options_.timing.pieces, options_.timing.turns)},
+             "Time per tick is that of computing: counting events, rendering and network, on one thread of one process, at {} "
+             "times of every run, the median of {} turns, in which all settings come one after the other, so that what else "
+             "the machine does falls on all alike. What 'tactile detect' waits for beside it, it tells itself.",
+             options_.timing.ticks * options_.timing.pieces, options_.timing.turns)},
         {"settings",
          {{"data", from_trade(options_.data)},
           {"models", from_trade(options_.models)},
@@ -646,6 +683,12 @@ class Trade {
     for (const LeftOutPair& pair : left_out_pairs(options_.levels)) {
       trade["left_out"].push_back(
           {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is no whole number of ticks"}});
+    }
+    for (const TradePoint& point : points_) {
+      if ((point.on_accuracy_front || point.on_delay_front) && point.networks.size() < options_.seeds)
+        trade["not_measured"].push_back({{"setting", text_of(point.setting, options_.usual)},
+                                         {"why", fmt::format("with {} of {} seeds: the budget was used up",
+                                                             options_.seeds - point.networks.size(), options_.seeds)}});
     }
     for (const NotMeasured& one : not_measured_) trade["not_measured"].push_back({{"setting", one.setting}, {"why", one.why}});
     for (const StepRecord& record : runner_.records()) {

@@ -1,6 +1,8 @@
 #include "tactile/trade/trade_figures.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "tactile/core/error.hpp"
 
@@ -39,6 +41,14 @@ OfRuns accuracy_in(Runs runs) {
   });
 }
 
+/// Of ticks that no gate closes; of all where it closed every one.
+OfRuns open_tick_us_in(Runs runs) {
+  return [runs](const RunsByObject& chosen) {
+    const auto open = quantile_of(joined(runs, chosen, &TradedRun::open_tick_us), 0.5);
+    return open ? open : quantile_of(joined(runs, chosen, &TradedRun::tick_us), 0.5);
+  };
+}
+
 OfRuns tick_us_in(Runs runs, double q) {
   return [runs, q](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::tick_us), q); };
 }
@@ -75,6 +85,16 @@ OfRuns alarms_in(Runs runs) {
   };
 }
 
+/// Widens the interval where there were too few alarms, or too little time, for the runs to tell.
+void widen_by_few_alarms(Figure& per_min, Runs runs) {
+  if (!per_min.high) return;
+  FalseAlarms sum;
+  unsigned seeds = 1;
+  for (const TradedRun& run : runs) sum += run.alarms, seeds = std::max(seeds, run.seeds);
+  const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(sum.alarms) / seeds));
+  per_min.high = std::max(*per_min.high, poisson_upper_bound(of_a_seed) / (in_minutes(sum.none_time) / seeds));
+}
+
 RunsByObject all_by_object(Runs runs) {
   return without_names(runs_by_object(runs, [](const TradedRun&) { return true; }));
 }
@@ -94,6 +114,7 @@ TradedRun& TradedRun::operator+=(const TradedRun& other) {
   misses += other.misses;
   early += other.early;
   alarms += other.alarms;
+  seeds += other.seeds;
   return *this;
 }
 
@@ -144,11 +165,13 @@ TradeResult result_of(Runs runs, const BootstrapOptions& options) {
   result.figures.us_p99 = figure(tick_us_in(runs, 0.99));
   result.figures.delay_us = figure(delay_in(runs));
   result.figures.false_alarms_per_min = figure(alarms_in(runs));
+  widen_by_few_alarms(result.figures.false_alarms_per_min, runs);
   result.delay_p95_us =
       figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));
-  add_to(result.figures.delay_us, result.figures.us_p50.value);
-  add_to(result.delay_p95_us, result.figures.us_p50.value);
+  const double computing_us = open_tick_us_in(runs)(all).value_or(std::numeric_limits<double>::quiet_NaN());
+  add_to(result.figures.delay_us, computing_us);
+  add_to(result.delay_p95_us, computing_us);
   for (const TradedRun& run : runs) {
     result.intervals += run.intervals;
     result.misses += run.misses;
@@ -188,7 +211,7 @@ TradeDifference difference_of(Runs a, Runs b, const BootstrapOptions& options) {
     };
   };
   return {.accuracy = figure(accuracy_in(a), accuracy_in(b)),
-          .delay_us = figure(with_computing(delay_in(a), tick_us_in(a, 0.5)), with_computing(delay_in(b), tick_us_in(b, 0.5))),
+          .delay_us = figure(with_computing(delay_in(a), open_tick_us_in(a)), with_computing(delay_in(b), open_tick_us_in(b))),
           .false_alarms_per_min = figure(alarms_in(a), alarms_in(b)),
           .us_p50 = figure(tick_us_in(a, 0.5), tick_us_in(b, 0.5)),
           .us_p99 = figure(tick_us_in(a, 0.99), tick_us_in(b, 0.99))};

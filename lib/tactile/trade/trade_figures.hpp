@@ -33,16 +33,20 @@ struct TradedRun {
   std::vector<double> delays_us;  ///< of the detected presses and slips: t_c(k) - onset, without computing
   std::uint64_t intervals = 0, misses = 0, early = 0;
   FalseAlarms alarms;
-  std::vector<double> tick_us;  ///< what ticks took
+  std::vector<double> tick_us;       ///< what ticks took
+  std::vector<double> open_tick_us;  ///< of these, those that no gate closed
+  unsigned seeds = 1;
 
-  TradedRun& operator+=(const TradedRun& other);  ///< a seed more; `tick_us` stays
+  TradedRun& operator+=(const TradedRun& other);  ///< a seed more; times stay
 };
 
 /// A balanced sample takes the verdict of the last tick up to it; none before the first.
 /// @param said  at the setting's tick
 TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
 
-/// All figures over the same runs, as one wants them told; a delay includes computing: the median time per tick.
+/// All figures over the same runs, as one wants them told; a delay includes computing: the median time of a tick that no gate
+/// closes, as every tick is at which something is detected. The interval of false alarms ends no lower than
+/// `poisson_upper_bound` of the alarms of one seed, since runs in which none were met say little of how many there are.
 struct TradeResult {
   TradeFigures figures;
   Figure delay_p95_us;
