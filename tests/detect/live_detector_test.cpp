@@ -30,11 +30,14 @@ struct Live {
   LiveDetector detector;
 
   explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {})
-      : detector({sensor, input, slip_where_anything_is,
-                  {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
-                 {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
-                 [this](const ToldTick& tick) { told.push_back(tick); },
-                 [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
+      : detector(
+            {sensor,
+             input,
+             slip_where_anything_is,
+             {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
+            {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
+            [this](const ToldTick& tick) { told.push_back(tick); },
+            [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
 
   void take(std::vector<std::int64_t> times, std::int64_t arrived, std::size_t source_index = 0) {
     QueuedPacket packet{.source_index = source_index, .arrived = host_time(arrived), .elements = {}};
@@ -138,7 +141,8 @@ TEST(LiveDetector, NeverMixesEventsOfTwoOpenings) {
   live.take({}, base + end, 1);
   live.tell_all(base + end + 100'000);
   EXPECT_EQ(live.told.size(), before) << "while the source is gone nothing is known";
-  for (std::int64_t t = 0; t <= 12'000; t += 500) live.take({t}, base + end + 200'000 + t, 2), live.tell_all(base + end + 200'000 + t);
+  for (std::int64_t t = 0; t <= 12'000; t += 500)
+    live.take({t}, base + end + 200'000 + t, 2), live.tell_all(base + end + 200'000 + t);
   ASSERT_EQ(live.told.size(), before + 2);
   EXPECT_EQ(live.told[before].verdict.t, camera_time(10'000));
   EXPECT_EQ(live.told[before].verdict.events, 20U) << "of the new clock alone";
@@ -160,6 +164,34 @@ TEST(LiveDetector, BeginsAnewWhereEverythingComesTooLateForLong) {
   EXPECT_EQ(live.told.back().verdict.events, 20U);
 }
 
+TEST(LiveDetector, NeverMixesEventsOfAClockOf31BitsThatBeganAgain) {
+  // A source that reconnects says so; where one hands such events over all the same, they are late, until they are a new stream.
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  Live live;
+  std::int64_t now = base;
+  const auto play = [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; t += 500, now += 500) live.take({t}, now), live.tell_all(now);
+  };
+  play(end - 50'000, end);
+  const std::size_t before = live.told.size();
+  ASSERT_GT(before, 10U);
+  play(0, 700'000);
+  ASSERT_EQ(live.faults.size(), 1U);
+  EXPECT_EQ(live.faults[0].kind, "late");
+  EXPECT_EQ(live.forgotten, 1);
+  ASSERT_GT(live.told.size(), before);
+  for (std::size_t i = before; i < live.told.size(); ++i) {
+    const TickVerdict& verdict = live.told[i].verdict;
+    const bool is_old = live.told[i].beginning == 0;
+    EXPECT_EQ(is_old, verdict.t > camera_time(end - 50'000)) << i;
+    EXPECT_LE(verdict.events, 20U) << "of one history alone";
+    if (!is_old) {
+      EXPECT_EQ(verdict.events, 20U) << us_of(verdict.t);
+    }
+  }
+  EXPECT_EQ(live.told.back().beginning, 1U);
+}
+
 TEST(LiveDetector, WarnsOfPacketsLongerThanATickOnce) {
   Live live;
   live.take({0, 1'999}, base + 2'000);
@@ -178,7 +210,8 @@ TEST(LiveDetector, MarksVerdictsWhoseHistoryLacksEvents) {
   for (std::int64_t t = 11'000; t <= 30'000; t += 500) live.take({t}, base + t), live.tell_all(base + t);
   EXPECT_EQ(live.detector.counts().lost_events, 7U);
   for (const ToldTick& tick : live.told)
-    EXPECT_EQ(tick.incomplete, tick.verdict.t > camera_time(11'000) && tick.verdict.t < camera_time(21'000)) << us_of(tick.verdict.t);
+    EXPECT_EQ(tick.incomplete, tick.verdict.t > camera_time(11'000) && tick.verdict.t < camera_time(21'000))
+        << us_of(tick.verdict.t);
 }
 
 TEST(LiveDetector, GatesQuietTicksWithoutAskingTheNetwork) {
@@ -237,7 +270,8 @@ TEST(LiveDetector, TellsEveryTickOfWhatIsPlayedAsARecordingHasThem) {
 }
 
 TEST(LiveDetector, RefusesAModelOfAnotherSize) {
-  EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}), std::exception);
+  EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}),
+               std::exception);
 }
 
 }  // namespace
