@@ -126,7 +126,7 @@ TEST(DetectionDelay, HoldsForNegativeTimes) {
 TEST(DetectionDelay, HoldsAtBothEndsOfTheClock) {
   constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min(), highest = std::numeric_limits<std::int64_t>::max();
   const auto verdicts = verdict_row("...pp");
-  for (const std::int64_t first : {lowest + lowest % -2'000 + 2'000, highest - highest % 2'000 - 8'000}) {
+  for (const std::int64_t first : {lowest - lowest % 2'000 + 2'000, highest - highest % 2'000 - 8'000}) {
     const TickRange ticks{camera_time(first), 5, 2ms};
     const TouchInterval interval{Touch::press, camera_time(first + 4'500), after(camera_time(first), 100ms)};
     const Detection detection = detections_of(ticks, verdicts, {&interval, 1}).front();

@@ -369,6 +369,7 @@ TEST(TrainingAtExtremes, AnEpochThatMovesTheWeightsTooFarIsNeitherJudgedNorKept)
   const auto samples = noise_heatmaps(6, {24, 20}, 1);
   for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
     for (const auto& [rate, words] : {std::pair(1e25, "the logits of heatmap"), std::pair(1e39, "weights: ")}) {
+      if (engine == EngineKind::libtorch && rate > 1e38) continue;  // libtorch's own steps take no such rate
       int kept = 0;
       const TrainingOptions options{.epochs = 3, .batch = 6, .learning_rate = rate, .engine = engine, .validation_share = 0.5};
       const LabelledHeatmaps all{samples.heatmaps, samples.truth};
