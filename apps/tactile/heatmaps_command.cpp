@@ -6,6 +6,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "heatmap_pictures.hpp"
+#include "interruption.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -44,6 +45,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
     histories.push_back(heatmap_options(history_ms, args.rendering));
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, stored_name(histories.back()));
   }
+  if (!args.pictures.empty()) catch_termination();  // a folder of pictures half made is not left behind
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
   {

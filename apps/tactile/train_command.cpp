@@ -159,6 +159,18 @@ std::string what_is_other(const ModelBundle& bundle, const Dataset& dataset, con
   return "damaged";
 }
 
+/// A learning rate that is too large need not end in NaN: units that no heatmap lights any more learn nothing, and the loss stays
+/// that of taking each touch for as likely as the others, ln 3.
+void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& settings, const TrainingSummary& summary) {
+  const double of_a_guess = std::log(static_cast<double>(touch_count));
+  if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
+  spdlog::warn(
+      "{}: has learned nothing: its loss of {:.4f} is that of a guess, {:.4f}, or more; try a smaller --lr than {}, or more "
+      "than {}",
+      bundle.folder.string(), summary.history.back().loss, of_a_guess, settings.training.learning_rate,
+      counted(settings.training.epochs, "epoch"));
+}
+
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   ModelSettings settings = settings_of(args);
@@ -206,6 +218,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const ModelDescription model = read_description(bundle);
   if (resumes && model.threads != common.threads)
     spdlog::info("gone on with {} threads, as it began: others move the last bits", model.threads);
+  warn_of_nothing_learned(bundle, settings, summary);
   print_result(common, json_of(bundle, model, outcome, dataset_made, summary), text_of(bundle, args, model, outcome, summary));
 }
 

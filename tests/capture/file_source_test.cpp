@@ -172,6 +172,27 @@ TEST(FileSource, LeavesOutAndCountsWhatCannotBeRecorded) {
   EXPECT_EQ(source->drops().back_in_time.events, 1U);
 }
 
+TEST(FileSource, EndsInWordsWhereAClockOf31BitsBeganAgain) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "wrapped.aedat4";
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  test::write_plain_recording(file, test::steady_events(200, end - 1'000, 10, {640, 480}), {640, 480});
+  std::size_t k = 0;
+  for (const PacketRecord& packet : test::packets_of(file)) {
+    for (std::int64_t i = 0; i < packet.elements; ++i, ++k) {
+      const std::int64_t t = end - 1'000 + 10 * static_cast<std::int64_t>(k);
+      test::overwrite(file, test::event_offset(packet, static_cast<std::size_t>(i)), t % end);
+    }
+  }
+  const auto source = open_file_source("file:wrapped", file, {.speed = 0});
+  try {
+    test::receive_all(*source);
+    FAIL() << "times of two rounds were taken for one";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("its time went back by 2147.48"), std::string::npos) << error.what();
+  }
+}
+
 TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
   for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4", "dv-none.aedat4"}) {
     const fs::path file = fs::path(TACTILE_TEST_DATA) / "aedat4" / name;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace tactile {
 namespace {
 
@@ -21,6 +23,19 @@ TEST(ClockRelation, ReadsBackwardsToWithinAMicrosecond) {
 TEST(ClockRelation, HoldsAtTheEndsOfTime) {
   const ClockRelation relation{.offset_us = 10, .drift_ppm = 0.0, .reference_us = 0};
   EXPECT_EQ(relation.camera_from(std::numeric_limits<std::int64_t>::max()), CameraTime::max());
+}
+
+TEST(ClockRelation, HoldsForAnyDrift) {
+  constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min(), highest = std::numeric_limits<std::int64_t>::max();
+  ClockRelation relation{.offset_us = 0, .drift_ppm = 1e15, .reference_us = 0};
+  EXPECT_EQ(relation.camera_from(highest), CameraTime::max());
+  EXPECT_EQ(relation.camera_from(lowest), CameraTime::min());
+  EXPECT_GT(relation.camera_from(1'000'000'000'000), camera_time(highest / 2)) << "far ahead, not at the other end";
+  relation.drift_ppm = -1e15;
+  EXPECT_LT(relation.camera_from(1'000'000'000'000), camera_time(lowest / 2));
+  relation.drift_ppm = -1e6;  // a clock that stands has no inverse
+  EXPECT_EQ(relation.camera_from(5), camera_time(0));
+  EXPECT_EQ(relation.clock_us_from(camera_time(0)), 0);
 }
 
 TEST(ClockRelation, SurvivesTheWayThroughJson) {

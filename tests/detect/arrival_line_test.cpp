@@ -63,5 +63,27 @@ TEST(ArrivalLine, HoldsAtTheEndsOfBothClocks) {
   EXPECT_EQ(us_of(line.host_of(camera_time(lowest + 500))), base + 500);
 }
 
+TEST(ArrivalLine, ForgetsWhatIsAllOfTheHostsTimeOld) {
+  constexpr std::int64_t highest = std::numeric_limits<std::int64_t>::max();
+  ArrivalLine line;
+  line.add(camera_time(0), host_time(-5));  // far below all that follows
+  line.add(camera_time(1'000), host_time(highest));
+  EXPECT_GT(us_of(line.host_of(camera_time(1'000))), highest / 2);
+}
+
+TEST(ArrivalLine, KnowsTheMicrosecondAfterAYear) {
+  constexpr std::int64_t year = 365 * std::int64_t{86'400'000'000};
+  ArrivalLine line;
+  line.add(camera_time(0), host_time(base));
+  // 150 ppm from the first arrival on: the clocks are 79 minutes apart by then.
+  const auto host_at = [](std::int64_t t) { return base + t + t / 20'000 * 3; };
+  for (std::int64_t t = year; t <= year + 20'000'000; t += 20'000) line.add(camera_time(t), host_time(host_at(t)));
+  EXPECT_NEAR(line.drift_ppm(), 150, 0.01);
+  for (std::int64_t t = year + 19'000'000; t <= year + 21'000'000; t += 20'000) {
+    EXPECT_NEAR(static_cast<double>(us_of(line.host_of(camera_time(t))) - host_at(t)), 0, 2) << t - year;
+    EXPECT_NEAR(static_cast<double>(us_of(line.camera_of(host_time(host_at(t)))) - t), 0, 2) << t - year;
+  }
+}
+
 }  // namespace
 }  // namespace tactile

@@ -167,6 +167,34 @@ TEST(LiveDetector, BeginsAnewWhereEverythingComesTooLateForLong) {
   EXPECT_EQ(live.told.back().verdict.events, 20U);
 }
 
+TEST(LiveDetector, NeverMixesEventsOfAClockOf31BitsThatBeganAgain) {
+  // A source that reconnects says so; where one hands such events over all the same, they are late, until they are a new stream.
+  constexpr std::int64_t end = std::int64_t{1} << 31;
+  Live live;
+  std::int64_t now = base;
+  const auto play = [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; t += 500, now += 500) live.take({t}, now), live.tell_all(now);
+  };
+  play(end - 50'000, end);
+  const std::size_t before = live.told.size();
+  ASSERT_GT(before, 10U);
+  play(0, 700'000);
+  ASSERT_EQ(live.faults.size(), 1U);
+  EXPECT_EQ(live.faults[0].kind, "late");
+  EXPECT_EQ(live.forgotten, 1);
+  ASSERT_GT(live.told.size(), before);
+  for (std::size_t i = before; i < live.told.size(); ++i) {
+    const TickVerdict& verdict = live.told[i].verdict;
+    const bool is_old = live.told[i].beginning == 0;
+    EXPECT_EQ(is_old, verdict.t > camera_time(end - 50'000)) << i;
+    EXPECT_LE(verdict.events, 20U) << "of one history alone";
+    if (!is_old) {
+      EXPECT_EQ(verdict.events, 20U) << us_of(verdict.t);
+    }
+  }
+  EXPECT_EQ(live.told.back().beginning, 1U);
+}
+
 TEST(LiveDetector, WarnsOfPacketsLongerThanATickOnce) {
   Live live;
   live.take({0, 1'999}, base + 2'000);

@@ -150,5 +150,24 @@ TEST(TickClock, ForgetsAStreamThatBeganAnew) {
   EXPECT_EQ(clock.next(host_time(base + 1))->t, camera_time(42'000));
 }
 
+TEST(TickClock, GoesOnAcrossTheEndsOf31And32Bits) {
+  for (const std::int64_t end : {std::int64_t{1} << 31, std::int64_t{1} << 32}) {
+    TickClock clock(usual);
+    std::vector<CameraTime> told;
+    for (std::int64_t t = end - 60'000; t <= end + 20'000; t += 500) {
+      clock.arrived(camera_time(t), camera_time(t), host_time(base + t));
+      while (const auto tick = clock.next(host_time(base + t))) {
+        told.push_back(tick->t);
+        EXPECT_TRUE(tick->by_events);
+        clock.told(*tick);
+      }
+    }
+    ASSERT_GT(told.size(), 15U);
+    EXPECT_LT(told.front(), camera_time(end));
+    EXPECT_GT(told.back(), camera_time(end));
+    for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i] - told[i - 1], 2ms);
+  }
+}
+
 }  // namespace
 }  // namespace tactile

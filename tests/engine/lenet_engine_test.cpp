@@ -247,6 +247,33 @@ TEST(LeNetEngine, TakesWeightsNearFloatsEnds) {
   }
 }
 
+TEST(LeNetEngine, TakesOneLayerOfHugeOrTinyWeights) {
+  for (const char* layer : {"conv1", "conv2", "fc1", "fc2", "fc3"}) {
+    for (const float by : {1e30F, 1e-30F}) {
+      Weights weights = random_weights(usual, 5);
+      scale(weights, layer, by);
+      for (const std::string& target : LeNetEngine::targets())
+        expect_like_libtorch(usual, weights, heatmaps_of(usual, 5), target, std::string(layer) + " alone scaled");
+      LeNetEngine bytes(usual, weights, {}, {.precision = Precision::int8});
+      for (const Heatmap& heatmap : heatmaps_of(usual, 5)) {
+        for (const float logit : bytes.classify(heatmap)) ASSERT_TRUE(std::isfinite(logit)) << layer;
+      }
+    }
+  }
+}
+
+TEST(LeNetEngine, TakesTinyWeightsEverywhere) {
+  // What a layer passes on is lost beside the next one's bias, and the last bias is the answer.
+  Weights weights = random_weights(usual, 5);
+  for (const char* layer : {"conv1", "conv2", "fc1", "fc2", "fc3"}) scale(weights, layer, 1e-30F);
+  expect_like_libtorch(usual, weights, heatmaps_of(usual, 5), "", "all scaled");
+  LeNetEngine engine(usual, weights);
+  const std::vector<float>& bias = weights.back().values;
+  const auto largest = std::max_element(bias.begin(), bias.end()) - bias.begin();
+  for (const Heatmap& heatmap : heatmaps_of(usual, 5))
+    EXPECT_EQ(verdict_of(engine.classify(heatmap)), all_touches[static_cast<std::size_t>(largest)]);
+}
+
 TEST(LeNetEngine, TakesWeightsThatAreAllZero) {
   Weights weights = random_weights(usual, 3);
   for (Parameter& parameter : weights) std::fill(parameter.values.begin(), parameter.values.end(), 0.0F);
@@ -270,8 +297,10 @@ TEST(LeNetEngine, RefusesWeightsThatAreNotFinite) {
     for (std::size_t i = 0; i < 10; ++i) {
       Weights weights = random_weights({16, 16}, 3);
       weights[i].values.back() = value;
+      std::string last = "[";
+      for (const std::int64_t size : weights[i].shape.sizes) last += (last.size() > 1 ? "," : "") + std::to_string(size - 1);
       EXPECT_EQ(error_of({16, 16}, weights),
-                "weights: " + weights[i].shape.name + " holds NaN or infinity; expected finite weights");
+                "weights: " + weights[i].shape.name + last + "] is " + std::to_string(value) + "; expected finite weights");
     }
   }
 }

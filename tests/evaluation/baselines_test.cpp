@@ -178,6 +178,27 @@ TEST(Logistic, StandsWhereNoSmallStepLowersTheLoss) {
   }
 }
 
+TEST(Logistic, LearnsFromAClassOfOneSampleOrOfNone) {
+  Random random(7);
+  for (const std::size_t slips : {0U, 1U}) {
+    std::vector<Features> moments(41);
+    std::vector<Touch> truth(41);
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      truth[i] = i < slips ? Touch::slip : i % 2 == 0 ? Touch::none : Touch::press;
+      for (double& moment : moments[i])
+        moment = random.normal() + (truth[i] == Touch::press ? 6 : truth[i] == Touch::slip ? -6 : 0);
+    }
+    const LogisticBaseline baseline = fit_logistic(moments, truth);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const auto shares = baseline.probabilities(moments[i]);
+      double sum = 0;
+      for (const double share : shares) sum += share;
+      EXPECT_NEAR(sum, 1, 1e-12);
+      EXPECT_EQ(baseline.verdict(moments[i]), truth[i]) << i << " with " << slips << " slips";
+    }
+  }
+}
+
 TEST(Logistic, NeedsMomentsForEachSample) {
   const std::vector<Features> moments(2);
   EXPECT_THROW(fit_logistic(moments, verdict_row("...")), Error);

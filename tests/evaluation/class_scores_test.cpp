@@ -38,5 +38,24 @@ TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
   EXPECT_EQ(json.at("none").at("objects").at("fan").at("recall").at("value"), 1.0);
 }
 
+TEST(ClassScores, OfAClassOfOneSampleAreAllOrNothing) {
+  for (const bool right : {true, false}) {
+    const std::vector<RunConfusion> runs{run_with("fan", {{{5, 1, 0}, {0, 6, 0}, {right ? 0U : 1U, 0, right ? 1U : 0U}}}),
+                                         run_with("box", {{{6, 0, 0}, {1, 5, 0}, {0, 0, 0}}}),
+                                         run_with("cup", {{{6, 0, 0}, {0, 6, 0}, {0, 0, 0}}})};
+    const ClassScores scores = class_scores_of(runs);
+    const ClassScore& slip = scores.all[static_cast<std::size_t>(Touch::slip)];
+    EXPECT_EQ(slip.recall.value, right ? 1.0 : 0.0);
+    EXPECT_EQ(std::isnan(slip.precision.value), !right) << "where it is never said there is nothing to be precise in";
+    EXPECT_EQ(slip.f1.value, right ? 1.0 : 0.0);
+    if (slip.recall.low) {  // of the draws that hold the one sample
+      EXPECT_EQ(*slip.recall.low, slip.recall.value);
+      EXPECT_EQ(*slip.recall.high, slip.recall.value);
+    }
+    EXPECT_TRUE(std::isnan(scores.objects.at("box")[2].recall.value));
+    EXPECT_FALSE(scores.objects.at("fan")[2].recall.low.has_value()) << "one run cannot be drawn from";
+  }
+}
+
 }  // namespace
 }  // namespace tactile

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "evaluation/verdict_row.hpp"
 #include "tactile/core/error.hpp"
@@ -120,6 +121,22 @@ TEST(DetectionDelay, HoldsForNegativeTimes) {
   const auto verdicts = verdict_row("...pp");
   const TouchInterval interval = interval_ms(Touch::press, -95, 0);  // ticks from -100 ms on: k0 is tick 3 at -94 ms
   EXPECT_EQ(detections_of(ticks_of(verdicts, -100), verdicts, {&interval, 1}).front().delay, 2ms);
+}
+
+TEST(DetectionDelay, HoldsAtBothEndsOfTheClock) {
+  constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min(), highest = std::numeric_limits<std::int64_t>::max();
+  const auto verdicts = verdict_row("...pp");
+  for (const std::int64_t first : {lowest - lowest % 2'000 + 2'000, highest - highest % 2'000 - 8'000}) {
+    const TickRange ticks{camera_time(first), 5, 2ms};
+    const TouchInterval interval{Touch::press, camera_time(first + 4'500), after(camera_time(first), 100ms)};
+    const Detection detection = detections_of(ticks, verdicts, {&interval, 1}).front();
+    EXPECT_EQ(detection.outcome, DetectionOutcome::detected) << first;
+    EXPECT_EQ(detection.delay, 2ms) << first;
+    EXPECT_EQ(detection.first_right, camera_time(first + 6'000)) << first;
+    const TouchInterval far{Touch::press, camera_time(first < 0 ? highest - 500 : lowest),
+                            camera_time(first < 0 ? highest : lowest + 500)};
+    EXPECT_EQ(detections_of(ticks, verdicts, {&far, 1}).front().outcome, DetectionOutcome::missed) << "at the other end";
+  }
 }
 
 TEST(DetectionDelay, NeedsOneVerdictForEachTick) {

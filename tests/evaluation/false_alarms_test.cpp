@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "evaluation/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
@@ -77,6 +79,22 @@ TEST(FalseAlarms, AnEarlyEpisodeThatBeganInAnotherIntervalIsOneToo) {
   // Slip is said from within the first slip until the second, 20 ms later.
   const std::vector<TouchInterval> slips{interval_ms(Touch::slip, 1, 6), interval_ms(Touch::slip, 25, 30)};
   EXPECT_EQ(alarms_in(".ssssssssssssss", slips).alarms, 1U);
+}
+
+TEST(FalseAlarms, AreCountedAtBothEndsOfTheClock) {
+  constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min(), highest = std::numeric_limits<std::int64_t>::max();
+  const auto verdicts = verdict_row("p..ss.p");
+  for (const std::int64_t first : {lowest, highest - 12'000}) {
+    const TickRange ticks{camera_time(first), 7, 2ms};
+    // The slip lies where it is said; the guard behind the last press ends with the clock.
+    const std::vector<TouchInterval> intervals{{Touch::slip, camera_time(first + 5'000), camera_time(first + 9'000)}};
+    const FalseAlarms found =
+        false_alarms_of(ticks, verdicts, intervals, {}, detections_of(ticks, verdicts, intervals), microseconds::max());
+    EXPECT_EQ(found.alarms, 1U) << first;
+    EXPECT_EQ(found.after_intervals, 1U) << first;
+    EXPECT_EQ(found.none_time, 6ms) << first;
+    EXPECT_EQ(found.after_intervals_time, 4ms) << first;
+  }
 }
 
 TEST(FalseAlarms, NeedOneVerdictForEachTick) {

@@ -199,6 +199,42 @@ assert (np.abs(h[0] - H) < 0.501).all(), np.abs(h[0] - H).max()
   EXPECT_EQ(read.exit_code, 0) << read.err;
 }
 
+TEST_F(HeatmapsCommand, LeavesNoHalfFolderOfPicturesWhereItIsEnded) {
+  const fs::path pictures = folder / "pictures";
+  const auto hidden = [&] {
+    if (!fs::exists(pictures)) return false;
+    const fs::directory_iterator entries(pictures);
+    return std::any_of(begin(entries), end(entries),
+                       [](const auto& entry) { return entry.path().filename().string().front() == '.'; });
+  };
+  ASSERT_EQ(run_tactile("heatmaps data --th 2,4,6,8,10,12,14,16,18,20", folder.path()).exit_code, 0);
+  int ended = 0;
+  for (int i = 0; i < 100 && ended < 3; ++i) {
+    fs::remove_all(pictures);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const int nowhere = ::open("/dev/null", O_WRONLY);
+      ::dup2(nowhere, STDOUT_FILENO);
+      ::dup2(nowhere, STDERR_FILENO);
+      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", (folder.path() / "data").c_str(), "--threads", "1", "--th",
+              "2,4,6,8,10,12,14,16,18,20", "--png", pictures.c_str(), static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    int status = 0;
+    bool is_over = false;
+    while (!is_over && !hidden()) is_over = ::waitpid(child, &status, WNOHANG) == child;
+    if (!is_over) {
+      ::kill(child, SIGTERM);
+      ::waitpid(child, &status, 0);
+    }
+    ASSERT_TRUE(WIFEXITED(status)) << "it is not killed, it ends";
+    ended += WEXITSTATUS(status) == 130 ? 1 : 0;
+    EXPECT_FALSE(hidden());
+  }
+  EXPECT_GT(ended, 0);
+}
+
 TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
   Random random(std::chrono::steady_clock::now().time_since_epoch().count() & 0xFFFF);
   const fs::path file = folder / "data/dataset.h5";

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "events/made_recording.hpp"
 #include "heatmaps/dense_reference.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
@@ -218,6 +221,31 @@ TEST(ForEveryTick, EndsAtTheEndOfTheClock) {
 TEST(ForEveryTick, RefusesEventsThatGoBackInTime) {
   const std::vector<Event> events{{.t = camera_time(10)}, {.t = camera_time(9)}};
   EXPECT_THROW(for_every_tick(events, {5, 5}, {}, [](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}), Error);
+}
+
+TEST(ForEveryTick, RefusesARecordingThatSeemsToLastAYear) {
+  const test::TemporaryFolder folder;
+  constexpr std::int64_t year = 365 * std::int64_t{86'400'000'000};
+  std::vector<Event> events = test::steady_events(2'000, 1'000, 50, {40, 30});
+  for (const std::int64_t last : {std::int64_t{200'000}, year, std::numeric_limits<std::int64_t>::max()}) {
+    events.push_back(test::event_at(last));
+    const std::filesystem::path file = folder / (std::to_string(last) + ".aedat4");
+    test::write_plain_recording(file, events, {40, 30});
+    events.pop_back();
+    RecordingReader reader(file);
+    const HeatmapOptions options{.history = 10ms, .tick = 2ms};
+    std::int64_t seen = 0;
+    const auto count = [&](CameraTime, std::span<const std::uint8_t>, std::uint64_t) { ++seen; };
+    if (last < year) {
+      EXPECT_EQ(for_every_tick(reader, 0, options, count).count, 95);
+      EXPECT_EQ(seen, 95);
+      EXPECT_EQ(listed_ticks(reader, 0, options).count, 95);
+      continue;
+    }
+    EXPECT_NE(test::error_of([&] { for_every_tick(reader, 0, options, count); }).find("ticks of 2000 us from the first event"),
+              std::string::npos);
+    EXPECT_EQ(seen, 0);
+  }
 }
 
 }  // namespace

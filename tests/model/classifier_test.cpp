@@ -84,7 +84,30 @@ TEST(Classifier, RefusesWeightsThatAreNotFinite) {
   nlohmann::json json = read_json(bundle.description());
   json["weights_sha256"] = sha256_of_file(bundle.weights());
   write_json(bundle.description(), json);
-  EXPECT_NE(error_of(bundle).find("fc1.weight"), std::string::npos);
+  EXPECT_EQ(error_of(bundle), bundle.weights().string() + ": fc1.weight[0,7] is nan; expected finite weights");
+}
+
+TEST(Classifier, GivesNoVerdictOfWeightsWhoseSumsLeaveFloat32) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  Weights weights = LeNet({32, 24}, 3).weights();
+  for (Parameter& parameter : weights) {
+    for (float& value : parameter.values) value *= 1e30F;
+  }
+  write_weights(bundle.weights(), weights);
+  nlohmann::json json = read_json(bundle.description());
+  json["weights_sha256"] = sha256_of_file(bundle.weights());
+  write_json(bundle.description(), json);
+  EXPECT_NE(error_of(bundle).find("so large that sums may leave float32"), std::string::npos) << error_of(bundle);
+  const Classifier libtorch(bundle.folder, 1, EngineKind::libtorch);
+  const auto noise = test::noise_heatmaps(3, {32, 24}, 1);
+  try {
+    libtorch.verdicts(noise.heatmaps);
+    ADD_FAILURE() << "a verdict of infinite sums";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find(bundle.folder.string() + ": the logits of heatmap 1 of 3 are "), std::string::npos)
+        << e.what();
+  }
 }
 
 TEST(Classifier, RefusesAnInputSizeThatTheWeightsAreNotOf) {

@@ -2,6 +2,7 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -278,6 +279,49 @@ TEST(TrainingAtExtremes, LogitsOfTenThousandGiveAFiniteLossAndSlope) {
   }
 }
 
+TEST(TrainingAtExtremes, GradientsBehindLogitsOfTenThousandAreThoseOfFloat64) {
+  const auto samples = patches(9, {48, 40}, 4);
+  Weights weights = LeNet(samples.size, 7).weights();
+  const auto largest_of = [&] {
+    float largest = 0;
+    for (const Logits& logits : LeNet(samples.size, weights).logits(samples.heatmaps, 1)) {
+      for (const float logit : logits) largest = std::max(largest, std::abs(logit));
+    }
+    return largest;
+  };
+  const float by = 1e4F / largest_of();
+  for (const std::size_t i : {8U, 9U}) {
+    for (float& value : weights[i].values) value *= by;
+  }
+  ASSERT_NEAR(largest_of(), 1e4, 10);
+  const Weights expected = gradients_of(LeNet(samples.size, weights), samples, float64);
+  expect_alike(gradients_of(LeNet(samples.size, weights), samples, fast), expected, "fast");
+  expect_alike(gradients_of(LeNet(samples.size, weights), samples, libtorch), expected, "libtorch");
+}
+
+TEST(TrainingAtExtremes, ABatchOfOneIsABatch) {
+  for (const SensorSize size : {SensorSize{128, 96}, {31, 22}}) {
+    for (const auto& samples : {noise_heatmaps(1, size, 3), patches(1, size, 4)}) {
+      const Weights expected = gradients_of(LeNet(size, 7), samples, float64);
+      expect_alike(gradients_of(LeNet(size, 7), samples, fast), expected, "one sample");
+      expect_alike(gradients_of(LeNet(size, 7), samples, fast, 3), expected, "one sample, three threads");
+      expect_alike(gradients_of(LeNet(size, 7), samples, libtorch), expected, "one sample by libtorch");
+    }
+  }
+  // And so is what a last batch has left.
+  const auto samples = patches(13, {32, 24}, 2);
+  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
+    for (const unsigned batch : {1U, 4U, 12U}) {
+      const auto trained = train_lenet({.size = samples.size,
+                                        .training = {samples.heatmaps, samples.truth},
+                                        .options = {.epochs = 2, .batch = batch, .engine = engine},
+                                        .threads = 1});
+      for (const EpochResult& epoch : trained.summary.history) EXPECT_TRUE(std::isfinite(epoch.loss)) << batch;
+      EXPECT_LT(trained.summary.history.back().loss, trained.summary.history.front().loss) << batch;
+    }
+  }
+}
+
 TEST(TrainingAtExtremes, ALearningRateThatDivergesEndsInWords) {
   const auto samples = noise_heatmaps(30, {24, 20}, 1);
   for (const OptimizerKind optimizer : {OptimizerKind::adam, OptimizerKind::sgd}) {
@@ -296,10 +340,51 @@ TEST(TrainingAtExtremes, AClassOfOneSampleIsLearnedFrom) {
   auto samples = patches(40, {32, 24}, 2);
   std::replace(samples.truth.begin() + 3, samples.truth.end(), Touch::slip, Touch::none);
   ASSERT_EQ(std::count(samples.truth.begin(), samples.truth.end(), Touch::slip), 1);
-  TrainingOptions options{.epochs = 2, .class_weights = {.balanced = true}};
-  const auto trained =
+  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
+    TrainingOptions options{.epochs = 40, .learning_rate = 2e-3, .class_weights = {.balanced = true}, .engine = engine};
+    const auto trained =
+        train_lenet({.size = samples.size, .training = {samples.heatmaps, samples.truth}, .options = options, .threads = 1});
+    for (const EpochResult& epoch : trained.summary.history) EXPECT_TRUE(std::isfinite(epoch.loss));
+    const auto logits = trained.network.logits(samples.heatmaps, 1);
+    EXPECT_EQ(verdict_of(logits[2]), Touch::slip) << "known by heart, by " << name_of(engine);
+  }
+}
+
+TEST(TrainingAtExtremes, AClassWithoutSamplesIsRefusedByName) {
+  auto samples = patches(12, {32, 24}, 2);
+  std::replace(samples.truth.begin(), samples.truth.end(), Touch::slip, Touch::none);
+  for (const bool balanced : {false, true}) {
+    const TrainingOptions options{.class_weights = {.balanced = balanced}};
+    try {
       train_lenet({.size = samples.size, .training = {samples.heatmaps, samples.truth}, .options = options, .threads = 1});
-  for (const EpochResult& epoch : trained.summary.history) EXPECT_TRUE(std::isfinite(epoch.loss));
+      ADD_FAILURE() << "no error";
+    } catch (const Error& e) {
+      EXPECT_STREQ(e.what(), "training: no sample of 'slip'; expected samples of none, press and slip");
+    }
+  }
+}
+
+TEST(TrainingAtExtremes, AnEpochThatMovesTheWeightsTooFarIsNeitherJudgedNorKept) {
+  // One batch an epoch: the first step is taken before anything is seen to be wrong.
+  const auto samples = noise_heatmaps(6, {24, 20}, 1);
+  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
+    for (const auto& [rate, words] : {std::pair(1e25, "the logits of heatmap"), std::pair(1e39, "weights: ")}) {
+      if (engine == EngineKind::libtorch && rate > 1e38) continue;  // libtorch's own steps take no such rate
+      int kept = 0;
+      const TrainingOptions options{.epochs = 3, .batch = 6, .learning_rate = rate, .engine = engine, .validation_share = 0.5};
+      const LabelledHeatmaps all{samples.heatmaps, samples.truth};
+      try {
+        train_lenet({.size = samples.size, .training = all, .validation = all, .options = options, .threads = 1},
+                    {.save = [&](const TrainingState&) { ++kept; }, .save_every = std::chrono::seconds(0)});
+        ADD_FAILURE() << "no error";
+      } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("in epoch 1"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("try a smaller --lr"), std::string::npos) << e.what();
+      }
+      EXPECT_EQ(kept, 0);
+    }
+  }
 }
 
 TEST(TrainingInFloat64, GivesTheNetworkItsWeightsRounded) {

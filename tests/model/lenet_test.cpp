@@ -144,6 +144,38 @@ TEST(LeNet, RefusesHalfAHeatmap) {
   EXPECT_TRUE(network.logits({}, 1).empty());
 }
 
+TEST(LeNet, RefusesLogitsThatLeaveFloat32) {
+  constexpr SensorSize size{32, 24};
+  const auto noise = test::noise_heatmaps(3, size, 1);
+  Weights weights = LeNet(size, 4).weights();
+  for (Parameter& parameter : weights) {
+    for (float& value : parameter.values) value *= 1e30F;
+  }
+  try {
+    LeNet(size, weights).logits(noise.heatmaps, 1);
+    ADD_FAILURE() << "a verdict of infinite sums";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("the logits of heatmap 1 of 3 are "), std::string::npos) << e.what();
+  }
+}
+
+TEST(LeNet, TellsHeatmapsApartThoughLogitsAreTiny) {
+  // Only the last layer is small: nothing underflows, and the verdicts are those of before.
+  constexpr SensorSize size{32, 24};
+  const auto noise = test::noise_heatmaps(8, size, 1);
+  Weights weights = LeNet(size, 4).weights();
+  const auto before = LeNet(size, weights).logits(noise.heatmaps, 1);
+  for (std::size_t i : {8U, 9U}) {
+    for (float& value : weights[i].values) value *= 1e-30F;
+  }
+  const auto tiny = LeNet(size, weights).logits(noise.heatmaps, 1);
+  for (std::size_t i = 0; i < tiny.size(); ++i) {
+    EXPECT_EQ(verdict_of(tiny[i]), verdict_of(before[i]));
+    EXPECT_LT(std::abs(tiny[i][0]), 1e-28F);
+    for (const float p : probabilities_of(tiny[i])) EXPECT_NEAR(p, 1.0F / 3, 1e-6F) << "and nobody is sure of them";
+  }
+}
+
 TEST(VerdictOf, IsTheLargestLogitAndTheEarlierOfEquals) {
   EXPECT_EQ(verdict_of({-1, -2, -0.5F}), Touch::slip);
   EXPECT_EQ(verdict_of({1, 3, 2}), Touch::press);

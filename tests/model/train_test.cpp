@@ -211,6 +211,44 @@ TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
   EXPECT_NO_THROW(Classifier(bundle.folder, 1));
 }
 
+TEST(TrainModel, KeepsTheLastGoodStateOfATrainingThatDiverges) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const Dataset dataset(folder / "data/dataset.h5");
+  ModelSettings settings;
+  settings.training = {.epochs = 3, .batch = 65'536, .learning_rate = 1e25};  // one batch an epoch: the second one sees the harm
+  const ModelBundle bundle{folder / "mine"};
+  EXPECT_THROW(train_model(dataset, settings, bundle, {.threads = 1, .save_every = std::chrono::duration<double>(0)}), Error);
+  EXPECT_FALSE(std::filesystem::exists(bundle.folder));
+  const auto kept = CheckpointFolder::beside(bundle.folder);
+  ASSERT_TRUE(CheckpointFolder::holds_state(kept));
+  const auto task = task_of_checkpoint(kept);
+  const LeNetLayers layers = lenet_layers(heatmap_size(dataset.sensor(), settings.rendering.factor));
+  const auto state = CheckpointFolder(kept).load(*task, layers, settings.training.optimizer);  // refuses what is not finite
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->epoch, 2U) << "the end of the first";
+  EXPECT_EQ(state->history.size(), 1U);
+  // The same again says the same again, and nothing is lost by it.
+  EXPECT_THROW(train_model(dataset, settings, bundle, {.threads = 1, .resume = true}), Error);
+  EXPECT_TRUE(CheckpointFolder::holds_state(kept));
+}
+
+TEST(TrainCommand, SaysWhereALearningRateDivergesOrTeachesNothing) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto diverges = run_tactile("train --lr 10 --epochs 2 --name far", folder.path());
+  EXPECT_EQ(diverges.exit_code, 1);
+  EXPECT_NE(diverges.err.find("training: the "), std::string::npos) << diverges.err;
+  EXPECT_NE(diverges.err.find("in epoch 1, behind "), std::string::npos) << diverges.err;
+  EXPECT_NE(diverges.err.find("(try a smaller --lr than 10)"), std::string::npos) << diverges.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "models/far"));
+  const auto nothing = run_tactile("train --lr 1e-12 --epochs 1 --name still", folder.path());
+  EXPECT_EQ(nothing.exit_code, 0) << nothing.err;
+  EXPECT_NE(nothing.err.find("models/still: has learned nothing"), std::string::npos) << nothing.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "models/still/model.json"));
+}
+
 TEST(SplitOfADataset, SharesNoRunBetweenTrainingAndTest) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", test::six_objects, 2);

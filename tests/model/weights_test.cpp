@@ -81,7 +81,7 @@ TEST(Weights, ThatAreNotFiniteAreRefused) {
     Weights weights = some_weights();
     weights[1].values[0] = bad;
     write_weights(folder / "w", weights);
-    EXPECT_NE(error_of(folder / "w").find("a.bias"), std::string::npos);
+    EXPECT_NE(error_of(folder / "w").find("/w: a.bias[0] is " + std::to_string(bad)), std::string::npos);
   }
 }
 

@@ -365,6 +365,15 @@ TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
   const ReportSummary both = write_report(read_models({folder / "models/b", folder / "models/a"}, {}), folder / "out");
   EXPECT_EQ(both.figures.front(), "accuracy-by-history");
   EXPECT_EQ(both.title, "Results of b (simulated runs)");
+  const auto remarks_of = [&] { return json(read_models({folder / "models/b", folder / "models/a"}, {}).remarks).dump(); };
+  EXPECT_FALSE(tells(remarks_of(), "differ in more")) << "the history alone is what they are compared by";
+  json other = read_json(folder / "models/a/model.json");
+  other["training"]["learning_rate"] = 0.01;
+  other["dataset"]["manifest_hash"] = "abd";
+  write_json(folder / "models/a/model.json", other);
+  EXPECT_TRUE(
+      tells(remarks_of(), "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
+      << remarks_of();
 
   const auto nothing = run_tactile("report models", folder.path());
   EXPECT_EQ(nothing.exit_code, 1);

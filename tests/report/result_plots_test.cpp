@@ -96,7 +96,14 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   EXPECT_TRUE(has_row(plot, {97, 1.14, 96, 98}));
   EXPECT_TRUE(has_row(plot, {90, 0.86, 85, 94}));
   EXPECT_TRUE(has_row(plot, {99, 0.14, 99, 99}));  // without an interval: a point
-  EXPECT_TRUE(tells(drawn(plot), "sprayer"));
+  const std::string svg = drawn(plot);
+  EXPECT_TRUE(tells(svg, "sprayer"));
+  EXPECT_TRUE(tells(svg, "Whiskers: 95 % intervals where three could be drawn."));
+  const Measured bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
+  EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", bounded, bounded}})), "Whiskers: 95 % intervals."));
+  const std::string without = drawn(unseen_plot("None", {{"fan", single, single}}));
+  EXPECT_TRUE(tells(without, "No interval for want of three"));
+  EXPECT_FALSE(tells(without, "95 %"));
   drawn(unseen_plot("Nothing", {}));
 }
 
@@ -200,7 +207,12 @@ TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
   const std::string svg = drawn(plot);
-  for (const char* words : {"since the onset", "before the end"}) EXPECT_TRUE(tells(svg, words)) << words;
+  for (const char* words : {"since the onset", "before the end", "Whiskers: 95 % intervals."})
+    EXPECT_TRUE(tells(svg, words)) << words;
+  const TouchOverTime of_one_run{.since_onset = {{0, 50, {.value = 0.9}}}, .before_end = {}};
+  EXPECT_TRUE(
+      tells(drawn(over_time_plot("Of one run", press, of_one_run)), "Whiskers: 95 % intervals where three could be drawn."));
+  EXPECT_FALSE(tells(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
 }
 
 TEST(FramesPlot, ShowsCountsRightWayUpAndRefusesWhatIsNoFrame) {

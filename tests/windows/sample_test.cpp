@@ -58,6 +58,33 @@ TEST(FullTicks, HoldAtTheEndsOfTheClock) {
   EXPECT_LE(high.at(high.count - 1), camera_time(latest));
 }
 
+TEST(FullTicks, ReachFromOneEndOfTheClockToTheOther) {
+  const TickRange all = full_ticks(camera_time(earliest), camera_time(latest), 2ms, 2ms);
+  const std::int64_t last = latest - latest % 2'000;
+  EXPECT_EQ(all.at(0), all.first);
+  EXPECT_EQ(us_of(all.at(1)), us_of(all.first) + 2'000);
+  EXPECT_EQ(us_of(all.at(all.count - 1)), last);
+  EXPECT_EQ(us_of(all.at(all.count - 2)), last - 2'000);
+  EXPECT_EQ(all.at(all.count), camera_time(latest)) << "held at the end of the clock";
+  std::int64_t middle = 0;  // by halves: where is 0?
+  for (std::int64_t step = std::int64_t{1} << 53; step > 0; step /= 2) {
+    if (middle + step < all.count && all.at(middle + step) <= camera_time(0)) middle += step;
+  }
+  EXPECT_EQ(us_of(all.at(middle)), 0);
+}
+
+TEST(FullTicks, OfAYearAreCountedExactlyAndTooManyForOneRun) {
+  constexpr std::int64_t year = 365 * std::int64_t{86'400'000'000};
+  const TickRange ticks = full_ticks(camera_time(777), camera_time(777 + year), 40ms, 2ms);
+  EXPECT_EQ(ticks.count, year / 2'000 - 20);
+  EXPECT_EQ(us_of(ticks.at(ticks.count - 1)), year);
+  EXPECT_NE(why_too_many(ticks).find("15767999980 ticks of 2000 us"), std::string::npos) << why_too_many(ticks);
+  EXPECT_EQ(why_too_many(full_ticks(camera_time(0), camera_time(most_ticks * 2'000), 2ms, 2ms)), "");
+  EXPECT_NE(why_too_many(full_ticks(camera_time(0), camera_time((most_ticks + 1) * 2'000), 2ms, 2ms)), "");
+  EXPECT_THROW(balanced_samples(0, {}, camera_time(0), camera_time(year), 1, {}), Error);
+  EXPECT_THROW(ticks_on_offer({}, camera_time(earliest), camera_time(latest), {}), Error);
+}
+
 TEST(BalancedSamples, AreAsManyOfEveryClassAsTheScarcestOffers) {
   // Press ticks: 302..320 ms, 10 of them. Slip: 500 ms of 700 at most, 250. None: everything else but 100 ms around.
   const std::vector<SampledInterval> intervals{interval(Touch::press, 300'000, 320'000),
@@ -115,6 +142,22 @@ TEST(BalancedSamples, AreNoneWhereAClassIsLacking) {
       balanced_samples(0, std::vector{interval(Touch::press, 300'000, 320'000)}, camera_time(0), camera_time(3'000'000), 1, {})
           .empty());
   EXPECT_TRUE(balanced_samples(0, {}, camera_time(0), camera_time(3'000'000), 1, {}).empty());
+}
+
+TEST(BalancedSamples, AreTheSameAtBothEndsOfTheClock) {
+  const auto drawn = [](std::int64_t begin) {
+    const std::vector<SampledInterval> intervals{interval(Touch::press, begin + 300'000, begin + 320'000),
+                                                 interval(Touch::slip, begin + 1'000'000, begin + 1'700'000)};
+    std::vector<Sample> samples = balanced_samples(0, intervals, camera_time(begin), camera_time(begin + 3'000'000), 1, {});
+    for (Sample& sample : samples) sample.t = camera_time(us_of(sample.t) - begin);
+    return samples;
+  };
+  const std::int64_t first_tick = us_of(first_tick_from(camera_time(earliest), 2ms)),
+                     last_tick = us_of(last_tick_until(camera_time(latest), 2ms));
+  const auto anywhere = drawn(0);
+  EXPECT_EQ(anywhere.size(), 30U);
+  EXPECT_EQ(drawn(first_tick), anywhere);
+  EXPECT_EQ(drawn(last_tick - 3'000'000), anywhere);
 }
 
 TEST(BalancedSamples, LieOnlyAtFullTicks) {

@@ -192,6 +192,24 @@ TEST_F(WriteDataset, NamesARunThatLacksAClassAndGivesItNoSamples) {
                            [](const Sample& sample) { return sample.run_index == 0; }));
 }
 
+TEST_F(WriteDataset, LeavesARunOutThatSeemsToLastAYear) {
+  test::make_three_runs(data());
+  const test::LabelledRun one{.object = "box", .seed = 9};
+  const RunFolder run = test::make_run(data(), one);
+  fs::remove(run.events());
+  std::vector<Event> events = test::random_events(one);
+  events.push_back(events.back());
+  events.back().t += std::chrono::hours(24 * 365);  // a damaged time
+  {
+    RecordingWriter writer(run.events(), {event_stream_declaration(one.sensor, "DVXplorer_TEST")});
+    writer.write_events(0, events);
+    writer.close();
+  }
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_TRUE(mentions(summary.warnings, "box/01: left out, 1576800")) << "ticks, of which each would be kept";
+  EXPECT_EQ(Dataset(file()).runs().size(), 3U);
+}
+
 TEST_F(WriteDataset, WithoutAnySamplesIsAnErrorThatSaysWhatIsLacking) {
   test::make_run(data(), {.intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
   EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("fan/01: no samples, it lacks slip"), std::string::npos);

@@ -27,7 +27,7 @@ void ArrivalLine::add(CameraTime newest, HostTime arrived) {
   }
   const double camera = elapsed(us_of(camera_begin_), us_of(newest));
   const double host = elapsed(us_of(host_begin_), us_of(arrived));
-  const Point point{static_cast<std::int64_t>(host) / period_us, camera, host - camera};
+  const Point point{saturating_subtract(us_of(arrived), us_of(host_begin_)) / period_us, camera, host - camera};
   const bool begins_period = lowest_.empty() || lowest_.back().period != point.period;
   if (begins_period) {
     lowest_.push_back(point);

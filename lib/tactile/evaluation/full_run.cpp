@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -60,15 +59,7 @@ std::uint64_t apply_gate(FullRun& run, std::uint64_t limit) {
 
 std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options) {
   const RecordingReader reader(recording);
-  const std::int32_t id = event_stream(reader).id;
-  std::optional<CameraTime> first, last;
-  for (const PacketRecord& packet : reader.packets()) {
-    if (packet.stream_id != id || packet.elements == 0) continue;
-    first = std::min(first.value_or(packet.first), packet.first);
-    last = std::max(last.value_or(packet.last), packet.last);
-  }
-  if (!first) return 0;
-  return static_cast<std::size_t>(std::max<std::int64_t>(full_ticks(*first, *last, options.history, options.tick).count, 0));
+  return static_cast<std::size_t>(listed_ticks(reader, event_stream(reader).id, options).count);
 }
 
 }  // namespace tactile

@@ -66,9 +66,22 @@ TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, con
   const std::optional<SensorSize> sensor = recording.stream(stream_id).size;
   if (!sensor)
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
+  if (const std::string why = why_too_many(listed_ticks(recording, stream_id, options)); !why.empty())
+    throw Error(recording.file().string() + ": " + why);
   EveryTick ticks(*sensor, options, use);
   for_all_events(recording, stream_id, [&](std::span<const Event> events) { ticks.add(events); });
   return ticks.range();
+}
+
+TickRange listed_ticks(const RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options) {
+  std::optional<CameraTime> first, last;
+  for (const PacketRecord& packet : recording.packets()) {
+    if (packet.stream_id != stream_id || packet.elements == 0) continue;
+    first = std::min(first.value_or(packet.first), packet.first);
+    last = std::max(last.value_or(packet.last), packet.last);
+  }
+  return first ? full_ticks(*first, *last, options.history, options.tick)
+               : TickRange{.first = {}, .count = 0, .tick = options.tick};
 }
 
 }  // namespace tactile

@@ -23,8 +23,11 @@ TickRange for_every_tick(std::span<const Event> events, SensorSize sensor, const
                          const TickCallback& use);
 
 /// The same from an event stream of a recording, packet by packet: memory follows the packet and the history.
-/// @throws Error  also if the stream declares no size
+/// @throws Error  also if the stream declares no size, or the recording seems to hold over `most_ticks`
 TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
                          const TickCallback& use);
+
+/// The full ticks of an event stream as the recording's list of packets tells them, before any is read.
+TickRange listed_ticks(const RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options);
 
 }  // namespace tactile

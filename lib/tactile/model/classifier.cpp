@@ -100,8 +100,12 @@ std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps)
 }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
-  return state_->network ? state_->network->logits(heatmaps, threads)
-                         : state_->engines->logits(heatmaps, state_->description.input, threads);
+  try {
+    return state_->network ? state_->network->logits(heatmaps, threads)
+                           : state_->engines->logits(heatmaps, state_->description.input, threads);
+  } catch (const Error& e) {
+    throw Error(bundle().string() + ": " + e.what());
+  }
 }
 
 std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps) const {

@@ -2,6 +2,7 @@
 
 #include <ATen/core/ivalue.h>  // clang 14 needs it ahead of torch.h, which uses a vector of these before they are defined
 #include <dlfcn.h>
+#include <fmt/core.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -24,6 +25,15 @@ constexpr std::size_t chunk = 32;
 /// Whether a pool that holds `best` takes `value` in its place: NaN stays, so that it is seen at the network's end.
 bool takes(float best, float value) {
   return static_cast<bool>(static_cast<int>(value > best) | static_cast<int>(value != value));
+}
+
+/// Sums that leave float32 become infinite, and NaN where infinities meet: no verdict lies in these.
+void check_finite(std::span<const Logits> logits) {
+  for (std::size_t i = 0; i < logits.size(); ++i) {
+    if (std::all_of(logits[i].begin(), logits[i].end(), [](float logit) { return std::isfinite(logit); })) continue;
+    throw Error(fmt::format("the logits of heatmap {} of {} are {}, {} and {}; expected finite ones, of smaller weights", i + 1,
+                            logits.size(), logits[i][0], logits[i][1], logits[i][2]));
+  }
 }
 
 /// The largest value of each 2 x 2 block and its gradient, as torch::max_pool2d(x, 2) gives both, to the last bit: that one looks
@@ -399,6 +409,7 @@ std::vector<Logits> LeNet::logits(std::span<const std::uint8_t> heatmaps, unsign
     const torch::Tensor rows = state_->network->forward(input_of(heatmaps.subspan(first * cells, n * cells), size)).contiguous();
     for (std::size_t k = 0; k < n; ++k) logits[first + k] = logits_at(rows.data_ptr<float>() + k * touch_count);
   });
+  check_finite(logits);
   return logits;
 }
 

@@ -32,7 +32,8 @@ class LeNet {
   /// @param heatmaps  [n, height, width], one after the other; the network sees them as H / 255
   /// @param threads   > 0; the logits do not depend on it
   /// @return n times the logits of none, press, slip
-  /// @throws Error  if the heatmaps are no whole number of this network's input
+  /// @throws Error  if the heatmaps are no whole number of this network's input, or the weights are so large that a logit leaves
+  ///                float32
   std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
  private:

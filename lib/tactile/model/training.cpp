@@ -138,13 +138,32 @@ class Training {
     state_.done += batch.size();
   }
 
+  std::string where() const { return fmt::format("in epoch {}, behind {} samples", state_.epoch, state_.done); }
+  std::string advice() const { return fmt::format("(try a smaller --lr than {})", task_.options.learning_rate); }
+
   [[noreturn]] void throw_diverged(const BatchResult& result) const {
-    const std::string where = fmt::format("in epoch {}, behind {} samples", state_.epoch, state_.done);
-    const std::string advice = fmt::format("(try a smaller --lr than {})", task_.options.learning_rate);
     if (!std::isfinite(result.loss))
-      throw Error(fmt::format("training: the loss is {} {}; expected a finite one {}", result.loss, where, advice));
-    throw Error(fmt::format("training: the gradient's norm is {:.3g} {}; expected at most {:.0e} {}", result.gradient_norm, where,
-                            largest_gradient_norm, advice));
+      throw Error(fmt::format("training: the loss is {} {}; expected a finite one {}", result.loss, where(), advice()));
+    throw Error(fmt::format("training: the gradient's norm is {:.3g} {}; expected at most {:.0e} {}", result.gradient_norm,
+                            where(), largest_gradient_norm, advice()));
+  }
+
+  /// What `work` gives, which fails on weights that a step moved too far.
+  template <class Work>
+  auto unless_diverged(const Work& work) const {
+    try {
+      return work();
+    } catch (const Error& e) {
+      throw Error(fmt::format("training: {}, {} {}", e.what(), where(), advice()));
+    }
+  }
+
+  Weights finite_weights() const {
+    return unless_diverged([this] {
+      Weights weights = network_.weights();
+      check_finite(weights, "weights");
+      return weights;
+    });
   }
 
   void end_epoch() {
@@ -156,14 +175,14 @@ class Training {
                       .learning_rate = learning_rate_,
                       .gradient_norm = state_.gradient_norm};
     const auto begun = Clock::now();
-    check_finite(network_.weights(), "training");
+    const Weights weights = finite_weights();
     if (!task_.validation.truth.empty()) judge(epoch);
     const double seconds = seconds_since(begun);
     state_.seconds += seconds;
     epoch.images_per_s = static_cast<double>(samples()) / state_.epoch_seconds;
     epoch.seconds = state_.epoch_seconds + seconds;
     const double judged_by = epoch.validation_loss.value_or(epoch.loss);
-    if (!state_.best || judged_by < state_.best->loss) state_.best = BestEpoch{epoch.epoch, judged_by, network_.weights()};
+    if (!state_.best || judged_by < state_.best->loss) state_.best = BestEpoch{epoch.epoch, judged_by, weights};
     state_.history.push_back(epoch);
     ++state_.epoch;
     state_.done = state_.correct = 0;
@@ -172,7 +191,7 @@ class Training {
 
   /// The validation part, each sample weighted as in training, with the weights at the epoch's end.
   void judge(EpochResult& epoch) const {
-    const auto logits = network_.logits(task_.validation.heatmaps, threads_);
+    const auto logits = unless_diverged([this] { return network_.logits(task_.validation.heatmaps, threads_); });
     double loss = 0, weight = 0, correct = 0;
     for (std::size_t i = 0; i < logits.size(); ++i) {
       const auto truth = static_cast<std::size_t>(task_.validation.truth[i]);
@@ -207,9 +226,10 @@ class Training {
     }
   }
 
+  /// What was saved before stays where the weights are no longer finite.
   void save() {
     if (!control_.save) return;
-    state_.weights = network_.weights();
+    state_.weights = finite_weights();
     state_.optimizer = trainer_.state();
     control_.save(state_);
     saved_ = Clock::now();

@@ -120,10 +120,14 @@ std::map<std::string, std::string> read_metadata(const std::filesystem::path& fi
 
 void check_finite(const Weights& weights, const std::string& where) {
   for (const Parameter& parameter : weights) {
-    for (const float value : parameter.values) {
-      if (!std::isfinite(value))
-        throw Error(where + ": " + parameter.shape.name + " holds NaN or infinity; expected finite weights");
-    }
+    const auto bad =
+        std::find_if(parameter.values.begin(), parameter.values.end(), [](float value) { return !std::isfinite(value); });
+    if (bad == parameter.values.end()) continue;
+    std::vector<std::int64_t> place(parameter.shape.sizes.size());
+    std::int64_t left = bad - parameter.values.begin();
+    for (std::size_t i = place.size(); i-- > 0; left /= parameter.shape.sizes[i]) place[i] = left % parameter.shape.sizes[i];
+    throw Error(where + ": " + parameter.shape.name + sizes_in_words(place) + " is " + std::to_string(*bad) +
+                "; expected finite weights");
   }
 }
 

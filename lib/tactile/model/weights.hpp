@@ -33,7 +33,8 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
 /// What such a file says of itself; nothing where it says nothing. @throws Error  if it is no safetensors file
 std::map<std::string, std::string> read_metadata(const std::filesystem::path& file);
 
-/// @throws Error, naming `where` and the parameter  if a value is NaN or infinite
+/// @throws Error, naming `where`, the parameter and the place in it  if a value is NaN or infinite: "w: fc1.weight[3,7] is nan;
+/// ..."
 void check_finite(const Weights& weights, const std::string& where);
 
 }  // namespace tactile

@@ -496,6 +496,39 @@ ReportInput read_study(const fs::path& folder) {
   return input;
 }
 
+namespace {
+
+/// What a model was made with, but for the history, by which models stand beside each other.
+nlohmann::json compared_settings(const nlohmann::json& model, const std::string& where) {
+  nlohmann::json settings = {{"dataset", {{"manifest_hash", JsonView(model, where)["dataset"]["manifest_hash"].words()}}}};
+  if (!model.is_object()) return settings.flatten();
+  for (const char* key : {"rendering", "split", "training", "network"})
+    settings[key] = model.value(key, nlohmann::json::object());
+  if (settings["rendering"].is_object()) settings["rendering"].erase("history_us");
+  return settings.flatten();
+}
+
+/// In what two models' settings differ beside the history: "training.learning_rate: 0.001 and 0.01; ..."; empty if in nothing.
+std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
+  nlohmann::json ours = compared_settings(one, where);
+  const nlohmann::json theirs = compared_settings(two, where);
+  for (const auto& [path, value] : theirs.items()) {
+    if (!ours.contains(path)) ours[path] = nullptr;
+  }
+  std::string text;
+  for (const auto& [path, value] : ours.items()) {
+    const nlohmann::json other = theirs.value(path, nlohmann::json());
+    if (other == value) continue;
+    std::string name = path.substr(1);
+    std::replace(name.begin(), name.end(), '/', '.');
+    text += text.empty() ? "" : "; ";
+    text += name == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", name, value.dump(), other.dump());
+  }
+  return text;
+}
+
+}  // namespace
+
 ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& data) {
   ReportInput input;
   input.data = data;
@@ -510,6 +543,10 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
     const JsonView model(*documents.back(), file.string());
     const std::string name = fs::absolute(folder).lexically_normal().filename().string();
     const double history_ms = model["rendering"]["history_us"].number() / 1000;
+    if (const std::string other = other_settings(*documents.front(), *documents.back(), file.string()); !other.empty()) {
+      input.remarks.push_back(fmt::format("{} and {} differ in more than their history: {}.",
+                                          fs::absolute(folders.front()).lexically_normal().filename().string(), name, other));
+    }
     input.simulated = input.simulated || model["dataset"]["simulated"].truth();
     if (is_there(input, folder / "history.csv", "The training of " + name))
       input.trainings.push_back(training_in(folder / "history.csv", name));

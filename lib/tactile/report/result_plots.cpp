@@ -40,6 +40,12 @@ class AccuracyAxis {
 
 bool has_interval(const Measured& measured) { return std::isfinite(measured.low) && std::isfinite(measured.high); }
 
+/// What the whiskers of a figure are, if it has any.
+std::string whiskers_in_words(std::size_t with_interval, std::size_t drawn) {
+  if (with_interval == 0) return " No interval for want of three to draw from.";
+  return with_interval < drawn ? " Whiskers: 95 % intervals where three could be drawn." : " Whiskers: 95 % intervals.";
+}
+
 /// The interval, or the value twice where there is none: gnuplot leaves out a point whose interval is a gap.
 void add_interval(std::vector<double>& values, const Measured& measured) {
   const bool is_bounded = has_interval(measured);
@@ -278,8 +284,15 @@ Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& object
   const std::size_t shown = std::min(objects.size(), most_panels);
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   PlotScript script(title, page_width, bottom + below);
-  script.text(left_out(objects.size(), shown) +
-                  "Blue circles: trained with the object; orange squares: without it. Whiskers: 95 % intervals.",
+  std::size_t with_interval = 0, drawn = 0;
+  for (std::size_t i = 0; i < shown; ++i) {
+    for (const Measured* measured : {&objects[i].seen, &objects[i].held_out}) {
+      with_interval += has_interval(*measured) ? 1U : 0U;
+      drawn += std::isfinite(measured->value) ? 1U : 0U;
+    }
+  }
+  script.text(left_out(objects.size(), shown) + "Blue circles: trained with the object; orange squares: without it." +
+                  whiskers_in_words(with_interval, drawn),
               20, 52, "left font ',12'", faint_ink);
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   AccuracyAxis axis;
@@ -548,8 +561,17 @@ Plot over_time_plot(const std::string& title, const TouchOverTime& press, const 
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   PlotScript script(title, page_width, bottom + below);
-  script.text("Blue circles: press; orange squares: slip. Share of ticks said right, with 95 % intervals.", 20, 52,
-              "left font ',12'", faint_ink);
+  std::size_t with_interval = 0, drawn = 0;
+  for (const TouchOverTime* touch : {&press, &slip}) {
+    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const TouchOverTime::Bin& bin : *bins) {
+        drawn += std::isfinite(bin.accuracy.value) ? 1U : 0U;
+        with_interval += has_interval(bin.accuracy) ? 1U : 0U;
+      }
+    }
+  }
+  script.text("Blue circles: press; orange squares: slip. Share of ticks said right." + whiskers_in_words(with_interval, drawn),
+              20, 52, "left font ',12'", faint_ink);
   AccuracyAxis axis;
   for (const TouchOverTime* touch : {&press, &slip}) {
     for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {

@@ -222,7 +222,8 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
     } else {
       run.labels_sha256 = sha256_of_file(run.folder.labels());
       find_ends(run);
-      if (run.sensor.width > 0) draw_samples(run, labels, options);
+      flags[i] = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
+      if (run.sensor.width > 0 && flags[i].empty()) draw_samples(run, labels, options);
       if (run.sensor.width <= 0) flags[i] = "neither its recording nor a run.json tells the sensor's size";
     }
     const std::scoped_lock lock(guard);

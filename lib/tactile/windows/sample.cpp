@@ -32,6 +32,7 @@ TicksByTouch ticks_of(std::span<const SampledInterval> intervals, CameraTime fir
   }
   TicksByTouch ticks;
   const TickRange range = full_ticks(first_event, last_event, options.history, options.tick);
+  if (const std::string why = why_too_many(range); !why.empty()) throw Error("samples: " + why);
   std::size_t current = 0;  // the first interval that ends, guard included, at or behind the tick
   for (std::int64_t index = 0; index < range.count; ++index) {
     const CameraTime t = range.at(index);
@@ -111,6 +112,21 @@ CameraTime first_tick_from(CameraTime t, microseconds tick) {
 }
 
 CameraTime last_tick_until(CameraTime t, microseconds tick) { return before(t, microseconds{remainder_of(us_of(t), tick)}); }
+
+CameraTime TickRange::at(std::int64_t index) const {
+  // From one end of the clock to the other is more than an int64 holds.
+  const std::uint64_t on = static_cast<std::uint64_t>(tick.count()) * static_cast<std::uint64_t>(index);
+  const std::uint64_t room = static_cast<std::uint64_t>(us_of(CameraTime::max())) - static_cast<std::uint64_t>(us_of(first));
+  if (on > room) return CameraTime::max();
+  return camera_time(static_cast<std::int64_t>(static_cast<std::uint64_t>(us_of(first)) + on));
+}
+
+std::string why_too_many(const TickRange& ticks) {
+  if (ticks.count <= most_ticks) return "";
+  return std::to_string(ticks.count) + " ticks of " + std::to_string(ticks.tick.count()) +
+         " us from the first event to the last; expected at most " + std::to_string(most_ticks) +
+         ": a piece of the recording ('tactile convert --from-us --to-us'), or times that are not damaged";
+}
 
 TickRange full_ticks(CameraTime first_event, CameraTime last_event, microseconds history, microseconds tick) {
   if (tick <= microseconds{0} || history < microseconds{0})

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
@@ -47,7 +48,7 @@ struct SampledInterval {
 ///
 /// @param intervals  by start, not overlapping
 /// @return  none at all if a class has no tick
-/// @throws Error  if an option is out of its range, or the intervals overlap or are not by start
+/// @throws Error  if an option is out of its range, the intervals overlap or are not by start, or there are over `most_ticks`
 /// Source: Faris et al., arXiv:2403.10120, section IV.
 std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const SampledInterval> intervals, CameraTime first_event,
                                      CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options);
@@ -67,8 +68,15 @@ struct TickRange {
   std::int64_t count = 0;
   microseconds tick{2'000};
 
-  CameraTime at(std::int64_t index) const { return after(first, tick * index); }
+  CameraTime at(std::int64_t index) const;  ///< of an index in [0, count]; held at the end of the clock
 };
 TickRange full_ticks(CameraTime first_event, CameraTime last_event, microseconds history, microseconds tick);
+
+/// The most ticks that a recording is looked at as a whole, 55 hours of 2 ms: something is kept of each, and a recording that
+/// seems to last longer most likely has a time that is none.
+inline constexpr std::int64_t most_ticks = 100'000'000;
+
+/// Why there are too many: "15768000000 ticks of 2000 us from its first event to its last; expected ..."; empty if there are not.
+std::string why_too_many(const TickRange& ticks);
 
 }  // namespace tactile
