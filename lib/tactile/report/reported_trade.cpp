@@ -72,7 +72,7 @@ struct Stretch {
 
 /// Holds [least, most], is `shortest` long at least, and has a margin on both sides.
 Stretch stretch_around(double least, double most, double shortest, double pixels) {
-  if (!(least <= most)) least = most = 0;
+  if (!(least <= most)) least = most = 0;  // nothing is there
   const double wanting = std::max(0.0, shortest - (most - least)) / 2;
   least -= wanting, most += wanting;
   const double margin = 0.05 * (most - least);
@@ -154,7 +154,7 @@ Tics decade_tics(const Stretch& stretch, double (*place_of)(double), bool from_z
   const int first = from_zero ? 0 : least_decade;
   tics.add(of_each(from_zero ? std::vector<double>{3} : std::vector<double>{2, 5}, first, 1));
   const int first_fine = from_zero ? -1 : least_decade;
-  for (const auto& steps : from_zero ? std::vector<std::vector<double>>{{5}, {2}, {1.5, 4, 7}}
+  for (const auto& steps : from_zero ? std::vector<std::vector<double>>{{5}, {2}, {4, 7}, {1.2, 1.5, 2.5, 6, 8}}
                                      : std::vector<std::vector<double>>{{1.5, 3, 7}, {1.2, 2.5, 4, 6, 8}}) {
     if (tics.size() < few) tics.add(of_each(steps, first_fine, 1));
   }
@@ -166,7 +166,7 @@ class WordPlaces {
  public:
   explicit WordPlaces(const PlotBox& panel) : panel_(panel) {}
 
-  void take(double left, double top, double right, double bottom) { taken_.push_back({left, top, right, bottom}); }
+  void take(double left, double top, double right, double bottom) { taken_.push_back({left, top, right, bottom, 1}); }
 
   struct Place {
     double x = 0, y = 0;    ///< its middle
@@ -179,16 +179,16 @@ class WordPlaces {
     double least = INFINITY;
     Box best{};
     bool is_beside = true;
-    for (const double away : {15.0, 22.0, 30.0, 40.0, 52.0}) {
+    for (const double away : {15.0, 22.0, 30.0, 40.0, 52.0, 66.0}) {
       for (const auto& [right, down] : {std::pair(0.7, -0.7), std::pair(-0.7, -0.7), std::pair(0.7, 0.7), std::pair(-0.7, 0.7),
                                         std::pair(1.0, 0.0), std::pair(-1.0, 0.0), std::pair(0.0, -1.0), std::pair(0.0, 1.0)}) {
         // From the mark's side, the words begin there.
         const double middle = x + right * away + (right > 0 ? 0.5 : right < 0 ? -0.5 : 0) * std::max(0.0, width - 8);
-        const Box box{middle - width / 2, y + down * away - half_height, middle + width / 2, y + down * away + half_height};
+        const Box box{middle - width / 2, y + down * away - half_height, middle + width / 2, y + down * away + half_height, 30};
         if (box.left < panel_.left || box.right > panel_.right || box.top < panel_.top || box.bottom > panel_.bottom) continue;
         double covered = 0;
         for (const Box& other : taken_) {
-          covered += std::max(0.0, std::min(box.right, other.right) - std::max(box.left, other.left)) *
+          covered += other.weight * std::max(0.0, std::min(box.right, other.right) - std::max(box.left, other.left)) *
                      std::max(0.0, std::min(box.bottom, other.bottom) - std::max(box.top, other.top));
         }
         if (covered < least) least = covered, best = box, is_beside = away < 25;
@@ -203,6 +203,7 @@ class WordPlaces {
  private:
   struct Box {
     double left = 0, top = 0, right = 0, bottom = 0;
+    double weight = 1;  ///< of what lies there: words on words are read by nobody, words on a bar are
   };
   PlotBox panel_;
   std::vector<Box> taken_;
@@ -284,9 +285,10 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   std::string note = "Each circle is a setting, on the reported runs";
   note += has_usual ? "; the usual one is in a diamond." : ".";
   if (!front.empty()) {
-    note += fmt::format(" Filled and {}: the front, {}, as found on the runs to choose on.",
-                        named < front.size() ? fmt::format("the first {} of {} numbered", named, front.size()) : "numbered",
-                        axes.front);
+    note += fmt::format(
+        " Filled{}: the front, {}, as found on the runs to choose on.",
+        named < front.size() ? fmt::format(", and the first {} of {} numbered", named, front.size()) : " and numbered",
+        axes.front);
   }
   if (has_bars) note += fmt::format(" Bars: 95 % intervals of {}.", axes.bars);
   if (left_out > 0) note += fmt::format(" Left out for want of a value: {}.", left_out);
@@ -320,8 +322,9 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
 
   const PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = bottom};
   script.begin_panel(box);
-  // Beside 0 an axis of few alarms begins at 0: none is what they are compared with.
-  if (axes.x_from_zero && least_x < 1) least_x = 0, most_x = std::max(most_x, std::log10(2));
+  if (front.empty() && others.empty()) least_x = most_x = least_y = most_y = 0;
+  // No false alarms at all is what others are compared with, unless that makes what is there small.
+  if (axes.x_from_zero && (least_x < 1.5 || 2 * least_x < most_x)) least_x = 0, most_x = std::max(most_x, std::log10(2));
   const Stretch across = stretch_around(least_x, most_x, std::log10(2), box.right - box.left);
   Stretch up = stretch_around(least_y, most_y, axes.least_y_span, box.bottom - box.top);
   // Beyond what can be there is nothing but room for half a mark.
@@ -494,7 +497,7 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   const Tics us_tics = decade_tics(up, log_place, false, true);
 
   /// A place along a panel, and how it is called; where it is not finite the point is left out.
-  struct Step {
+  struct Labelled {
     double place = NAN;
     std::string label;
   };
@@ -507,11 +510,11 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
     const double middle = (box.left + box.right) / 2.0;
     script.text(label, middle, bottom + 84, "center font ',12'");
     script.text(conditions, middle, bottom + 105, "center font ',11'", faint_ink);
-    std::vector<Step> steps;
+    std::vector<Labelled> steps;
     std::vector<double> values;
     double first = INFINITY, last = -INFINITY;
     for (const ReportedGrowth& point : points) {
-      const Step step = step_of(point);
+      const Labelled step = step_of(point);
       if (!std::isfinite(step.place)) continue;
       first = std::min(first, step.place), last = std::max(last, step.place);
       steps.push_back(step);
@@ -524,12 +527,12 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
     const Stretch across = stretch_around(first, last, std::log10(4), width);
     Tics level(across), aslant(across, true);
     bool all_fit = true;
-    for (const Step& step : steps) {
+    for (const Labelled& step : steps) {
       // Nor may they reach into the panel beside it.
       const double at = across.at(step.place), half = Tics::character * static_cast<double>(characters_in(step.label)) / 2;
       all_fit = level.add({{step.place, step.label}}) && at >= half - gap / 2.0 && at + half <= width + gap / 2.0 && all_fit;
     }
-    for (const Step& step : steps) {
+    for (const Labelled& step : steps) {
       if (!aslant.add({{step.place, step.label}})) aslant.add_bare(step.place);
     }
     script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", across.begin, across.end, up.begin, up.end);
@@ -556,17 +559,17 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   panel(trade.by_rate, "events per second",
         trade.by_rate.empty() ? "" : history_of(trade.by_rate.front()) + ", " + sensor_of(trade.by_rate.front()),
         [&](const ReportedGrowth& point) {
-          return Step{point.events_per_s == 0 ? none_at : log_place(point.events_per_s), short_number(point.events_per_s)};
+          return Labelled{point.events_per_s == 0 ? none_at : log_place(point.events_per_s), short_number(point.events_per_s)};
         });
   panel(trade.by_history, "history t_h [ms]",
         trade.by_history.empty() ? "" : rate_of(trade.by_history.front()) + ", " + sensor_of(trade.by_history.front()),
         [](const ReportedGrowth& point) {
-          return Step{log_place(point.history_ms), fmt::format("{:g}", point.history_ms)};
+          return Labelled{log_place(point.history_ms), fmt::format("{:g}", point.history_ms)};
         });
   panel(trade.by_resolution, "pixels of the sensor",
         trade.by_resolution.empty() ? "" : history_of(trade.by_resolution.front()) + ", " + rate_of(trade.by_resolution.front()),
         [&](const ReportedGrowth& point) {
-          return Step{log_place(point.width * point.height), sensor_of(point)};
+          return Labelled{log_place(point.width * point.height), sensor_of(point)};
         });
   return std::move(script).plot();
 }
