@@ -331,7 +331,9 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
     for (const Settings& settings :
          {Settings{usual}, Settings{beaten(usual)}, Settings{usual, usual}, Settings{usual, setting("best", 1, 1.0, 0, 0)}}) {
       const Plot plot = make(trade_of(settings));
-      EXPECT_TRUE(tells(drawn(plot), ">usual<"));
+      const std::string svg = drawn(plot);
+      EXPECT_TRUE(tells(svg, "the usual one is in a diamond"));
+      EXPECT_TRUE(tells(svg, ">usual<") || settings.size() > 1) << "in a crowd there may be no room for it";
       EXPECT_FALSE(tells(plot.script, "nothing to show"));
       EXPECT_FALSE(tells(plot.script, "Left out"));
       expect_readable(x_axes(plot).at(0), 3);

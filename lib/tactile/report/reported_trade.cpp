@@ -354,21 +354,22 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
                                              dot->has_interval() ? dot->y.high : dot->y.value});
     take(*dot);
   }
-  const auto tell_beside = [&](const std::string& words, const Dot& dot, double width) {
-    const double x = at_x(dot), y = at_y(dot.y.value);
+  for (std::size_t i = 0; i < named; ++i) {
+    const std::string number = fmt::format("{}", i + 1);
+    const double x = at_x(*front[i]), y = at_y(front[i]->y.value);
+    const double width = number_character * static_cast<double>(number.size());
     const WordPlaces::Place place = places.beside(x, y, width);
-    script.text(words, place.x, place.y, "center font ',11'");
-    if (place.is_beside) return;
+    script.text(number, place.x, place.y, "center font ',11'");
+    if (place.is_beside) continue;
     const double end_x = std::clamp(x, place.x - width / 2, place.x + width / 2), end_y = std::clamp(y, place.y - 7, place.y + 7);
     script.add("set arrow from screen {:.6f}, screen {:.6f} to screen {:.6f}, screen {:.6f} nohead lc rgb '{}' lw 0.8",
                x / page_width, 1 - y / height, end_x / page_width, 1 - end_y / height, faint_ink);
-  };
-  for (std::size_t i = 0; i < named; ++i) {
-    const std::string number = fmt::format("{}", i + 1);
-    tell_beside(number, *front[i], number_character * static_cast<double>(number.size()));
   }
+  // The usual one has its diamond; the word too where there is room.
   for (const Dot& dot : dots) {
-    if (dot.usual && dot.has_place() && std::isfinite(place_of(dot.x))) tell_beside("usual", dot, 5 * word_character);
+    if (!dot.usual || !dot.has_place() || !std::isfinite(place_of(dot.x))) continue;
+    const WordPlaces::Place place = places.beside(at_x(dot), at_y(dot.y.value), 5 * word_character);
+    if (place.is_beside) script.text("usual", place.x, place.y, "center font ',11'");
   }
   if (front.empty() && others.empty())
     script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
