@@ -257,7 +257,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   constexpr int left = 90, right = 40, panel_height = 420, below = 72, row = 19, note_row = 20, note_top = 52;
   constexpr int column_width = 475, number_width = 26;
   constexpr std::size_t note_characters = 114, name_characters = 60;
-  constexpr double half_mark = 7, number_character = 9.5, word_character = 8.4;  // [px]
+  constexpr double half_mark = 6, half_diamond = 13, number_character = 9.5, word_character = 8.4;  // [px]
   const auto place_of = axes.x_from_zero ? log_place_from_zero : log_place;
 
   std::vector<const Dot*> front, others;
@@ -341,7 +341,8 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   const auto at_y = [&](double y) { return box.bottom - up.at(y); };
   const auto take = [&](const Dot& dot) {
     const double x = at_x(dot), y = at_y(dot.y.value);
-    places.take(x - half_mark, y - half_mark, x + half_mark, y + half_mark);
+    const double half = dot.usual ? half_diamond : half_mark;
+    places.take(x - half, y - half, x + half, y + half);
     if (dot.on_front && dot.has_interval()) places.take(x - 3, at_y(dot.y.high), x + 3, at_y(dot.y.low));
     if (dot.usual) usual_values.insert(usual_values.end(), {place_of(dot.x), dot.y.value});
   };
@@ -375,10 +376,10 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
   const std::string front_table = script.table(4, std::move(front_values));
   script.add(
-      "plot {0} using 1:2 with points lc rgb '{1}' pt 6 ps 1.1 lw 1.2 notitle, "
-      "{2} using 1:2:3:4 with yerrorbars lc rgb '{3}' lw 1.5 pt 7 ps 1.3 notitle, "
-      "{4} using 1:2 with points lc rgb '{5}' pt 12 ps 3.0 lw 1.5 notitle",
-      script.table(2, std::move(other_values)), "#7A7A7A", front_table, figure_colours::best,
+      "plot {0} using 1:2 with points lc rgb '{1}' pt 6 ps 0.75 lw 1.1 notitle, "
+      "{2} using 1:2:3:4 with yerrorbars lc rgb '{3}' lw 1.5 pt 7 ps 1.1 notitle, "
+      "{4} using 1:2 with points lc rgb '{5}' pt 12 ps 2.1 lw 1.5 notitle",
+      script.table(2, std::move(other_values)), "#606060", front_table, figure_colours::best,
       script.table(2, std::move(usual_values)), ink);
   return std::move(script).plot();
 }
@@ -541,10 +542,10 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
                us_tics.text(column == 0));
     if (steps.empty()) script.text("not measured", middle, (top + bottom) / 2.0, "center font ',12'", faint_ink);
     script.add(
-        "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.8 pt 7 ps 1.0 notitle, "
-        "{0} using 1:3 with linespoints lc rgb '{1}' lw 1.4 dt 2 pt 6 ps 1.0 notitle, "
-        "{0} using 1:4 with linespoints lc rgb '{2}' lw 1.8 pt 5 ps 1.0 notitle, "
-        "{0} using 1:5 with linespoints lc rgb '{2}' lw 1.4 dt 2 pt 4 ps 1.0 notitle",
+        "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.8 pt 7 ps 0.8 notitle, "
+        "{0} using 1:3 with linespoints lc rgb '{1}' lw 1.4 dt 2 pt 6 ps 0.8 notitle, "
+        "{0} using 1:4 with linespoints lc rgb '{2}' lw 1.8 pt 5 ps 0.8 notitle, "
+        "{0} using 1:5 with linespoints lc rgb '{2}' lw 1.4 dt 2 pt 4 ps 0.8 notitle",
         script.table(5, std::move(values)), figure_colours::network, figure_colours::best);
     begin += width + gap, ++column;
   };
