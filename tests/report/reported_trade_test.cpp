@@ -253,7 +253,7 @@ TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
   // In the panel each stands beside its mark.
   const XAxis axis = x_axes(plot).at(0);
   for (const auto& [number, us] : {std::pair("1", 30.0), std::pair("2", 300.0)}) {
-    const auto is_beside = [&, wanted = std::string(number)](const Words& label) {
+    const auto is_beside = [&axis, wanted = std::string(number), us = us](const Words& label) {
       return label.text == wanted && std::abs(label.x - axis.px(std::log10(us))) < 30;
     };
     EXPECT_TRUE(std::any_of(words.begin(), words.end(), is_beside)) << number;
