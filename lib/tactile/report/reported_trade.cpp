@@ -3,10 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/report/json_view.hpp"
 #include "tactile/report/plot_script.hpp"
@@ -55,82 +58,336 @@ std::vector<ReportedGrowth> growth_in(const JsonView& json) {
   return points;
 }
 
+/// A value's place on an axis of logarithms, and on one that is linear near 0 and logarithmic beyond.
+double log_place(double value) { return value > 0 ? std::log10(value) : NAN; }
+double log_place_from_zero(double value) { return value >= 0 ? std::log10(value + 1) : NAN; }
+
+/// Places [begin, end] of an axis, and how many pixels they take.
+struct Stretch {
+  double begin = 0, end = 1;
+  double pixels = 1;
+  double at(double place) const { return pixels * (place - begin) / (end - begin); }
+  bool holds(double place) const { return place >= begin && place <= end; }
+};
+
+/// Holds [least, most], is `shortest` long at least, and has a margin on both sides.
+Stretch stretch_around(double least, double most, double shortest, double pixels) {
+  if (!(least <= most)) least = most = 0;  // nothing is there
+  const double wanting = std::max(0.0, shortest - (most - least)) / 2;
+  least -= wanting, most += wanting;
+  const double margin = 0.05 * (most - least);
+  return {least - margin, most + margin, pixels};
+}
+
+/// Tics of an axis whose labels do not meet.
+class Tics {
+ public:
+  static constexpr double character = 9.4, gap = 8;  // [px], of a digit and between labels
+  static constexpr double line = 20;                 // [px], of labels one above the other
+
+  /// @param is_upright  labels stand above each other
+  explicit Tics(const Stretch& stretch, bool is_upright = false) : stretch_(stretch), is_upright_(is_upright) {}
+
+  /// All of them; none where they lie off the axis, or where their labels would meet each other or those there.
+  bool add(const std::vector<std::pair<double, std::string>>& tics) {
+    const std::size_t before = tics_.size();
+    for (const auto& [place, label] : tics) {
+      if (!stretch_.holds(place)) continue;
+      const double at = stretch_.at(place);
+      const double room = is_upright_ ? line : character * static_cast<double>(characters_in(label)) + gap;
+      if (std::any_of(tics_.begin(), tics_.end(),
+                      [&](const Tic& other) { return std::abs(other.at - at) < (other.room + room) / 2; })) {
+        tics_.resize(before);
+        return false;
+      }
+      tics_.push_back({place, at, room, label});
+    }
+    return true;
+  }
+
+  /// A tic without a label.
+  void add_bare(double place) { bare_ += fmt::format(", '' {:.9g}", place); }
+
+  std::size_t size() const { return tics_.size(); }
+
+  /// As gnuplot takes them.
+  std::string text(bool with_labels = true) const {
+    std::string text;
+    for (const Tic& tic : tics_) text += fmt::format(", {} {:.9g}", with_labels ? plot_text(tic.label) : "''", tic.place);
+    text += bare_;
+    return text.empty() ? "'' 0" : text.substr(2);
+  }
+
+ private:
+  struct Tic {
+    double place, at, room;
+    std::string label;
+  };
+  Stretch stretch_;
+  bool is_upright_;
+  std::vector<Tic> tics_;
+  std::string bare_;
+};
+
+/// Round values of an axis of logarithms, as many as fit: 1, 2 and 5 of each decade, finer ones where these are few; from 0 on
+/// 0 and 1 and 3 of each decade.
+Tics decade_tics(const Stretch& stretch, double (*place_of)(double), bool from_zero, bool is_upright = false) {
+  constexpr std::size_t few = 4;
+  constexpr int least_decade = -9, most_decade = 12;
+  Tics tics(stretch, is_upright);
+  const auto of_each = [&](const std::vector<double>& steps, int first, int every) {
+    std::vector<std::pair<double, std::string>> values;
+    for (int decade = first; decade <= most_decade; decade += every) {
+      for (const double step : steps) {
+        const double value = step * std::pow(10, decade);
+        values.emplace_back(place_of(value), fmt::format("{:.10g}", value));
+      }
+    }
+    return values;
+  };
+  for (int every = 1; every <= 8; ++every) {
+    // Counted from 1, so that every second one is 1, 100, 10000.
+    auto decades = of_each({1}, from_zero ? 0 : -every * (-least_decade / every), every);
+    if (from_zero) decades.emplace_back(place_of(0), "0");
+    if (tics.add(decades)) break;
+  }
+  const int first = from_zero ? 0 : least_decade;
+  tics.add(of_each(from_zero ? std::vector<double>{3} : std::vector<double>{2, 5}, first, 1));
+  const int first_fine = from_zero ? -1 : least_decade;
+  for (const auto& steps : from_zero ? std::vector<std::vector<double>>{{5}, {2}, {4, 7}, {1.2, 1.5, 2.5, 6, 8}}
+                                     : std::vector<std::vector<double>>{{1.5, 3, 7}, {1.2, 2.5, 4, 6, 8}}) {
+    if (tics.size() < few) tics.add(of_each(steps, first_fine, 1));
+  }
+  return tics;
+}
+
+/// Finds places for words beside marks of a panel, where they cover nothing, else as little as can be.
+class WordPlaces {
+ public:
+  explicit WordPlaces(const PlotBox& panel) : panel_(panel) {}
+
+  void take(double left, double top, double right, double bottom) { taken_.push_back({left, top, right, bottom, 1}); }
+
+  struct Place {
+    double x = 0, y = 0;    ///< its middle
+    bool is_beside = true;  ///< else so far off that a line has to tell whose words these are
+  };
+
+  /// A place near (x, y) for a line of this width, which is taken from then on.
+  Place beside(double x, double y, double width) {
+    constexpr double half_height = 8;
+    double least = INFINITY;
+    Box best{};
+    bool is_beside = true;
+    for (const double away : {15.0, 22.0, 30.0, 40.0, 52.0, 66.0}) {
+      for (const auto& [right, down] : {std::pair(0.7, -0.7), std::pair(-0.7, -0.7), std::pair(0.7, 0.7), std::pair(-0.7, 0.7),
+                                        std::pair(1.0, 0.0), std::pair(-1.0, 0.0), std::pair(0.0, -1.0), std::pair(0.0, 1.0)}) {
+        // From the mark's side, the words begin there.
+        const double middle = x + right * away + (right > 0 ? 0.5 : right < 0 ? -0.5 : 0) * std::max(0.0, width - 8);
+        const Box box{middle - width / 2, y + down * away - half_height, middle + width / 2, y + down * away + half_height, 30};
+        if (box.left < panel_.left || box.right > panel_.right || box.top < panel_.top || box.bottom > panel_.bottom) continue;
+        double covered = 0;
+        for (const Box& other : taken_) {
+          covered += other.weight * std::max(0.0, std::min(box.right, other.right) - std::max(box.left, other.left)) *
+                     std::max(0.0, std::min(box.bottom, other.bottom) - std::max(box.top, other.top));
+        }
+        if (covered < least) least = covered, best = box, is_beside = away < 25;
+      }
+      if (least == 0) break;
+    }
+    if (!std::isfinite(least)) return {.x = x, .y = y};
+    taken_.push_back(best);
+    return {.x = (best.left + best.right) / 2, .y = (best.top + best.bottom) / 2, .is_beside = is_beside};
+  }
+
+ private:
+  struct Box {
+    double left = 0, top = 0, right = 0, bottom = 0;
+    double weight = 1;  ///< of what lies there: words on words are read by nobody, words on a bar are
+  };
+  PlotBox panel_;
+  std::vector<Box> taken_;
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+/// A setting's name in lines that each fit a column, broken between its knobs.
+std::vector<std::string> name_lines(std::string name, std::size_t characters) {
+  constexpr char stays = '\x1F';  // for a blank within a knob, while lines are broken
+  for (std::size_t i = 1; i < name.size(); ++i) {
+    if (name[i] == ' ' && name[i - 1] != ',') name[i] = stays;
+  }
+  std::vector<std::string> lines = lines_of(wrapped(name, 0, characters));
+  for (std::string& line : lines) {
+    std::replace(line.begin(), line.end(), stays, ' ');
+    line = shortened(line, characters);
+  }
+  return lines;
+}
+
 /// A setting's place in a figure.
 struct Dot {
   double x = NAN;
   Measured y;
   bool on_front = false, usual = false;
   std::string text;
+
+  bool has_place() const { return std::isfinite(x) && std::isfinite(y.value); }
+  bool has_interval() const { return std::isfinite(y.low) && std::isfinite(y.high); }
 };
 
 struct Axes {
-  std::string note, x_label, y_label;
-  bool log_x = false;
-  double top = NAN;  ///< the y axis ends there, where it is given
+  std::string front;  ///< what is on it, in words
+  std::string bars;   ///< what they are intervals of
+  std::string x_label, y_label;
+  bool x_from_zero = false;              ///< linear near 0, logarithmic beyond; else all of it logarithmic
+  double least_y_span = 1;               ///< a shorter axis would show differences that mean nothing
+  double y_begin = 0, y_end = INFINITY;  ///< no value lies outside
 };
 
 Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot>& dots) {
-  constexpr int left = 90, right = 40, top = 96, panel_height = 420, below = 70, row = 19;
-  std::vector<const Dot*> front;
-  std::vector<double> others, usual, front_values;
-  double least_x = INFINITY, most_x = 0, least_y = INFINITY, most_y = -INFINITY;
+  constexpr int left = 90, right = 40, panel_height = 420, below = 72, row = 19, note_row = 20, note_top = 52;
+  constexpr int column_width = 475, number_width = 26;
+  constexpr std::size_t note_characters = 114, name_characters = 60;
+  constexpr double half_mark = 6, half_diamond = 13, number_character = 9.5, word_character = 8.4;  // [px]
+  const auto place_of = axes.x_from_zero ? log_place_from_zero : log_place;
+
+  std::vector<const Dot*> front, others;
+  std::size_t left_out = 0;
+  double least_x = INFINITY, most_x = -INFINITY, least_y = INFINITY, most_y = -INFINITY;
+  bool has_bars = false, has_usual = false;
   for (const Dot& dot : dots) {
-    if (!std::isfinite(dot.x) || !std::isfinite(dot.y.value)) continue;
-    least_x = std::min(least_x, dot.x), most_x = std::max(most_x, dot.x);
-    least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
-    if (dot.on_front) {
-      front.push_back(&dot);
-      for (const double bound : {dot.y.low, dot.y.high}) {
-        if (std::isfinite(bound)) least_y = std::min(least_y, bound), most_y = std::max(most_y, bound);
-      }
-    } else {
-      others.insert(others.end(), {dot.x, dot.y.value});
+    const double x = place_of(dot.x);
+    if (!dot.has_place() || !std::isfinite(x)) {
+      ++left_out;
+      continue;
     }
-    if (dot.usual) usual.insert(usual.end(), {dot.x, dot.y.value});
+    (dot.on_front ? front : others).push_back(&dot);
+    has_usual = has_usual || dot.usual;
+    least_x = std::min(least_x, x), most_x = std::max(most_x, x);
+    least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
+    if (dot.on_front && dot.has_interval()) {
+      has_bars = true;
+      least_y = std::min(least_y, dot.y.low), most_y = std::max(most_y, dot.y.high);
+    }
   }
-  std::sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
-  if (!(least_x <= most_x)) least_x = 1, most_x = 10, least_y = 0, most_y = 1;
+  std::stable_sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
   const std::size_t named = std::min(front.size(), most_named);
-  const int bottom = top + panel_height, rows = static_cast<int>((named + 1) / 2);
-  PlotScript script(title, page_width, bottom + below + rows * row + 16);
-  script.text(axes.note, 20, 52, "left font ',12'", faint_ink);
-  script.text(
-      "Orange: the front, as found on the runs to choose on, with 95 % intervals; grey: other settings; ring: the usual one.", 20,
-      72, "left font ',12'", faint_ink);
+
+  std::string note = "Each circle is a setting, on the reported runs";
+  note += has_usual ? "; the usual one is in a diamond." : ".";
+  if (!front.empty()) {
+    note += fmt::format(
+        " Filled{}: the front, {}, as found on the runs to choose on.",
+        named < front.size() ? fmt::format(", and the first {} of {} numbered", named, front.size()) : " and numbered",
+        axes.front);
+  }
+  if (has_bars) note += fmt::format(" Bars: 95 % intervals of {}.", axes.bars);
+  if (left_out > 0) note += fmt::format(" Left out for want of a value: {}.", left_out);
+  const std::vector<std::string> note_lines = lines_of(wrapped(note, 0, note_characters));
+  const int top = note_top + note_row * static_cast<int>(note_lines.size()) + 4, bottom = top + panel_height;
+
+  // The front's names go down the left column, then down the right one.
+  std::vector<std::vector<std::string>> names;
+  std::size_t name_rows = 0;
   for (std::size_t i = 0; i < named; ++i) {
-    script.text(shortened(fmt::format("{}  {}", i + 1, front[i]->text), 62), i % 2 == 0 ? 40 : page_width / 2 + 20,
-                bottom + below + static_cast<int>(i / 2) * row, "left font ',11'");
+    names.push_back(name_lines(front[i]->text, name_characters));
+    name_rows += names.back().size();
   }
-  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
-  const double across = most_x > least_x ? most_x - least_x : std::max(1.0, most_x),
-               up = std::max(most_y - least_y, 1e-3 * std::max(1.0, std::abs(most_y)));
-  if (axes.log_x && least_x > 0 && most_x > 8 * least_x) {  // in less there is no decade to be named
-    script.add("set logscale x\nset xrange [{:.9g}:{:.9g}]", 0.85 * least_x, 1.2 * most_x);
-  } else {
-    script.add("set xrange [{:.9g}:{:.9g}]", least_x - 0.04 * across, most_x + 0.06 * across);
+  std::size_t left_names = 0, left_rows = 0;
+  while (left_names < named && 2 * left_rows < name_rows) left_rows += names[left_names++].size();
+
+  const int names_top = bottom + below + (named > 0 ? row : 0);
+  const int height = names_top + static_cast<int>(left_rows) * row + 6;
+  PlotScript script(title, page_width, height);
+  for (std::size_t i = 0; i < note_lines.size(); ++i)
+    script.text(note_lines[i], 20, note_top + note_row * static_cast<int>(i), "left font ',12'", faint_ink);
+  if (named > 0)
+    script.text("The front, each by what is other than usual:", 24, bottom + below - 2, "left font ',11'", faint_ink);
+  for (std::size_t i = 0, at_row = 0; i < named; ++i) {
+    if (i == left_names) at_row = 0;
+    const int x = 24 + (i < left_names ? 0 : column_width + 8);
+    script.text(fmt::format("{}", i + 1), x, names_top + static_cast<int>(at_row) * row, "left font ',11'");
+    for (const std::string& line : names[i])
+      script.text(line, x + number_width, names_top + static_cast<int>(at_row++) * row, "left font ',11'");
   }
-  script.add("set yrange [{:.9g}:{:.9g}]", least_y - 0.12 * up,
-             std::isfinite(axes.top) ? std::max(axes.top, most_y + 0.06 * up) : most_y + 0.12 * up);
+
+  const PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = bottom};
+  script.begin_panel(box);
+  if (front.empty() && others.empty()) least_x = most_x = least_y = most_y = 0;
+  // No false alarms at all is what others are compared with, unless that makes what is there small.
+  if (axes.x_from_zero && (least_x < 1.5 || 2 * least_x < most_x)) least_x = 0, most_x = std::max(most_x, std::log10(2));
+  const Stretch across = stretch_around(least_x, most_x, std::log10(2), box.right - box.left);
+  Stretch up = stretch_around(least_y, most_y, axes.least_y_span, box.bottom - box.top);
+  // Beyond what can be there is nothing but room for half a mark.
+  const double edge = 0.025 * (up.end - up.begin);
+  up.begin = std::max(up.begin, axes.y_begin - edge), up.end = std::min(up.end, axes.y_end + edge);
+  script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", across.begin, across.end, up.begin, up.end);
+  script.add("set xtics ({})", decade_tics(across, place_of, axes.x_from_zero).text());
   script.add("set xlabel {} textcolor rgb '{}'\nset ylabel {} textcolor rgb '{}'", plot_text(axes.x_label), ink,
              plot_text(axes.y_label), ink);
-  for (std::size_t i = 0; i < front.size(); ++i) {
-    const Measured& y = front[i]->y;
-    const bool has_interval = std::isfinite(y.low) && std::isfinite(y.high);
-    front_values.insert(front_values.end(),
-                        {front[i]->x, y.value, has_interval ? y.low : y.value, has_interval ? y.high : y.value});
-    if (i < named) {
-      script.add("set label '{}' at first {:.9g}, first {:.9g} left offset 0.6,0.6 font ',10' textcolor rgb '{}'", i + 1,
-                 front[i]->x, y.value, ink);
-    }
+
+  std::vector<double> other_values, front_values, usual_values;
+  WordPlaces places(box);
+  const auto at_x = [&](const Dot& dot) { return box.left + across.at(place_of(dot.x)); };
+  const auto at_y = [&](double y) { return box.bottom - up.at(y); };
+  const auto take = [&](const Dot& dot) {
+    const double x = at_x(dot), y = at_y(dot.y.value);
+    const double half = dot.usual ? half_diamond : half_mark;
+    places.take(x - half, y - half, x + half, y + half);
+    if (dot.on_front && dot.has_interval()) places.take(x - 3, at_y(dot.y.high), x + 3, at_y(dot.y.low));
+    if (dot.usual) usual_values.insert(usual_values.end(), {place_of(dot.x), dot.y.value});
+  };
+  for (const Dot* dot : others) {
+    other_values.insert(other_values.end(), {place_of(dot->x), dot->y.value});
+    take(*dot);
   }
+  for (const Dot* dot : front) {
+    front_values.insert(front_values.end(), {place_of(dot->x), dot->y.value, dot->has_interval() ? dot->y.low : dot->y.value,
+                                             dot->has_interval() ? dot->y.high : dot->y.value});
+    take(*dot);
+  }
+  for (std::size_t i = 0; i < named; ++i) {
+    const std::string number = fmt::format("{}", i + 1);
+    const double x = at_x(*front[i]), y = at_y(front[i]->y.value);
+    const double width = number_character * static_cast<double>(number.size());
+    const WordPlaces::Place place = places.beside(x, y, width);
+    script.text(number, place.x, place.y, "center font ',11'");
+    if (place.is_beside) continue;
+    const double end_x = std::clamp(x, place.x - width / 2, place.x + width / 2), end_y = std::clamp(y, place.y - 7, place.y + 7);
+    script.add("set arrow from screen {:.6f}, screen {:.6f} to screen {:.6f}, screen {:.6f} nohead lc rgb '{}' lw 0.8",
+               x / page_width, 1 - y / height, end_x / page_width, 1 - end_y / height, faint_ink);
+  }
+  // The usual one has its diamond; the word too where there is room.
+  for (const Dot& dot : dots) {
+    if (!dot.usual || !dot.has_place() || !std::isfinite(place_of(dot.x))) continue;
+    const WordPlaces::Place place = places.beside(at_x(dot), at_y(dot.y.value), 5 * word_character);
+    if (place.is_beside) script.text("usual", place.x, place.y, "center font ',11'");
+  }
+  if (front.empty() && others.empty())
+    script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
   const std::string front_table = script.table(4, std::move(front_values));
   script.add(
-      "plot {0} using 1:2 with points lc rgb '{1}' pt 7 ps 0.9 notitle, "
-      "{2} using 1:2 with lines lc rgb '{3}' lw 1.2 dt 2 notitle, "
+      "plot {0} using 1:2 with points lc rgb '{1}' pt 6 ps 0.75 lw 1.1 notitle, "
       "{2} using 1:2:3:4 with yerrorbars lc rgb '{3}' lw 1.5 pt 7 ps 1.1 notitle, "
-      "{4} using 1:2 with points lc rgb '{5}' pt 6 ps 2.0 lw 1.5 notitle",
-      script.table(2, std::move(others)), "#9A9A9A", front_table, figure_colours::best, script.table(2, std::move(usual)), ink);
+      "{4} using 1:2 with points lc rgb '{5}' pt 12 ps 2.1 lw 1.5 notitle",
+      script.table(2, std::move(other_values)), "#606060", front_table, figure_colours::best,
+      script.table(2, std::move(usual_values)), ink);
   return std::move(script).plot();
+}
+
+/// 300k for 300'000, 10M for ten million.
+std::string short_number(double value) {
+  if (value >= 1e6) return fmt::format("{:g}M", value / 1e6);
+  return value >= 1e4 ? fmt::format("{:g}k", value / 1e3) : fmt::format("{:g}", value);
 }
 
 std::string with_runs(const ReportedTrade& trade, const std::string& words) {
@@ -188,10 +445,12 @@ Plot trade_accuracy_plot(const ReportedTrade& trade) {
                     .text = setting.text});
   }
   return dots_plot(with_runs(trade, "Accuracy against time per tick"),
-                   {.note = "Each dot is a setting, on the reported runs.",
+                   {.front = "which no other setting beats in both",
+                    .bars = "accuracy",
                     .x_label = "time that 99 of 100 ticks do not exceed [us]",
                     .y_label = "accuracy [%]",
-                    .log_x = true},
+                    .least_y_span = 4,
+                    .y_end = 100},
                    dots);
 }
 
@@ -207,62 +466,113 @@ Plot trade_delay_plot(const ReportedTrade& trade) {
                                 : setting.text});
   }
   return dots_plot(with_runs(trade, "Detection delay against false alarms"),
-                   {.note = "Each dot is a setting, on the reported runs; the front is that of false alarms, delay and misses.",
+                   {.front = "which no other setting beats in false alarms, delay and misses together",
+                    .bars = "the delay",
                     .x_label = "false alarms per minute",
-                    .y_label = "mean delay [ms]"},
+                    .y_label = "mean delay [ms]",
+                    .x_from_zero = true,
+                    .least_y_span = 2},
                    dots);
 }
 
 Plot trade_growth_plot(const ReportedTrade& trade) {
-  constexpr int left = 80, right = 30, top = 100, gap = 70, panel_height = 330, below = 60;
-  const int width = (page_width - left - right - 2 * gap) / 3, bottom = top + panel_height;
+  constexpr int left = 70, right = 20, top = 122, gap = 28, panel_height = 330, below = 124;
+  constexpr std::array<int, 3> widths{384, 200, 270};  // those with more to be labelled are wider
+  static_assert(left + widths[0] + widths[1] + widths[2] + 2 * gap + right == page_width);
+  constexpr int bottom = top + panel_height;
   PlotScript script(with_runs(trade, "How the cost of a tick grows"), page_width, bottom + below);
   script.text(
-      "Solid blue: ours, all of a tick; dashed blue: its rendering. Orange: every pixel and every output computed, likewise.", 20,
+      "Blue circles: ours, all of a tick; hollow and dashed: its rendering alone. Orange squares, likewise: the dense way,", 20,
       52, "left font ',12'", faint_ink);
-  script.text("median time per tick [us]", 20, 78, "left font ',12'");
-  double most = 1, least = INFINITY;
+  script.text("which computes every pixel and every output of the network.", 20, 72, "left font ',12'", faint_ink);
+  script.text("median time per tick [us]", 20, 100, "left font ',12'");
+  double most = -INFINITY, least = INFINITY;
   for (const auto* curve : {&trade.by_rate, &trade.by_history, &trade.by_resolution}) {
     for (const ReportedGrowth& point : *curve) {
       for (const double us : {point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us}) {
-        if (!std::isfinite(us) || us <= 0) continue;
-        most = std::max(most, us), least = std::min(least, us);
+        const double place = log_place(us);
+        if (std::isfinite(place)) most = std::max(most, place), least = std::min(least, place);
       }
     }
   }
-  if (!(least <= most)) least = 0.1;
-  const auto panel = [&](int column, const std::vector<ReportedGrowth>& points, const std::string& label, auto x_of,
-                         const std::string& tics) {
-    const int begin = left + column * (width + gap);
-    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
+  const Stretch up = stretch_around(least, most, 1, panel_height);
+  const Tics us_tics = decade_tics(up, log_place, false, true);
+
+  /// A place along a panel, and how it is called; where it is not finite the point is left out.
+  struct Labelled {
+    double place = NAN;
+    std::string label;
+  };
+  int begin = left, column = 0;
+  const auto panel = [&](const std::vector<ReportedGrowth>& points, const std::string& label, const std::string& conditions,
+                         auto step_of) {
+    const int width = widths[static_cast<std::size_t>(column)];
+    const PlotBox box{.left = begin, .top = top, .right = begin + width, .bottom = bottom};
+    script.begin_panel(box);
+    const double middle = (box.left + box.right) / 2.0;
+    script.text(label, middle, bottom + 84, "center font ',12'");
+    script.text(conditions, middle, bottom + 105, "center font ',11'", faint_ink);
+    std::vector<Labelled> steps;
     std::vector<double> values;
+    double first = INFINITY, last = -INFINITY;
     for (const ReportedGrowth& point : points) {
-      values.insert(values.end(),
-                    {x_of(point), point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us});
+      const Labelled step = step_of(point);
+      if (!std::isfinite(step.place)) continue;
+      first = std::min(first, step.place), last = std::max(last, step.place);
+      steps.push_back(step);
+      values.push_back(step.place);
+      for (const double us : {point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us})
+        values.push_back(log_place(us));
+      // No line leads from none at all to some: on an axis of logarithms the way between them is of any length.
+      if (point.events_per_s <= 0) values.insert(values.end(), 5, NAN);
     }
-    script.add("set logscale xy\nset yrange [{:.9g}:{:.9g}]", 0.7 * least, 1.5 * most);
-    if (!tics.empty()) script.add("set xtics ({})", tics);
-    script.add("set xlabel {} textcolor rgb '{}'", plot_text(label), ink);
+    const Stretch across = stretch_around(first, last, std::log10(4), width);
+    Tics level(across), aslant(across, true);
+    bool all_fit = true;
+    for (const Labelled& step : steps) {
+      // Nor may they reach into the panel beside it.
+      const double at = across.at(step.place), half = Tics::character * static_cast<double>(characters_in(step.label)) / 2;
+      all_fit = level.add({{step.place, step.label}}) && at >= half - gap / 2.0 && at + half <= width + gap / 2.0 && all_fit;
+    }
+    for (const Labelled& step : steps) {
+      if (!aslant.add({{step.place, step.label}})) aslant.add_bare(step.place);
+    }
+    script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", across.begin, across.end, up.begin, up.end);
+    script.add("set xtics {} ({})\nset ytics ({})", all_fit ? "center" : "rotate by 45 right", (all_fit ? level : aslant).text(),
+               us_tics.text(column == 0));
+    if (steps.empty()) script.text("not measured", middle, (top + bottom) / 2.0, "center font ',12'", faint_ink);
     script.add(
         "plot {0} using 1:2 with linespoints lc rgb '{1}' lw 1.8 pt 7 ps 0.8 notitle, "
-        "{0} using 1:3 with lines lc rgb '{1}' lw 1.4 dt 2 notitle, "
+        "{0} using 1:3 with linespoints lc rgb '{1}' lw 1.4 dt 2 pt 6 ps 0.8 notitle, "
         "{0} using 1:4 with linespoints lc rgb '{2}' lw 1.8 pt 5 ps 0.8 notitle, "
-        "{0} using 1:5 with lines lc rgb '{2}' lw 1.4 dt 2 notitle",
+        "{0} using 1:5 with linespoints lc rgb '{2}' lw 1.4 dt 2 pt 4 ps 0.8 notitle",
         script.table(5, std::move(values)), figure_colours::network, figure_colours::best);
+    begin += width + gap, ++column;
   };
   // None at all has its place left of the least rate.
-  static constexpr double none_at = 3e3;
-  panel(
-      0, trade.by_rate, "events per second, t_h 40 ms",
-      [](const ReportedGrowth& point) { return std::max(point.events_per_s, none_at); },
-      fmt::format("'0' {:g}, '10^4' 1e4, '10^5' 1e5, '10^6' 1e6, '10^7' 1e7", none_at));
-  panel(
-      1, trade.by_history, "t_h [ms], 0.3 million events/s", [](const ReportedGrowth& point) { return point.history_ms; },
-      "2, 10, 40, 200, 1000");
-  panel(
-      2, trade.by_resolution, "pixels, 0.3 million events/s",
-      [](const ReportedGrowth& point) { return point.width * point.height; },
-      "'160x120' 19200, '320x240' 76800, '640x480' 307200, '1280x960' 1228800");
+  double least_rate = INFINITY;
+  for (const ReportedGrowth& point : trade.by_rate) {
+    if (point.events_per_s > 0) least_rate = std::min(least_rate, point.events_per_s);
+  }
+  const double none_at = std::isfinite(least_rate) ? log_place(least_rate) - 0.6 : 0;
+  const auto history_of = [](const ReportedGrowth& point) { return fmt::format("t_h {:g} ms", point.history_ms); };
+  const auto rate_of = [](const ReportedGrowth& point) { return short_number(point.events_per_s) + " events/s"; };
+  const auto sensor_of = [](const ReportedGrowth& point) { return fmt::format("{:g}x{:g}", point.width, point.height); };
+  panel(trade.by_rate, "events per second",
+        trade.by_rate.empty() ? "" : history_of(trade.by_rate.front()) + ", " + sensor_of(trade.by_rate.front()),
+        [&](const ReportedGrowth& point) {
+          return Labelled{point.events_per_s == 0 ? none_at : log_place(point.events_per_s), short_number(point.events_per_s)};
+        });
+  panel(trade.by_history, "history t_h [ms]",
+        trade.by_history.empty() ? "" : rate_of(trade.by_history.front()) + ", " + sensor_of(trade.by_history.front()),
+        [](const ReportedGrowth& point) {
+          return Labelled{log_place(point.history_ms), fmt::format("{:g}", point.history_ms)};
+        });
+  panel(trade.by_resolution, "pixels of the sensor",
+        trade.by_resolution.empty() ? "" : history_of(trade.by_resolution.front()) + ", " + rate_of(trade.by_resolution.front()),
+        [&](const ReportedGrowth& point) {
+          return Labelled{log_place(point.width * point.height), sensor_of(point)};
+        });
   return std::move(script).plot();
 }
 
