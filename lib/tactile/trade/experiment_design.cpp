@@ -132,6 +132,7 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
       level.set(setting);
       const auto found = measured.find(id_of(setting));
       if (setting == usual || found == measured.end()) continue;
+      if (setting.sparse != usual.sparse) continue;  // there to compare with
       known.levels.push_back(level);
       outcomes.push_back(found->second);
     }

@@ -63,7 +63,9 @@ struct TradeOutcome {
 ///   accuracy, delay, misses: default + sum of differences;   time: default * product of ratios;   false alarms: (default + 3)
 ///   * product of ratios of what is measured + 3, less 3
 ///
-/// @param measured  what `one_at_a_time` gave, by `id_of`; values that it lacks are in no combination
+/// @param measured  what `one_at_a_time` gave, by `id_of`; values that it lacks are in no combination, nor is the other pass,
+/// sparse
+///                  or dense: the two differ in what they cost alone
 /// @param most      of each front, spread along it
 std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const TradeLevels& levels,
                                             const std::map<std::string, TradeOutcome>& measured, std::size_t most);

@@ -46,9 +46,9 @@ struct TickTimesOptions {
 /// The times of one way: those of each recording in their order.
 using TimesOfRuns = std::vector<std::vector<TickTime>>;
 
-/// Times all ways in this process on this thread: piece by piece of each recording, every way takes its turn before the first
-/// takes its next, so that what else the machine does falls on all alike. Of each tick the turn of median length counts: not the
-/// shortest, which nobody can count on.
+/// Times all ways in this process on this thread: piece by piece of each recording, every way takes its turn before any
+/// takes its next, in another order each time, so that what else the machine does falls on all alike. Of each tick the turn of
+/// median length counts: not the shortest, which nobody can count on.
 /// @throws Error  if a recording or a model cannot be read, or does not fit the other
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedWay> ways, std::span<const std::filesystem::path> recordings,
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {});
