@@ -23,8 +23,9 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/trade/cost_growth.hpp"
+#include "tactile/trade/dense_heatmaps.hpp"
 
 namespace tactile {
 namespace {
@@ -49,54 +50,6 @@ cv::Mat1b plain_heatmap(std::span<const Event> window) {
   cv::Mat1b heatmap;
   resized.convertTo(heatmap, CV_8U);
   return heatmap;
-}
-
-/// The steps as fast as they go over every pixel: images that are kept, a count image that takes the events that come and go, and
-/// no call that another can do without.
-class KeptImages {
- public:
-  void add(std::span<const Event> events) {
-    for (const Event& event : events) counts_(event.y, event.x) += 1;
-  }
-  void forget(std::span<const Event> events) {
-    for (const Event& event : events) counts_(event.y, event.x) -= 1;
-  }
-  void render() {
-    const double mean = cv::sum(counts_)[0] / std::max(cv::countNonZero(counts_), 1);
-    cv::subtract(counts_, mean, denoised_);
-    cv::exp(denoised_, denoised_);
-    cv::add(denoised_, 1.0, denoised_);
-    cv::divide(counts_, denoised_, denoised_);
-    double largest = 0;
-    cv::minMaxLoc(denoised_, nullptr, &largest);
-    cv::resize(denoised_, resized_, {}, 0.2, 0.2, cv::INTER_AREA);
-    resized_.convertTo(heatmap_, CV_8U, largest > 0 ? 255.0 / largest : 0.0);
-  }
-  const cv::Mat1b& heatmap() const { return heatmap_; }
-
- private:
-  cv::Mat1f counts_ = cv::Mat1f::zeros(sensor.height, sensor.width);
-  cv::Mat1f denoised_, resized_;
-  cv::Mat1b heatmap_;
-};
-
-/// Those of the milliseconds in which the skin moves, which have 100 and more.
-std::vector<Event> events_of(const std::vector<std::filesystem::path>& recordings) {
-  std::vector<Event> all;
-  for (const auto& file : recordings) {
-    std::vector<Event> of_recording;
-    RecordingReader recording(file);
-    for_all_events(recording, event_stream(recording).id,
-                   [&](std::span<const Event> events) { of_recording.insert(of_recording.end(), events.begin(), events.end()); });
-    for (auto begin = of_recording.begin(); begin != of_recording.end();) {
-      const CameraTime end_of_ms = after(begin->t, 1ms);
-      const auto end = std::find_if(begin, of_recording.end(), [&](const Event& event) { return event.t >= end_of_ms; });
-      if (end - begin >= 100) all.insert(all.end(), begin, end);
-      begin = end;
-    }
-  }
-  if (all.empty()) throw Error("heatmap_benchmark: no events to work with; expected recordings in which something moves");
-  return all;
 }
 
 std::vector<Event> events_anywhere(std::size_t count) {
@@ -124,9 +77,9 @@ class Shortest {
   std::vector<double> us_ = std::vector<double>(pieces * ticks_of_piece, std::numeric_limits<double>::infinity());
 };
 
-void expect_alike(std::span<const std::uint8_t> ours, const cv::Mat1b& dense) {
+void expect_alike(std::span<const std::uint8_t> ours, std::span<const std::uint8_t> dense) {
   for (std::size_t i = 0; i < ours.size(); ++i) {
-    if (std::abs(ours[i] - dense.data[i]) > 1) throw Error("heatmap_benchmark: the ways do not give the same");
+    if (std::abs(ours[i] - dense[i]) > 1) throw Error("heatmap_benchmark: the ways do not give the same");
   }
 }
 
@@ -168,7 +121,7 @@ void compare(benchmark::State& state, const std::vector<Event>& source, double e
         });
         active += ours.counts().histogram().active_pixels();
       }
-      KeptImages kept;
+      DenseHeatmaps kept(sensor, 0.2);
       kept.add(events_between(0, history));
       kept.render();
       for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
@@ -182,7 +135,7 @@ void compare(benchmark::State& state, const std::vector<Event>& source, double e
       cv::Mat1b plain;
       for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
         plain_us.take(piece * ticks_of_piece + i, [&] { plain = plain_heatmap(events_between(tick - history, tick)); });
-        expect_alike(heatmap(i), plain);
+        expect_alike(heatmap(i), {plain.data, plain.total()});
       }
     }
   }
@@ -204,7 +157,8 @@ int main(int count, char** texts) {
   try {
     cv::setNumThreads(1);
     benchmark::Initialize(&count, texts);
-    const std::vector<Event> simulated = events_of({texts + 1, texts + count});
+    const std::vector<std::filesystem::path> recordings(texts + 1, texts + count);
+    const std::vector<Event> simulated = moving_events(recordings);
     const std::vector<Event> anywhere = events_anywhere(4'000'000);
     const auto measure = [&](const std::string& curve, const std::vector<Event>& source, double events_per_s,
                              std::chrono::milliseconds history) {

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <regex>
 #include <sstream>
 
+#include "support/drawn_plot.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -17,16 +17,8 @@
 namespace tactile {
 namespace {
 
+using test::drawn;
 using test::TemporaryFolder;
-
-/// Draws it both ways, and gives the SVG; a picture of the right size, or the test fails.
-std::string drawn(const Plot& plot) {
-  const TemporaryFolder folder;
-  draw(plot, folder / "figure.png");
-  draw(plot, folder / "figure.svg");
-  EXPECT_EQ(cv::imread((folder / "figure.png").string()).size(), cv::Size(plot.width_px, plot.height_px));
-  return read_text(folder / "figure.svg");
-}
 
 bool tells(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 

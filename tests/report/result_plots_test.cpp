@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 
+#include "support/drawn_plot.hpp"
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -15,16 +15,8 @@
 namespace tactile {
 namespace {
 
+using test::drawn;
 using test::TemporaryFolder;
-
-/// Draws it both ways, and gives the SVG; a picture of the right size, or the test fails.
-std::string drawn(const Plot& plot) {
-  const TemporaryFolder folder;
-  draw(plot, folder / "figure.png");
-  draw(plot, folder / "figure.svg");
-  EXPECT_EQ(cv::imread((folder / "figure.png").string()).size(), cv::Size(plot.width_px, plot.height_px));
-  return read_text(folder / "figure.svg");
-}
 
 bool has_row(const Plot& plot, const std::vector<double>& row) {
   return std::any_of(plot.tables.begin(), plot.tables.end(), [&](const PlotTable& table) {

@@ -32,7 +32,7 @@ class DurationHistogram {
 
  private:
   static constexpr unsigned steps = 32;  ///< an octave
-  static constexpr std::size_t bins = steps * 60;
+  static constexpr std::size_t bins = std::size_t{steps} * 60;
   static std::size_t bin_of(std::uint64_t ns);
   static std::uint64_t end_of(std::size_t bin);
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/report/gnuplot.hpp"
+
+namespace tactile::test {
+
+/// Draws it both ways, and gives the SVG; a picture of the right size, or the test fails.
+inline std::string drawn(const Plot& plot) {
+  const TemporaryFolder folder;
+  draw(plot, folder / "figure.png");
+  draw(plot, folder / "figure.svg");
+  EXPECT_EQ(cv::imread((folder / "figure.png").string()).size(), cv::Size(plot.width_px, plot.height_px));
+  return read_text(folder / "figure.svg");
+}
+
+}  // namespace tactile::test
