@@ -42,6 +42,7 @@
 #include "tactile/detect/udp_records.hpp"
 #include "tactile/engine/lenet_engine.hpp"
 #include "tactile/model/classifier.hpp"
+#include "tactile/report/gnuplot.hpp"
 #include "tactile/robot/robot_inputs.hpp"
 
 namespace tactile {
@@ -347,6 +348,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said
   const BitsAskedFor asked = bits_of(args);
+  if (!args.plot.empty()) check_is_picture(args.plot);
   std::optional<NetworkAddress> udp_address;
   if (!args.udp.empty()) {
     try {
@@ -388,6 +390,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
                    .history = summary.rendering.history,
                    .slack = microseconds{args.slack_us},
                    .by_events_alone = plays};
+  const microseconds duration{std::llround(1e6 * args.duration_s)};
+  if (plays && args.duration_s > 0) options.play_for = duration;
   TickDetector tick_detector(sensor, model.input, network_of(args, bundle, model),
                              {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
 
@@ -399,17 +403,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   TickLog log(waiting_ticks, plays);
   TickReader reader(args, line, !common.json, summary);
   std::atomic<bool> is_over{false}, stops{false};
-  const microseconds duration{std::llround(1e6 * args.duration_s)};
-  std::optional<CameraTime> first_tick;
   const auto tell = [&](const ToldTick& tick) {
-    if (is_over) return;
-    if (plays && args.duration_s > 0) {
-      if (!first_tick) first_tick = tick.verdict.t;
-      if (between(*first_tick, tick.verdict.t) >= duration) {
-        is_over = true;
-        return;
-      }
-    }
     if (udp) udp->send(tick);
     if (robot) robot->tell(tick);
     log.add(tick);
@@ -494,8 +488,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   line.clear();
 
   const std::string gone = feed.error();
-  const bool by_duration = plays && args.duration_s > 0 && summary.first_tick && first_tick && !was_interrupted && gone.empty() &&
-                           summary.last_tick && between(*first_tick, *summary.last_tick) + options.clock.tick >= duration;
+  const bool by_duration = plays && args.duration_s > 0 && summary.first_tick && !was_interrupted && gone.empty() &&
+                           summary.last_tick && between(*summary.first_tick, *summary.last_tick) + options.clock.tick >= duration;
   if (was_interrupted) summary.ended = "interrupted";
   if (by_duration) summary.ended = "duration";
   if (summary.ended.empty()) summary.ended = gone.empty() ? "source ended" : gone;
@@ -580,7 +574,7 @@ void add_detect_command(CLI::App& app) {
       ->check(in_range(0.0, 1e6))
       ->excludes(latch)
       ->capture_default_str();
-  command->add_option("--udp", args->udp, "Send a record each tick")->type_name("HOST:PORT");
+  command->add_option("--udp", args->udp, "Send a record each tick to HOST:PORT")->type_name("ADDRESS");
   command->add_option("--ticks", args->ticks, "Write every tick to this CSV")->type_name("FILE.csv");
   command->add_option("--plot", args->plot, "Draw probabilities over time beside events and truth")
       ->type_name("FILE.png|FILE.svg");

@@ -257,6 +257,12 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
           spdlog::info("{}", step);
         }
       });
+  if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
+    spdlog::warn(
+        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and call "
+        "this again on a quiet one",
+        busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
+  }
   nlohmann::json result = summary.trade;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;

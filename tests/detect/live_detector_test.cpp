@@ -32,13 +32,14 @@ struct Live {
   int forgotten = 0;
   LiveDetector detector;
 
-  explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {})
+  explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {},
+                microseconds play_for = microseconds::max())
       : detector(
             {sensor,
              input,
              slip_where_anything_is,
              {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
-            {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}},
+            {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
             [this](const ToldTick& tick) { told.push_back(tick); },
             [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
 
@@ -88,6 +89,46 @@ TEST(LiveDetector, GoesOnInSilenceUntilNothingIsLeftInTheHistory) {
   live.detector.look_for_silence(host_time(base + 3'100'000));
   ASSERT_EQ(live.faults.size(), 1U) << "said once";
   EXPECT_EQ(live.faults[0].kind, "silence");
+}
+
+TEST(LiveDetector, SaysWhereManyEventsComeTooLate) {
+  Live live;
+  for (std::int64_t t = 0; t <= 3'000'000; t += 500) {
+    live.take({t}, base + t);
+    live.tell_all(base + t);
+    // Each tenth packet is 5 ms late, behind its tick.
+    if (t % 5'000 == 0 && t > 20'000) live.take({t - 5'000, t}, base + t), live.tell_all(base + t);
+  }
+  const auto count = std::count_if(live.faults.begin(), live.faults.end(),
+                                   [](const DetectionFault& fault) { return fault.kind == "late events"; });
+  ASSERT_EQ(count, 1) << "in three seconds";
+  EXPECT_NE(live.faults.back().text.find("--slack-us"), std::string::npos) << live.faults.back().text;
+  EXPECT_TRUE(live.told.back().incomplete);
+}
+
+TEST(LiveDetector, SaysNothingOfAFewLateEvents) {
+  Live live;
+  for (std::int64_t t = 0; t <= 3'000'000; t += 500) {
+    live.take({t}, base + t);
+    live.tell_all(base + t);
+    if (t % 500'000 == 0 && t > 20'000) live.take({t - 5'000, t}, base + t), live.tell_all(base + t);
+  }
+  EXPECT_GT(live.detector.counts().late_events, 3U);
+  for (const DetectionFault& fault : live.faults) EXPECT_EQ(fault.kind, "long packets") << fault.text;
+  EXPECT_FALSE(live.told.at(5).incomplete) << "none was late yet";
+}
+
+TEST(LiveDetector, EndsWhereWhatIsPlayedHasLastedLongEnough) {
+  Live live(true, {}, {}, 20ms);
+  std::vector<std::int64_t> times;
+  for (std::int64_t t = 0; t <= 100'000; t += 500) times.push_back(t);
+  live.take(times, base);
+  ASSERT_EQ(live.told.size(), 10U) << "at 10 to 28 ms";
+  EXPECT_TRUE(live.detector.has_played_all());
+  EXPECT_EQ(live.detector.deadlines().counts().told, 10U) << "none is counted that is not told";
+  live.take({200'000}, base);
+  live.tell_all(base);
+  EXPECT_EQ(live.told.size(), 10U);
 }
 
 TEST(LiveDetector, CountsEventsThatComeTooLateAndLeavesThemOut) {

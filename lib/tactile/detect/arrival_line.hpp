@@ -36,8 +36,8 @@ class ArrivalLine {
   static constexpr std::size_t most_points = 100;
   /// The arrival with the least delay of a tenth of a second.
   struct Point {
-    std::int64_t period;  ///< tenths of a second since the first arrival
-    double camera, delay; ///< [us] since the first; delay against it
+    std::int64_t period;   ///< tenths of a second since the first arrival
+    double camera, delay;  ///< [us] since the first; delay against it
   };
   void fit();
 

@@ -64,9 +64,9 @@ void to_json(nlohmann::json& json, const DurationHistogram& histogram) {
     return;
   }
   const auto us = [](nanoseconds ns) { return 1e-3 * static_cast<double>(ns.count()); };
-  json = {{"p50", us(histogram.percentile(0.5))},    {"p99", us(histogram.percentile(0.99))},
-          {"p999", us(histogram.percentile(0.999))}, {"max", us(histogram.max())},
-          {"mean", histogram.mean_us()},             {"count", histogram.count()}};
+  json = {
+      {"p50", us(histogram.percentile(0.5))}, {"p99", us(histogram.percentile(0.99))}, {"p999", us(histogram.percentile(0.999))},
+      {"max", us(histogram.max())},           {"mean", histogram.mean_us()},           {"count", histogram.count()}};
 }
 
 double DeadlineMonitor::Counts::missed_share() const {

@@ -14,6 +14,7 @@ using std::chrono::nanoseconds;
 
 constexpr std::size_t chunk = 8192;  // events of what is played, counted ahead of their tick at the most
 constexpr microseconds longest_wait{20'000};
+constexpr microseconds late_window{1'000'000}, between_tellings_of_late{10'000'000};
 constexpr std::size_t few_events = 128;  // counted in some microseconds
 
 double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
@@ -59,12 +60,17 @@ void LiveDetector::take(const QueuedPacket& packet) {
 }
 
 void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
-  for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
+  for (; !events.empty() && !over_; events = events.subspan(std::min(chunk, events.size()))) {
     const std::span<const Event> part = events.first(std::min(chunk, events.size()));
     detector_.add(part);
     counts_.events += part.size();
     clock_.arrived(part.front().t, part.back().t, at);
-    while (const auto due = clock_.next(at)) tell(*due, at);
+    while (const auto due = clock_.next(at)) {
+      if (!first_played_) first_played_ = due->t;
+      over_ = between(*first_played_, due->t) >= options_.play_for;
+      if (over_) return;
+      tell(*due, at);
+    }
   }
 }
 
@@ -88,6 +94,7 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   }
   const std::size_t late = clock_.too_late(events);
   counts_.late_events += late;
+  note_late(events, late, at);
   const std::span<const Event> in_time = events.subspan(late);
   if (in_time.empty()) {
     if (!late_since_) late_since_ = at;
@@ -99,10 +106,30 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
     return;
   }
   late_since_.reset();
-  if (std::exchange(lost_pending_, false)) hole_until_ = in_time.front().t;
+  if (std::exchange(lost_pending_, false)) hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), in_time.front().t);
   detector_.add(in_time);
   counts_.events += in_time.size();
   clock_.arrived(first, last, at);
+}
+
+/// A few that are late tell nothing; a share that matters is told of, at most every ten seconds.
+void LiveDetector::note_late(std::span<const Event> events, std::size_t late, HostTime at) {
+  if (late > 0) hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), after(events[late - 1].t, 1us));
+  if (late_window_ == HostTime{}) late_window_ = at;
+  window_events_ += events.size();
+  window_late_ += late;
+  if (at - late_window_ < late_window) return;
+  if (100 * window_late_ > window_events_ && (!told_of_late_ || at - *told_of_late_ >= between_tellings_of_late)) {
+    told_of_late_ = at;
+    fault_(
+        {"late events",
+         fmt::format("{} of {} events within {:.1f} s came when their tick had been told, and are left out: verdicts lack them; "
+                     "expected a source that sends in time, or a slack of more than {:.1f} ms (--slack-us)",
+                     window_late_, window_events_, seconds_of(at - late_window_), 1e3 * seconds_of(options_.clock.slack)),
+         at});
+  }
+  late_window_ = at;
+  window_events_ = window_late_ = 0;
 }
 
 void LiveDetector::note_lost(std::uint64_t events_so_far) {
@@ -115,6 +142,7 @@ void LiveDetector::note_lost(std::uint64_t events_so_far) {
 }
 
 bool LiveDetector::tell_due(HostTime now) {
+  if (over_) return false;
   std::optional<DueTick> due = clock_.next(now);
   if (!due) return false;
   if (!plays() && now - due->closed > options_.clock.tick) {
@@ -171,7 +199,7 @@ bool LiveDetector::awaits(std::span<const Event> events) const {
 
 void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far) {
   PacketQueue::Packet packet;
-  for (bool open = true; open && !stop();) {
+  for (bool open = true; open && !stop() && !over_;) {
     // An earlier one only wakes this too often. A stream that begins anew says so by an empty packet, which is always awaited.
     awaited_.store(plays() ? CameraTime::min() : clock_.next_tick().value_or(CameraTime::min()), std::memory_order_relaxed);
     const HostTime waited_from = host_now();

@@ -15,7 +15,8 @@ namespace tactile {
 
 /// What went wrong on the way of the events or the verdicts, and what was done.
 struct DetectionFault {
-  std::string kind;  ///< "closed", "broken", "back", "jump", "silence", "late", "long packets", "lost", "robot", "recording"
+  std::string kind;  ///< "closed", "broken", "back", "jump", "silence", "late", "late events", "long packets", "lost", "robot",
+                     ///< "recording"
   std::string text;  ///< a sentence
   HostTime at{};
 };
@@ -36,7 +37,9 @@ struct LiveDetectorOptions {
   TickClockOptions clock;  ///< `by_events_alone`: every tick is told, none skipped, however late; of what is played at any pace
   microseconds silence{2'000'000};  ///< after it, that nothing comes is said
   microseconds jump{1'000'000};     ///< the camera's time is so far ahead of the host's: it jumped
-  microseconds late_for{500'000};   ///< all events have come too late for so long: the stream is another one
+  /// Of what is played: no tick is told that comes so long after the first one.
+  microseconds play_for = microseconds::max();
+  microseconds late_for{500'000};  ///< all events have come too late for so long: the stream is another one
 };
 
 struct LiveCounts {
@@ -77,11 +80,14 @@ class LiveDetector {
   /// Takes packets until the queue is closed and empty, or `stop` says so, by the host's clock.
   void run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far);
 
+  bool has_played_all() const { return over_; }  ///< ticks lie beyond `play_for`
+
   const LiveCounts& counts() const { return counts_; }
   const DeadlineMonitor& deadlines() const { return deadlines_; }
   const TickClock& clock() const { return clock_; }
 
  private:
+  void note_late(std::span<const Event> events, std::size_t late, HostTime at);
   bool plays() const { return options_.clock.by_events_alone; }
   void begin_anew(const char* kind, const std::string& text, HostTime at);
   void take_played(std::span<const Event> events, HostTime at);
@@ -101,6 +107,11 @@ class LiveDetector {
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
+  std::optional<CameraTime> first_played_;
+  bool over_ = false;
+  HostTime late_window_{};  ///< since when the next two are counted
+  std::uint64_t window_events_ = 0, window_late_ = 0;
+  std::optional<HostTime> told_of_late_;
   bool is_silent_ = false, told_of_long_packets_ = false, lost_pending_ = false;
 };
 

@@ -16,8 +16,8 @@ struct RobotBitRule {
 
 /// When a bit that is high falls again.
 struct BitClearing {
-  bool never = false;       ///< not before the end
-  microseconds hold{0};     ///< so long, in camera time, after the last tick that raised it; >= 0
+  bool never = false;    ///< not before the end
+  microseconds hold{0};  ///< so long, in camera time, after the last tick that raised it; >= 0
 };
 
 /// Bits for a robot from verdicts, tick by tick: high from the first tick that says what a bit stands for.

@@ -19,11 +19,11 @@ using ClassifyHeatmap = std::function<Logits(std::span<const std::uint8_t> heatm
 /// What is said at one tick.
 struct TickVerdict {
   CameraTime t{};
-  std::uint64_t events = 0;               ///< in [t_c - t_h, t_c)
-  Probabilities probabilities{1, 0, 0};   ///< of none, press, slip; as here where the gate spared the network
-  Touch said = Touch::none;               ///< by gate or network, at this tick
-  Touch verdict = Touch::none;            ///< said, confirmed
-  bool gated = false;                     ///< fewer events than the gate's limit: none, without rendering or network
+  std::uint64_t events = 0;              ///< in [t_c - t_h, t_c)
+  Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; as here where the gate spared the network
+  Touch said = Touch::none;              ///< by gate or network, at this tick
+  Touch verdict = Touch::none;           ///< said, confirmed
+  bool gated = false;                    ///< fewer events than the gate's limit: none, without rendering or network
 };
 
 /// What one tick took.

@@ -239,6 +239,8 @@ std::string plot_text(std::string_view text) {
   return quoted + "'";
 }
 
+void check_is_picture(const std::filesystem::path& file) { terminal_for(file); }
+
 void draw(const Plot& plot, const std::filesystem::path& file) {
   check(plot);
   std::string script = fmt::format("set encoding utf8\nset minussign\nset terminal {} size {},{} font 'DejaVu Sans,10'\n",

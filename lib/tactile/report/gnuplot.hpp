@@ -27,6 +27,9 @@ struct Plot {
 /// one, control characters become blanks, bytes that are no UTF-8 question marks.
 std::string plot_text(std::string_view text);
 
+/// For those who draw at the end of something long. @throws Error  if `draw` knows no picture of this extension
+void check_is_picture(const std::filesystem::path& file);
+
 /// Draws the figure as PNG or SVG, as the file's extension says, whole or not at all; the same figure gives the same bytes. Runs
 /// the system's gnuplot, which reads script and numbers from memory and answers through a pipe: no shell, no other files, no
 /// settings of the user.

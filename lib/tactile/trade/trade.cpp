@@ -623,6 +623,15 @@ class Trade {
     return entry;
   }
 
+  /// Of how many settings the time that 99 of 100 ticks do not exceed is uncertain by more than a factor of four: the longest
+  /// heatmap of a run takes some twice as long as its usual one, all else is what the machine did meanwhile.
+  std::size_t settings_on_a_busy_machine() const {
+    return static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), [](const TradePoint& point) {
+      const auto is_uncertain = [](const Figure& us) { return us.low && us.high && *us.high > 4 * *us.low; };
+      return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
+    }));
+  }
+
   json levels_json() const {
     json levels = json::object();
     for (const TradeFactor& factor : factors_of(options_.levels)) {
@@ -673,6 +682,7 @@ class Trade {
           {"choice", names_of(*dataset_, all.first(choice_count_))},
           {"reported", names_of(*dataset_, all.subspan(choice_count_))}}},
         {"usual", id_of(options_.usual)},
+        {"busy", settings_on_a_busy_machine()},
         {"points", json::array()},
         {"left_out", json::array()},
         {"not_measured", json::array()},
