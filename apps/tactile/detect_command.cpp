@@ -453,7 +453,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     if (real_time) hurry(detector_priority);
     try {
       detector->run(
-          queue, [&] { return stops || is_over; }, [&feed] { return feed.lost_events(); });
+          queue, [&] { return stops.load(); }, [&feed] { return feed.lost_events(); });
     } catch (...) {
       failure = std::current_exception();
     }

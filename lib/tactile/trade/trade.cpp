@@ -404,6 +404,9 @@ class Trade {
   }
 
   void judge() {
+    std::vector<std::vector<TradedRun>> usual{{}};  // by its first seeds
+    for (std::size_t seeds = 1; seeds <= points_.front().networks.size(); ++seeds)
+      usual.push_back(outcomes_of(points_.front(), seeds));
     parallel_for(points_.size(), threads_, [&](std::size_t i) {
       TradePoint& point = points_[i];
       const std::vector<TradedRun> outcomes = outcomes_of(point, point.networks.size());
@@ -415,8 +418,8 @@ class Trade {
       if (i == 0) return;
       // With as many seeds of each, so that the runs are paired.
       const std::size_t seeds = std::min(point.networks.size(), points_.front().networks.size());
-      const std::vector<TradedRun> usual = outcomes_of(points_.front(), seeds), same = outcomes_of(point, seeds);
-      point.difference = difference_of(std::span(usual).subspan(choice_count_), std::span(same).subspan(choice_count_));
+      const std::vector<TradedRun> same = seeds < point.networks.size() ? outcomes_of(point, seeds) : outcomes;
+      point.difference = difference_of(std::span(usual[seeds]).subspan(choice_count_), std::span(same).subspan(choice_count_));
     });
     find_fronts();
   }
@@ -534,15 +537,13 @@ class Trade {
   }
 
   static std::string whole_text(const TradeSetting& setting) {
-    TradeSetting same_rendering = setting;
-    same_rendering.rendering.history = same_rendering.rendering.tick = microseconds{0};
-    same_rendering.rendering.factor = 0;
-    TradeSetting other;
-    other.rendering.history = other.rendering.tick = microseconds{0};
-    other.rendering.factor = 0;
+    TradeSetting named;
+    named.rendering.history = setting.rendering.history;
+    named.rendering.tick = setting.rendering.tick;
+    named.rendering.factor = setting.rendering.factor;
     return fmt::format("t_h {:g} ms, tick {:g} ms, factor {:g}{}", in_ms(setting.rendering.history),
                        in_ms(setting.rendering.tick), setting.rendering.factor,
-                       same_rendering == other ? "" : ", " + text_of(same_rendering, other));
+                       setting == named ? "" : ", " + text_of(setting, named));
   }
 
   /// The first seed's network on the reported runs: nothing of what was kept is used.
