@@ -54,7 +54,7 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets ahead of the detector
 constexpr std::size_t waiting_ticks = 16'384;                 // told, and not yet shown or written
 constexpr std::size_t drawn_ticks = 2'000'000;                // more than an hour
-constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
+constexpr int detector_priority = 20, feed_priority = 20, robot_priority = 22;
 
 struct DetectArguments {
   std::string model, models = "models";
@@ -71,7 +71,7 @@ struct DetectArguments {
   std::string ticks, plot, udp, robot;
   std::optional<int> bit, press_bit, slip_bit;
   double clear_ms = 0;
-  bool latch = false, no_real_time = false;
+  bool latch = false, no_real_time = false, no_rehearsal = false, awake = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
 };
@@ -380,6 +380,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   summary.plays = plays;
   const CameraSourceOptions source_options{
       .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
+  ClassifyHeatmap network = network_of(args, bundle, model);  // before there are events, which would wait for it
   std::unique_ptr<CameraSource> source = open_camera_source(args.from, source_options);
   if (const std::string remark = source->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", args.from, remark));
   summary.simulated = source->simulated();
@@ -392,7 +393,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
                    .by_events_alone = plays};
   const microseconds duration{std::llround(1e6 * args.duration_s)};
   if (plays && args.duration_s > 0) options.play_for = duration;
-  TickDetector tick_detector(sensor, model.input, network_of(args, bundle, model),
+  options.rehearses = !args.no_rehearsal;
+  TickDetector tick_detector(sensor, model.input, std::move(network),
                              {.rendering = summary.rendering, .confirmation = summary.confirmation, .gate = summary.gate});
 
   std::unique_ptr<UdpRecords> udp;
@@ -442,7 +444,10 @@ void detect(DetectArguments args, const CommonArguments& common) {
     feed_options.prepare = [&hurry] { hurry(feed_priority); };
     if (const std::string why = lock_memory(); !why.empty()) refused.push_back(why);
   }
-  summary.asked_for_real_time = real_time;
+  std::optional<AwakeProcessors> awake;
+  if (args.awake) awake.emplace();
+  if (awake && !awake->refused().empty()) refused.push_back(awake->refused());
+  summary.asked_for_real_time = real_time || args.awake;
   EventFeed feed(std::move(source), queue, std::move(feed_options));
 
   const HostTime begun = host_now();
@@ -590,6 +595,12 @@ void add_detect_command(CLI::App& app) {
   command->add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000")->type_name("MODE");
   command->add_flag("--no-real-time", args->no_real_time,
                     "Neither go ahead of other threads nor lock memory, as is done with live sources where it is permitted");
+  command->add_flag(
+      "--no-rehearsal", args->no_rehearsal,
+      "Do not run the network once ahead of each tick, as is done with live sources to have its weights in the cache: "
+      "takes less of the core, and verdicts come later");
+  command->add_flag("--awake", args->awake,
+                    "Keep processors from sleeping where it is permitted: verdicts come sooner, at the cost of power");
 }
 
 }  // namespace tactile

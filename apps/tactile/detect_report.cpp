@@ -88,6 +88,7 @@ std::string text_of(const DetectSummary& summary) {
                                             counted(summary.robot->state.reconnects, "reconnect")));
   }
   if (summary.udp) lines.emplace_back("udp", fmt::format("{} sent, {} failed", (*summary.udp)[0], (*summary.udp)[1]));
+  if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "tick"));
   const double elapsed = seconds_of(summary.elapsed);
   lines.emplace_back("lasted", fmt::format("{}, {:.1f} % of one core", duration_text(summary.elapsed),
                                            elapsed > 0 ? 100 * summary.cpu_s / elapsed : 0));
@@ -129,6 +130,7 @@ nlohmann::json json_of(const DetectSummary& summary) {
         {"by_events", ticks.told - summary.counts.by_host},
         {"by_host", summary.counts.by_host},
         {"incomplete", summary.counts.incomplete},
+        {"rehearsed", summary.counts.rehearsals},
         {"first_us", us_or_null(summary.first_tick)},
         {"last_us", us_or_null(summary.last_tick)}}},
       {"events",

@@ -347,6 +347,114 @@ TEST(LiveDetector, IsWokenOnlyByWhatClosesATickOrIsMuchToCount) {
   EXPECT_EQ(live.told[0].verdict.events, 2U);
 }
 
+TEST(LiveDetector, RunsTheNetworkAheadOfEachTickAndSaysTheSame) {
+  struct Rehearsing {
+    int asked = 0;
+    std::vector<ToldTick> told;
+    LiveDetector detector;
+
+    explicit Rehearsing(bool rehearses, std::optional<std::uint64_t> gate = {})
+        : detector(
+              {sensor,
+               input,
+               [this](std::span<const std::uint8_t> heatmap) {
+                 ++asked;
+                 std::this_thread::sleep_for(100us);  // so long that there is a time ahead of the next tick
+                 return slip_where_anything_is(heatmap);
+               },
+               {.rendering = {.history = 10ms, .tick = 10ms}, .gate = gate}},
+              {.clock = {.tick = 10ms, .history = 10ms, .slack = 2ms}, .rehearses = rehearses},
+              [this](const ToldTick& tick) { told.push_back(tick); }, [](const DetectionFault&) {}) {}
+    void take(std::int64_t t) {
+      QueuedPacket packet{.arrived = host_time(base + t), .elements = {}};
+      Event event;
+      event.t = camera_time(t);
+      packet.elements.events = {event};
+      detector.take(packet);
+    }
+  };
+  Rehearsing with(true), without(false), gated(true, 100);
+  for (Rehearsing* each : {&with, &without, &gated}) {
+    for (std::int64_t t = 0; t <= 100'000; t += 1'000) {
+      each->take(t);
+      const HostTime now = host_time(base + t);
+      if (!each->detector.tell_due(now)) each->detector.rehearse(now);
+      // As `run` does: it looks when it said that it would, and does not when it is too late.
+      const HostTime wakes = each->detector.wakes_at(now);
+      if (wakes < host_time(base + t + 1'000)) each->detector.rehearse(wakes);
+      each->detector.rehearse(host_time(base + t + 999));
+    }
+    ASSERT_EQ(each->told.size(), 10U) << "at 10 to 100 ms";
+  }
+  EXPECT_EQ(with.detector.counts().rehearsals, 9U) << "once ahead of each but the first";
+  EXPECT_EQ(with.asked, 19);
+  EXPECT_EQ(without.detector.counts().rehearsals, 0U);
+  EXPECT_EQ(without.asked, 10);
+  EXPECT_EQ(gated.asked, 0) << "what the gate spares is not rehearsed";
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(with.told[i].verdict.t, without.told[i].verdict.t);
+    EXPECT_EQ(with.told[i].verdict.events, without.told[i].verdict.events);
+    EXPECT_EQ(with.told[i].verdict.said, without.told[i].verdict.said);
+  }
+}
+
+TEST(LiveDetector, DoesNotRehearseWhenTheNextTickIsNear) {
+  int asked = 0;
+  LiveDetector detector(
+      {sensor,
+       input,
+       [&asked](std::span<const std::uint8_t> heatmap) {
+         ++asked;
+         return slip_where_anything_is(heatmap);
+       },
+       {.rendering = {.history = 10ms, .tick = 10ms}}},
+      {.clock = {.tick = 10ms, .history = 10ms, .slack = 2ms}, .rehearses = true}, [](const ToldTick&) {},
+      [](const DetectionFault&) {});
+  Event first, last;
+  first.t = camera_time(0), last.t = camera_time(10'000);
+  QueuedPacket packet{.arrived = host_time(base), .elements = {}};
+  packet.elements.events = {first, last};
+  detector.take(packet);
+  ASSERT_TRUE(detector.tell_due(host_time(base)));
+  EXPECT_EQ(asked, 1);
+  detector.rehearse(host_time(base + 10'000));  // when the next packet is due
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(detector.counts().rehearsals, 0U);
+}
+
+TEST(TickDetector, SaysTheSameWhatEverWasCountedAhead) {
+  const TickDetectorOptions options{.rendering = {.history = 10ms, .tick = 2ms}};
+  std::vector<std::vector<std::uint8_t>> heatmaps[2];
+  for (const int ahead : {0, 1}) {
+    auto& seen = heatmaps[ahead];
+    TickDetector detector(
+        sensor, input,
+        [&seen](std::span<const std::uint8_t> heatmap) {
+          seen.emplace_back(heatmap.begin(), heatmap.end());
+          return Logits{};
+        },
+        options);
+    std::uint32_t random = 1;
+    for (std::int64_t tick = 2'000; tick <= 100'000; tick += 2'000) {
+      for (std::int64_t packet = tick - 2'000; packet < tick; packet += 250) {
+        std::vector<Event> events(7);
+        for (Event& event : events) {
+          random = random * 1'664'525 + 1'013'904'223;
+          event.t = camera_time(packet);
+          event.x = static_cast<std::int16_t>(random >> 16U & 15U);
+          event.y = static_cast<std::int16_t>(random >> 24U & 15U);
+        }
+        detector.add(events);
+        if (ahead == 1 && random % 3 != 0) detector.count_ahead(camera_time(tick));
+      }
+      TickCost cost;
+      EXPECT_EQ(detector.verdict_at(camera_time(tick), 0, cost).events,
+                7U * 8U * std::min<std::uint64_t>(5, static_cast<std::uint64_t>(tick) / 2'000));
+    }
+  }
+  EXPECT_EQ(heatmaps[0], heatmaps[1]);
+}
+
 TEST(LiveDetector, RefusesAModelOfAnotherSize) {
   EXPECT_THROW(TickDetector(sensor, {12, 10}, slip_where_anything_is, {.rendering = {.history = 10ms, .tick = 2ms}}),
                std::exception);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "tactile/core/host_clock.hpp"
@@ -35,7 +36,7 @@ void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTim
   detector_.restart();
   clock_.restart();
   ++counts_.beginnings;
-  last_arrival_.reset(), late_since_.reset(), hole_until_.reset();
+  last_arrival_.reset(), late_since_.reset(), hole_until_.reset(), rehearsal_.reset();
   is_silent_ = lost_pending_ = false;
   if (forget_) forget_();
   if (!text.empty()) fault_({kind, text, at});
@@ -110,6 +111,8 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   detector_.add(in_time);
   counts_.events += in_time.size();
   clock_.arrived(first, last, at);
+  const auto next = clock_.next_tick();
+  if (next && last < *next) detector_.count_ahead(*next);  // while there is time: once it closes, a robot waits
 }
 
 /// A few that are late tell nothing; a share that matters is told of, at most every ten seconds.
@@ -176,11 +179,23 @@ void LiveDetector::tell(const DueTick& due, HostTime now) {
   times.output = Clock::now() - said;
   deadlines_.add(times, due.skipped);
   clock_.told(due);
+  rehearsal_.reset();
+  if (!options_.rehearses || plays() || !due.by_events || told.verdict.gated) return;
+  const auto taken = std::chrono::duration_cast<microseconds>(cost.rendering + cost.network);
+  const HostTime expected = due.closed + options_.clock.tick;
+  rehearsal_ = {.from = expected - 4 * taken, .to = expected - 3 * taken / 2};
+}
+
+void LiveDetector::rehearse(HostTime now) {
+  if (!rehearsal_ || now < rehearsal_->from) return;
+  if (now < rehearsal_->to && detector_.rehearse()) ++counts_.rehearsals;
+  rehearsal_.reset();
 }
 
 HostTime LiveDetector::wakes_at(HostTime now) const {
   if (clock_.next(now)) return now;
-  const HostTime latest = now + longest_wait;
+  HostTime latest = now + longest_wait;
+  if (rehearsal_ && rehearsal_->from > now) latest = std::min(latest, rehearsal_->from);
   return std::min(latest, clock_.next_by_host().value_or(latest));
 }
 
@@ -212,7 +227,11 @@ void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, co
       if (host_now() - begun < options_.clock.tick) queue.pop(packet, microseconds{0});  // all that waits, but not for ever
     }
     const HostTime now = host_now();
-    tell_due(now);
+    if (tell_due(now)) {
+      std::this_thread::yield();  // to who receives, on the same core
+    } else {
+      rehearse(now);
+    }
     look_for_silence(now);
   }
   while (!stop() && tell_due(host_now())) {

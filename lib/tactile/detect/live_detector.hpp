@@ -40,6 +40,9 @@ struct LiveDetectorOptions {
   /// Of what is played: no tick is told that comes so long after the first one.
   microseconds play_for = microseconds::max();
   microseconds late_for{500'000};  ///< all events have come too late for so long: the stream is another one
+  /// Ahead of each tick that the gate will not spare, the network is run once for nothing: after a sleep its weights are no
+  /// longer in the cache, and reading them is a third of its time.
+  bool rehearses = false;
 };
 
 struct LiveCounts {
@@ -48,6 +51,7 @@ struct LiveCounts {
   std::uint64_t lost_events = 0;                         ///< for which there was no room ahead of the detector
   std::uint64_t packets = 0;                             ///< with events
   std::uint64_t gated = 0, by_host = 0, incomplete = 0;  ///< ticks told
+  std::uint64_t rehearsals = 0;
   std::uint32_t beginnings = 0;
 };
 
@@ -70,6 +74,7 @@ class LiveDetector {
   bool tell_due(HostTime now);            ///< the next tick that is due, or the newest; false if none is
   HostTime wakes_at(HostTime now) const;  ///< when there is something to do if nothing comes
   void look_for_silence(HostTime now);
+  void rehearse(HostTime now);                  ///< if it is time, and enough is left until the next tick closes
   void note_lost(std::uint64_t events_so_far);  ///< what the queue had no room for, all in all
 
   /// Whether `run` has something to do once a packet is there: it closes a tick, or counting it all at the tick's end would take
@@ -107,6 +112,11 @@ class LiveDetector {
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
+  /// When to rehearse: the packet that closes the next tick comes a tick after the one that closed the last.
+  struct Rehearsal {
+    HostTime from{}, to{};
+  };
+  std::optional<Rehearsal> rehearsal_;  ///< not yet over
   std::optional<CameraTime> first_played_;
   bool over_ = false;
   HostTime late_window_{};  ///< since when the next two are counted

@@ -1,5 +1,6 @@
 #include "tactile/detect/real_time.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 
 namespace tactile {
@@ -29,6 +31,13 @@ std::string lock_memory() {
     return "memory may be locked in part only; it takes CAP_IPC_LOCK, or memlock unlimited in limits.conf";
   if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   return std::string("memory cannot be locked (") + std::strerror(errno) + "); it takes CAP_IPC_LOCK, or memlock in limits.conf";
+}
+
+AwakeProcessors::AwakeProcessors() : latency_(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)) {
+  const std::int32_t longest_us = 0;
+  if (latency_.is_open() && ::write(latency_.number(), &longest_us, sizeof longest_us) == sizeof longest_us) return;
+  refused_ = std::string("processors may sleep (/dev/cpu_dma_latency: ") + std::strerror(errno) + "); it takes leave to write it";
+  latency_.reset();
 }
 
 }  // namespace tactile

@@ -40,6 +40,13 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
   return verdict;
 }
 
+bool TickDetector::rehearse() {
+  if (options_.gate && renderer_.events() < *options_.gate) return false;
+  renderer_.render(std::span(heatmap_));
+  classify_(heatmap_);
+  return true;
+}
+
 void TickDetector::restart() {
   renderer_ = HeatmapRenderer(sensor_, options_.rendering);
   confirmation_.restart();

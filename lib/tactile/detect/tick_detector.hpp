@@ -48,6 +48,14 @@ class TickDetector {
 
   void add(std::span<const Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
 
+  /// Counts what is here of the history that ends at `t`, and forgets what lies before it, ahead of the verdict at `t` or a later
+  /// tick, which then has the less to do. It changes no verdict.
+  void count_ahead(CameraTime t) { renderer_.move_to(t); }
+
+  /// Renders what is counted and asks the network about it, for nothing but that weights and code are in the cache when a verdict
+  /// is wanted. It changes no verdict. @return  false where the gate would spare the network
+  bool rehearse();
+
   /// The verdict at the tick `t`, which lies behind the last one. Ticks that were skipped in between count as none.
   TickVerdict verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost);
 
