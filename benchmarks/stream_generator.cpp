@@ -1,10 +1,10 @@
 // A camera that never tires: serves the events of a recording as a DV stream over loopback, so many a second, whoever reads them.
 //
-//   stream_generator RECORDING MILLION_EVENTS_PER_S SECONDS
+//   stream_generator RECORDING MILLION_EVENTS_PER_S SECONDS [PACKET_MS]
 //
-// Prints the port it listens on; sends packets of 1 ms to the first client, uncompressed, each when it is due; ends with one line
-// of JSON: what was sent, and how late the latest packet left. A client that does not keep up makes it late, for nothing is
-// dropped here.
+// Prints the port it listens on; sends packets of so many whole ms [1] to the first client, uncompressed, each when it is due;
+// ends with one line of JSON: what was sent, and how late the latest packet left. A client that does not keep up makes it late,
+// for nothing is dropped here.
 
 #include <arpa/inet.h>
 #include <fmt/core.h>
@@ -78,10 +78,10 @@ std::vector<Event> events_of(const std::string& file, std::size_t wanted) {
   return all;
 }
 
-void serve(const std::string& file, double million_per_s, int seconds) {
+void serve(const std::string& file, double million_per_s, int seconds, int packet_ms) {
   RecordingReader recording(file);
   Stream stream = event_stream_declaration(event_stream(recording).size.value_or(SensorSize{640, 480}), "DVXplorer_BENCH000");
-  const auto in_packet = static_cast<std::size_t>(1000 * million_per_s);
+  const auto in_packet = static_cast<std::size_t>(1000 * packet_ms * million_per_s);
   const std::vector<Event> events = events_of(file, std::max(in_packet, std::size_t{1} << 21));
   const std::size_t packet_header = 8, head = packet_header + event_packet_head;
   std::vector<std::byte> packet(head + in_packet * sizeof(Event));
@@ -98,16 +98,17 @@ void serve(const std::string& file, double million_per_s, int seconds) {
   Clock::duration latest{};
   std::uint64_t sent = 0;
   std::size_t next = 0;
-  for (int i = 0; i < 1000 * seconds && there; ++i) {
+  for (int i = 0; i < 1000 * seconds / packet_ms && there; ++i) {
     if (next + in_packet > events.size()) next = 0;
     auto* place = packet.data() + head;
-    for (std::size_t k = 0; k < in_packet; ++k) {  // five read-outs of 200 us
+    for (std::size_t k = 0; k < in_packet; ++k) {  // read-outs of 200 us, five a ms
       Event event = events[next + k];
-      event.t = camera_time(begin_us + 1000 * std::int64_t{i} + 200 * static_cast<std::int64_t>(5 * k / in_packet));
+      event.t = camera_time(begin_us + 1000 * std::int64_t{i} * packet_ms +
+                            200 * static_cast<std::int64_t>(5 * static_cast<std::size_t>(packet_ms) * k / in_packet));
       std::memcpy(place + k * sizeof event, &event, sizeof event);
     }
     next += in_packet;
-    const auto due = begin + milliseconds(i);
+    const auto due = begin + milliseconds(i * packet_ms);
     std::this_thread::sleep_until(due);
     there = send_all(client.number(), packet);
     if (there) sent += in_packet;
@@ -123,8 +124,10 @@ void serve(const std::string& file, double million_per_s, int seconds) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc != 4) throw tactile::Error("stream_generator: expected RECORDING MILLION_EVENTS_PER_S SECONDS");
-    tactile::serve(argv[1], std::stod(argv[2]), std::stoi(argv[3]));
+    const int packet_ms = argc == 5 ? std::stoi(argv[4]) : 1;
+    if (argc < 4 || argc > 5 || packet_ms < 1)
+      throw tactile::Error("stream_generator: expected RECORDING MILLION_EVENTS_PER_S SECONDS [PACKET_MS]");
+    tactile::serve(argv[1], std::stod(argv[2]), std::stoi(argv[3]), packet_ms);
     return 0;
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}\n", e.what());
