@@ -54,7 +54,7 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets ahead of the detector
 constexpr std::size_t waiting_ticks = 16'384;                 // told, and not yet shown or written
 constexpr std::size_t drawn_ticks = 2'000'000;                // more than an hour
-constexpr int detector_priority = 20, feed_priority = 20, robot_priority = 22;
+constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
 
 struct DetectArguments {
   std::string model, models = "models";
@@ -380,7 +380,10 @@ void detect(DetectArguments args, const CommonArguments& common) {
   summary.plays = plays;
   const CameraSourceOptions source_options{
       .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
-  ClassifyHeatmap network = network_of(args, bundle, model);  // before there are events, which would wait for it
+  // Before there are events, which would wait for it; and run once, so that its memory is there.
+  ClassifyHeatmap network = network_of(args, bundle, model);
+  const auto cells = static_cast<std::size_t>(model.input.width) * static_cast<std::size_t>(model.input.height);
+  network(std::vector<std::uint8_t>(cells, 255));
   std::unique_ptr<CameraSource> source = open_camera_source(args.from, source_options);
   if (const std::string remark = source->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", args.from, remark));
   summary.simulated = source->simulated();
@@ -445,9 +448,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
     if (const std::string why = lock_memory(); !why.empty()) refused.push_back(why);
   }
   std::optional<AwakeProcessors> awake;
-  if (args.awake) awake.emplace();
-  if (awake && !awake->refused().empty()) refused.push_back(awake->refused());
-  summary.asked_for_real_time = real_time || args.awake;
+  if (args.awake) summary.may_sleep = awake.emplace().refused();
+  summary.asked_for_real_time = real_time;
   EventFeed feed(std::move(source), queue, std::move(feed_options));
 
   const HostTime begun = host_now();

@@ -19,10 +19,14 @@ struct NamedHistogram {
 };
 
 std::vector<NamedHistogram> histograms_of(const DeadlineMonitor& monitor) {
-  return {{"waiting", "waiting for data", &monitor.waiting()}, {"queued", "waiting for us", &monitor.queued()},
-          {"rendering", "rendering", &monitor.rendering()},    {"network", "network", &monitor.network()},
-          {"output", "output", &monitor.output()},             {"work", "rendering, network, output", &monitor.work()},
-          {"answer", "from closed to told", &monitor.answer()}, {"whole", "from the tick's end", &monitor.whole()}};
+  return {{"waiting", "waiting for data", &monitor.waiting()},
+          {"queued", "waiting for us", &monitor.queued()},
+          {"rendering", "rendering", &monitor.rendering()},
+          {"network", "network", &monitor.network()},
+          {"output", "output", &monitor.output()},
+          {"work", "rendering, network, output", &monitor.work()},
+          {"answer", "from closed to told", &monitor.answer()},
+          {"whole", "from the tick's end", &monitor.whole()}};
 }
 
 std::string latency_text(const DetectSummary& summary) {
@@ -64,8 +68,8 @@ std::string text_of(const DetectSummary& summary) {
   }
   lines.emplace_back("verdicts", said);
   if (summary.gate) {
-    lines.emplace_back("gate", fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.told,
-                                           *summary.gate));
+    lines.emplace_back("gate",
+                       fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.told, *summary.gate));
   }
   if (!summary.plays)
     lines.emplace_back("closed", fmt::format("{} by events, {} by the host's time", ticks.told - summary.counts.by_host,
@@ -83,18 +87,20 @@ std::string text_of(const DetectSummary& summary) {
   for (const auto& [kind, count] : summary.faults) faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", count, kind);
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
   if (summary.robot) {
-    lines.emplace_back("robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
-                                            counted(summary.robot->raised, "rise"),
-                                            counted(summary.robot->state.reconnects, "reconnect")));
+    lines.emplace_back(
+        "robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
+                             counted(summary.robot->raised, "rise"), counted(summary.robot->state.reconnects, "reconnect")));
   }
   if (summary.udp) lines.emplace_back("udp", fmt::format("{} sent, {} failed", (*summary.udp)[0], (*summary.udp)[1]));
-  if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "tick"));
+  if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "time"));
   const double elapsed = seconds_of(summary.elapsed);
   lines.emplace_back("lasted", fmt::format("{}, {:.1f} % of one core", duration_text(summary.elapsed),
                                            elapsed > 0 ? 100 * summary.cpu_s / elapsed : 0));
   if (summary.asked_for_real_time)
-    lines.emplace_back("real time", summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
+    lines.emplace_back("real time",
+                       summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
   for (std::size_t i = 1; i < summary.real_time.size(); ++i) lines.emplace_back("", summary.real_time[i]);
+  if (summary.may_sleep) lines.emplace_back("awake", summary.may_sleep->empty() ? "processors do not sleep" : *summary.may_sleep);
   lines.emplace_back("engine", summary.engine + ", " + summary.precision);
   lines.emplace_back("ended", summary.ended);
   std::string text = fmt::format("{}{} as {} sees it\n", summary.source, summary.simulated ? " (simulated)" : "", summary.model) +
@@ -118,7 +124,8 @@ nlohmann::json json_of(const DetectSummary& summary) {
       {"simulated", summary.simulated},
       {"rendering", summary.rendering},
       {"confirm", text_of(summary.confirmation)},
-      {"gate", summary.gate ? nlohmann::json{{"limit_events", *summary.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
+      {"gate",
+       summary.gate ? nlohmann::json{{"limit_events", *summary.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
       {"ended", summary.ended},
       {"elapsed_s", seconds_of(summary.elapsed)},
       {"cpu_s", summary.cpu_s},
@@ -130,7 +137,7 @@ nlohmann::json json_of(const DetectSummary& summary) {
         {"by_events", ticks.told - summary.counts.by_host},
         {"by_host", summary.counts.by_host},
         {"incomplete", summary.counts.incomplete},
-        {"rehearsed", summary.counts.rehearsals},
+        {"rehearsals", summary.counts.rehearsals},
         {"first_us", us_or_null(summary.first_tick)},
         {"last_us", us_or_null(summary.last_tick)}}},
       {"events",
@@ -147,11 +154,13 @@ nlohmann::json json_of(const DetectSummary& summary) {
       {"episodes", {{"press", summary.episodes[1]}, {"slip", summary.episodes[2]}, {"first", nlohmann::json::array()}}},
       {"faults", {{"kinds", summary.faults}, {"first", nlohmann::json::array()}}},
       {"real_time", nullptr},
+      {"awake", nullptr},
       {"robot", nullptr},
       {"udp", nullptr},
       {"recorded", nullptr},
       {"ticks_left_out", summary.ticks_left_out}};
-  for (const Touch touch : all_touches) json["verdicts"][std::string(name_of(touch))] = summary.verdicts[static_cast<std::size_t>(touch)];
+  for (const Touch touch : all_touches)
+    json["verdicts"][std::string(name_of(touch))] = summary.verdicts[static_cast<std::size_t>(touch)];
   for (const ToldEpisode& episode : summary.first_episodes)
     json["episodes"]["first"].push_back(
         {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});
@@ -164,6 +173,7 @@ nlohmann::json json_of(const DetectSummary& summary) {
     json["histogram_us"][named.key] = bins;
   }
   if (summary.asked_for_real_time) json["real_time"] = {{"granted", summary.real_time.empty()}, {"refused", summary.real_time}};
+  if (summary.may_sleep) json["awake"] = {{"granted", summary.may_sleep->empty()}, {"refused", *summary.may_sleep}};
   if (summary.robot) {
     json["robot"] = {{"controller", summary.robot->state.controller},
                      {"writes", summary.robot->state.writes},

@@ -51,6 +51,7 @@ struct DetectSummary {
   std::vector<DetectionFault> first_faults;
   std::vector<std::string> real_time;  ///< what was not permitted; empty where all was, or nothing was asked for
   bool asked_for_real_time = false;
+  std::optional<std::string> may_sleep;  ///< why processors may sleep, where they should not; empty if they do not
   std::optional<ToldToRobot> robot;
   std::optional<std::array<std::uint64_t, 2>> udp;  ///< sent, failed
   std::optional<RunSummary> recorded;

@@ -87,8 +87,8 @@ TEST(DetectCommand, SaysOfARecordingExactlyWhatEvalSaysTickForTick) {
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
     ASSERT_GT(offline.size(), 100U);
     for (const std::string speed : {"0", "7"}) {
-      const auto live = run_tactile("detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed " + speed + options,
-                                    folder);
+      const auto live = run_tactile(
+          "detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed " + speed + options, folder);
       ASSERT_EQ(live.exit_code, 0) << live.err;
       const std::vector<Row> told = rows_of(folder / "live.csv");
       ASSERT_EQ(told.size(), offline.size()) << options;
@@ -115,7 +115,8 @@ TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLa
   for (const Row& row : rows_of(folder / "offline/fan-02.csv")) offline[row.at("t_us")] = row;
   RunningCommand server("serve data/fan/02 --port 0", folder);
   const std::string address = server.logged_behind(" on ");
-  const auto live = run_tactile("detect --json --model small --reconnect 0 --slack-us 500000 --ticks stream.csv --from " + address, folder);
+  const auto live =
+      run_tactile("detect --json --model small --reconnect 0 --slack-us 500000 --ticks stream.csv --from " + address, folder);
   ASSERT_EQ(live.exit_code, 0) << live.err;
   const auto json = nlohmann::json::parse(live.out);
   EXPECT_EQ(json.at("ended"), "source ended");
@@ -137,9 +138,11 @@ TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLa
 
 TEST(DetectCommand, TellsTheRobotAndLowersItsBitsInTheEnd) {
   const FakeController controller;
-  const auto result = run_tactile("detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 --robot 127.0.0.1:" +
-                                      std::to_string(controller.port()),
-                                  trained().folder.path());
+  const auto result = run_tactile(
+      "detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 --robot "
+      "127.0.0.1:" +
+          std::to_string(controller.port()),
+      trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_GE(json.at("robot").at("raised").get<int>(), 2);
@@ -152,9 +155,10 @@ TEST(DetectCommand, TellsTheRobotAndLowersItsBitsInTheEnd) {
 
 TEST(DetectCommand, SendsARecordEachTick) {
   const Listener listener;
-  const auto result = run_tactile(
-      "detect --json --quiet --model small --from file:data/fan/02 --speed 0 --ticks udp.csv --udp 127.0.0.1:" + std::to_string(listener.port),
-      trained().folder.path());
+  const auto result =
+      run_tactile("detect --json --quiet --model small --from file:data/fan/02 --speed 0 --ticks udp.csv --udp 127.0.0.1:" +
+                      std::to_string(listener.port),
+                  trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::vector<Row> told = rows_of(trained().folder.path() / "udp.csv");
   std::size_t got = 0;
@@ -173,12 +177,14 @@ TEST(DetectCommand, SendsARecordEachTick) {
 }
 
 TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
-  const auto result = test::run_shell(
-      "'" TACTILE_SCRIPTS "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err & pid=$!; "
-      "until grep -q listening bridge.err; do sleep 0.05; done; port=$(sed 's/.*://' bridge.err); "
-      "'" TACTILE_BINARY "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$port >/dev/null; status=$?; "
-      "sleep 0.5; kill $pid; wait $pid; cat bridge.out; exit $status",
-      trained().folder.path());
+  const auto result =
+      test::run_shell("'" TACTILE_SCRIPTS
+                      "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err & pid=$!; "
+                      "until grep -q listening bridge.err; do sleep 0.05; done; port=$(sed 's/.*://' bridge.err); "
+                      "'" TACTILE_BINARY
+                      "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$port >/dev/null; status=$?; "
+                      "sleep 0.5; kill $pid; wait $pid; cat bridge.out; exit $status",
+                      trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(result.out.starts_with("none\n")) << result.out;
   EXPECT_NE(result.out.find("\nslip\n"), std::string::npos) << result.out;
@@ -186,11 +192,13 @@ TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
 
 TEST(DetectCommand, RecordsWhatItSees) {
   const fs::path folder = trained().folder.path();
-  const auto result = run_tactile("detect --json --model small --from file:data/fan/02 --speed 0 --record --out recorded --object fan", folder);
+  const auto result =
+      run_tactile("detect --json --model small --from file:data/fan/02 --speed 0 --record --out recorded --object fan", folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("recorded").at("complete"), true);
-  EXPECT_EQ(test::events_in_file(folder / "recorded/fan/01/events.aedat4"), test::events_in_file(folder / "data/fan/02/events.aedat4"));
+  EXPECT_EQ(test::events_in_file(folder / "recorded/fan/01/events.aedat4"),
+            test::events_in_file(folder / "data/fan/02/events.aedat4"));
   EXPECT_EQ(run_tactile("info --check recorded/fan/01", folder).exit_code, 0);
 }
 
@@ -277,7 +285,8 @@ TEST(DetectCommand, NamesAClockOf31BitsThatBeganAgain) {
     test::send_all(client, stream_then(test::packet(0, test::event_payload({event})), end - 500'000));
     test::until_closed(client);
   });
-  const auto result = run_tactile("detect --json --model small --reconnect 0.2 --from " + server.address().text(), trained().folder.path());
+  const auto result =
+      run_tactile("detect --json --model small --reconnect 0.2 --from " + server.address().text(), trained().folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("its time went back by 2147.48"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("trying to open it again"), std::string::npos) << result.err;

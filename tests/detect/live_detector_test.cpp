@@ -347,79 +347,104 @@ TEST(LiveDetector, IsWokenOnlyByWhatClosesATickOrIsMuchToCount) {
   EXPECT_EQ(live.told[0].verdict.events, 2U);
 }
 
-TEST(LiveDetector, RunsTheNetworkAheadOfEachTickAndSaysTheSame) {
-  struct Rehearsing {
-    int asked = 0;
-    std::vector<ToldTick> told;
-    LiveDetector detector;
+/// A detector of one tick a second, whose network takes some ms and is seen at its work.
+struct Rehearsing {
+  std::vector<std::vector<std::uint8_t>> asked;
+  std::vector<ToldTick> told;
+  LiveDetector detector;
 
-    explicit Rehearsing(bool rehearses, std::optional<std::uint64_t> gate = {})
-        : detector(
-              {sensor,
-               input,
-               [this](std::span<const std::uint8_t> heatmap) {
-                 ++asked;
-                 std::this_thread::sleep_for(100us);  // so long that there is a time ahead of the next tick
-                 return slip_where_anything_is(heatmap);
-               },
-               {.rendering = {.history = 10ms, .tick = 10ms}, .gate = gate}},
-              {.clock = {.tick = 10ms, .history = 10ms, .slack = 2ms}, .rehearses = rehearses},
-              [this](const ToldTick& tick) { told.push_back(tick); }, [](const DetectionFault&) {}) {}
-    void take(std::int64_t t) {
-      QueuedPacket packet{.arrived = host_time(base + t), .elements = {}};
-      Event event;
-      event.t = camera_time(t);
-      packet.elements.events = {event};
-      detector.take(packet);
+  explicit Rehearsing(bool rehearses, std::optional<std::uint64_t> gate = {})
+      : detector(
+            {sensor,
+             input,
+             [this](std::span<const std::uint8_t> heatmap) {
+               asked.emplace_back(heatmap.begin(), heatmap.end());
+               std::this_thread::sleep_for(2ms);
+               return slip_where_anything_is(heatmap);
+             },
+             {.rendering = {.history = 1s, .tick = 1s}, .confirmation = {2, 3}, .gate = gate}},
+            {.clock = {.tick = 1s, .history = 1s, .slack = 2ms}, .rehearses = rehearses},
+            [this](const ToldTick& tick) { told.push_back(tick); }, [](const DetectionFault&) {}) {}
+
+  /// Told of at once, where it closes a tick.
+  void take(std::int64_t t, std::size_t count = 1) {
+    QueuedPacket packet{.arrived = host_time(base + t), .elements = {}};
+    Event event;
+    event.t = camera_time(t);
+    event.x = static_cast<std::int16_t>(t / 100'000 % 50);
+    packet.elements.events.assign(count, event);
+    detector.take(packet);
+    while (detector.tell_due(host_time(base + t))) {
     }
-  };
-  Rehearsing with(true), without(false), gated(true, 100);
-  for (Rehearsing* each : {&with, &without, &gated}) {
-    for (std::int64_t t = 0; t <= 100'000; t += 1'000) {
-      each->take(t);
-      const HostTime now = host_time(base + t);
-      if (!each->detector.tell_due(now)) each->detector.rehearse(now);
-      // As `run` does: it looks when it said that it would, and does not when it is too late.
-      const HostTime wakes = each->detector.wakes_at(now);
-      if (wakes < host_time(base + t + 1'000)) each->detector.rehearse(wakes);
-      each->detector.rehearse(host_time(base + t + 999));
-    }
-    ASSERT_EQ(each->told.size(), 10U) << "at 10 to 100 ms";
   }
-  EXPECT_EQ(with.detector.counts().rehearsals, 9U) << "once ahead of each but the first";
-  EXPECT_EQ(with.asked, 19);
+  /// As `run` does: it looks when it said that it would. @return  whether it ever did
+  bool rehearse_within(std::int64_t from, std::int64_t to) {
+    const std::uint64_t before = detector.counts().rehearsals;
+    for (std::int64_t t = from; t < to; t += 10'000) {
+      const HostTime wakes = detector.wakes_at(host_time(base + t));
+      if (wakes < host_time(base + t + 10'000)) detector.rehearse(wakes);
+    }
+    return detector.counts().rehearsals > before;
+  }
+  std::vector<std::vector<std::uint8_t>> asked_without_rehearsals;
+};
+
+TEST(LiveDetector, RunsTheNetworkAheadOfEachTickAndSaysTheSame) {
+  Rehearsing with(true), without(false);
+  for (Rehearsing* each : {&with, &without}) {
+    for (std::int64_t t = 0; t <= 10'000'000; t += 100'000) {
+      const std::size_t told = each->told.size();
+      each->take(t);
+      if (each->told.size() > told) each->asked_without_rehearsals.push_back(each->asked.back());
+      each->rehearse_within(t, t + 100'000);
+    }
+    ASSERT_EQ(each->told.size(), 10U) << "at 1 to 10 s";
+  }
+  EXPECT_EQ(with.detector.counts().rehearsals, 9U) << "once between two";
+  EXPECT_EQ(with.asked.size(), 19U);
   EXPECT_EQ(without.detector.counts().rehearsals, 0U);
-  EXPECT_EQ(without.asked, 10);
-  EXPECT_EQ(gated.asked, 0) << "what the gate spares is not rehearsed";
+  EXPECT_EQ(without.asked.size(), 10U);
+  EXPECT_EQ(with.asked_without_rehearsals, without.asked) << "of the same heatmaps";
   for (std::size_t i = 0; i < 10; ++i) {
     EXPECT_EQ(with.told[i].verdict.t, without.told[i].verdict.t);
     EXPECT_EQ(with.told[i].verdict.events, without.told[i].verdict.events);
-    EXPECT_EQ(with.told[i].verdict.said, without.told[i].verdict.said);
+    EXPECT_EQ(with.told[i].verdict.verdict, i == 0 ? Touch::none : Touch::slip) << "confirmed by two of three ticks told";
+    EXPECT_EQ(without.told[i].verdict.verdict, with.told[i].verdict.verdict);
   }
 }
 
-TEST(LiveDetector, DoesNotRehearseWhenTheNextTickIsNear) {
-  int asked = 0;
-  LiveDetector detector(
-      {sensor,
-       input,
-       [&asked](std::span<const std::uint8_t> heatmap) {
-         ++asked;
-         return slip_where_anything_is(heatmap);
-       },
-       {.rendering = {.history = 10ms, .tick = 10ms}}},
-      {.clock = {.tick = 10ms, .history = 10ms, .slack = 2ms}, .rehearses = true}, [](const ToldTick&) {},
-      [](const DetectionFault&) {});
-  Event first, last;
-  first.t = camera_time(0), last.t = camera_time(10'000);
-  QueuedPacket packet{.arrived = host_time(base), .elements = {}};
-  packet.elements.events = {first, last};
-  detector.take(packet);
-  ASSERT_TRUE(detector.tell_due(host_time(base)));
-  EXPECT_EQ(asked, 1);
-  detector.rehearse(host_time(base + 10'000));  // when the next packet is due
-  EXPECT_EQ(asked, 1);
-  EXPECT_EQ(detector.counts().rehearsals, 0U);
+TEST(LiveDetector, RehearsesNeitherTooEarlyNorWhenTheNextTickIsNear) {
+  for (const auto& [ahead, times] : {std::pair{900'000, 0U}, {7'000, 1U}, {1'000, 0U}, {0, 0U}, {-1'000, 0U}}) {
+    Rehearsing live(true);
+    live.take(0);
+    live.take(1'000'000);
+    ASSERT_EQ(live.told.size(), 1U);
+    // The network takes 2 ms and a little: from 8 to 5 ms ahead of the next tick, and more where the machine is busy.
+    live.detector.rehearse(host_time(base + 2'000'000 - ahead));
+    if (ahead != 7'000 || live.detector.deadlines().work().max() < 2'700us) {
+      EXPECT_EQ(live.detector.counts().rehearsals, times) << ahead;
+      EXPECT_EQ(live.asked.size(), 1U + times) << ahead;
+    }
+  }
+}
+
+TEST(LiveDetector, DoesNotRehearseWhatTheGateWouldSpare) {
+  Rehearsing live(true, 5);
+  live.take(0, 5);
+  live.take(1'000'000, 2);
+  ASSERT_EQ(live.told.size(), 1U);
+  EXPECT_FALSE(live.told[0].verdict.gated);
+  live.take(1'500'000);
+  EXPECT_FALSE(live.rehearse_within(1'500'000, 2'000'000)) << "three events are left";
+  live.take(2'000'000);
+  EXPECT_TRUE(live.told.at(1).verdict.gated);
+  live.take(2'500'000, 9);
+  EXPECT_FALSE(live.rehearse_within(2'500'000, 3'000'000)) << "nor after a tick that it spared";
+  EXPECT_EQ(live.asked.size(), 1U);
+  live.take(3'000'000);
+  EXPECT_FALSE(live.told.at(2).verdict.gated);
+  live.take(3'500'000, 9);
+  EXPECT_TRUE(live.rehearse_within(3'500'000, 4'000'000));
 }
 
 TEST(TickDetector, SaysTheSameWhatEverWasCountedAhead) {
@@ -438,20 +463,23 @@ TEST(TickDetector, SaysTheSameWhatEverWasCountedAhead) {
     for (std::int64_t tick = 2'000; tick <= 100'000; tick += 2'000) {
       for (std::int64_t packet = tick - 2'000; packet < tick; packet += 250) {
         std::vector<Event> events(7);
-        for (Event& event : events) {
+        for (std::size_t i = 0; i < events.size(); ++i) {
           random = random * 1'664'525 + 1'013'904'223;
-          event.t = camera_time(packet);
-          event.x = static_cast<std::int16_t>(random >> 16U & 15U);
-          event.y = static_cast<std::int16_t>(random >> 24U & 15U);
+          events[i].t = camera_time(packet + (i > 4 ? 300 : 0));  // the last ones may lie behind the tick
+          events[i].x = static_cast<std::int16_t>(random >> 16U & 15U);
+          events[i].y = static_cast<std::int16_t>(random >> 24U & 15U);
         }
+        if (packet % 2'000 > 0) std::fill(events.begin(), events.end() - 2, events.front());
+        for (Event& event : events) event.t = std::max(event.t, camera_time(packet + 50));
         detector.add(events);
         if (ahead == 1 && random % 3 != 0) detector.count_ahead(camera_time(tick));
       }
+      if (tick % 6'000 == 0) continue;  // skipped: a later one is told in its place
       TickCost cost;
-      EXPECT_EQ(detector.verdict_at(camera_time(tick), 0, cost).events,
-                7U * 8U * std::min<std::uint64_t>(5, static_cast<std::uint64_t>(tick) / 2'000));
+      detector.verdict_at(camera_time(tick), tick % 6'000 == 2'000 && tick > 2'000 ? 1 : 0, cost);
     }
   }
+  ASSERT_EQ(heatmaps[0].size(), 34U);
   EXPECT_EQ(heatmaps[0], heatmaps[1]);
 }
 

@@ -115,7 +115,6 @@ void EventFeed::hand_over() {
   const bool wakes = !options_.wakes || options_.wakes(elements);
   if (queue_.push(packet_, options_.waits, wakes)) {
     packet_ = queue_.take();
-    if (wakes) std::this_thread::yield();  // to who was woken, on the same core, before more is received
   } else if (queue_.is_open()) {
     lost_ += events;
   }

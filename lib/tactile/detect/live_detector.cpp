@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "tactile/core/host_clock.hpp"
@@ -179,11 +178,18 @@ void LiveDetector::tell(const DueTick& due, HostTime now) {
   times.output = Clock::now() - said;
   deadlines_.add(times, due.skipped);
   clock_.told(due);
+  plan_rehearsal(told, cost);
+}
+
+/// Halfway, roughly, to the packet that is to close the next tick: what is read later is the more surely still in the cache then,
+/// but cold it may take twice as long as now, and packets do not come on the microsecond. Where the network takes so much of a
+/// tick that it would have to begin at once there is none.
+void LiveDetector::plan_rehearsal(const ToldTick& told, const TickCost& cost) {
   rehearsal_.reset();
-  if (!options_.rehearses || plays() || !due.by_events || told.verdict.gated) return;
+  if (!options_.rehearses || plays() || !told.due.by_events || told.verdict.gated) return;
   const auto taken = std::chrono::duration_cast<microseconds>(cost.rendering + cost.network);
-  const HostTime expected = due.closed + options_.clock.tick;
-  rehearsal_ = {.from = expected - 4 * taken, .to = expected - 3 * taken / 2};
+  const HostTime expected = told.due.closed + options_.clock.tick, from = expected - 4 * taken;
+  if (from > told.begun + taken) rehearsal_ = {.from = from, .to = expected - 5 * taken / 2};
 }
 
 void LiveDetector::rehearse(HostTime now) {
@@ -227,11 +233,7 @@ void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, co
       if (host_now() - begun < options_.clock.tick) queue.pop(packet, microseconds{0});  // all that waits, but not for ever
     }
     const HostTime now = host_now();
-    if (tell_due(now)) {
-      std::this_thread::yield();  // to who receives, on the same core
-    } else {
-      rehearse(now);
-    }
+    if (!tell_due(now)) rehearse(now);
     look_for_silence(now);
   }
   while (!stop() && tell_due(host_now())) {

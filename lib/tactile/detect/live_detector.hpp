@@ -98,6 +98,7 @@ class LiveDetector {
   void take_played(std::span<const Event> events, HostTime at);
   void take_live(std::span<const Event> events, HostTime at);
   void tell(const DueTick& due, HostTime now);
+  void plan_rehearsal(const ToldTick& told, const TickCost& cost);
 
   TickDetector detector_;
   LiveDetectorOptions options_;
@@ -112,7 +113,7 @@ class LiveDetector {
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
-  /// When to rehearse: the packet that closes the next tick comes a tick after the one that closed the last.
+  /// When to rehearse, as the packet that closes the next tick comes a tick after the one that closed the last.
   struct Rehearsal {
     HostTime from{}, to{};
   };
