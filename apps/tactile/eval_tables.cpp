@@ -33,6 +33,8 @@ std::string baselines_not_below(const Evaluation& evaluation) {
 
 std::string number(const Figure& figure) { return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-"; }
 
+std::string misses_and_early(const DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); }
+
 std::string accuracy_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
   for (const auto& [name, figure] : evaluation.accuracy.objects)
@@ -74,7 +76,7 @@ std::string classes_text(const Evaluation& evaluation) {
                           percent(score.recall), bounds(score.recall, 100), percent(score.f1), bounds(score.f1, 100)});
   }
   return text_table({"true \\ said", "none", "press", "slip"}, rows) + "\n" +
-         text_table({"class [%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
+         text_table({"[%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
          wrapped(fmt::format("The network's probabilities are off by {} % {} in the mean (expected calibration error).",
                              percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100))) +
          "\n\n";
@@ -84,11 +86,11 @@ std::string guards_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
   for (const GuardScore& score : evaluation.guards) {
     const bool own = score.guard == evaluation.sampling_guard;
-    rows.push_back({fmt::format("{} ms{}", static_cast<double>(score.guard.count()) / 1000, own ? ", the dataset's own" : ""),
+    rows.push_back({fmt::format("{} ms{}", static_cast<double>(score.guard.count()) / 1000, own ? ", the dataset's" : ""),
                     percent(score.accuracy.mean), bounds(score.accuracy.mean, 100), own ? "" : percent(score.difference.mean),
                     own ? "" : bounds(score.difference.mean, 100)});
   }
-  return text_table({"none kept from intervals by", "accuracy [%]", "95 %", "difference", "95 %"}, rows) + "\n";
+  return text_table({"guard around intervals", "accuracy [%]", "95 %", "difference", "95 %"}, rows) + "\n";
 }
 
 std::string over_time_text(const Evaluation& evaluation) {
@@ -104,52 +106,56 @@ std::string over_time_text(const Evaluation& evaluation) {
     row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
     row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
     row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
-    row(fmt::format("{}, last less what is before it", name), labels.last_minus_before,
+    row(fmt::format("{}, last less before it", name), labels.last_minus_before,
         by_truth ? &by_truth->last_minus_before : nullptr);
     row(fmt::format("{}, still said {} ms after", name, ms(options.after)), labels.still_said,
         by_truth ? &by_truth->still_said : nullptr);
   };
   add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
   add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);
-  std::vector<std::string> header{"every tick of intervals said right [%]", "by labels", "95 %"};
-  if (truth) header.insert(header.end(), {"by the truth", "95 %"});
+  std::vector<std::string> header{"ticks of intervals right [%]", "labels", "95 %"};
+  if (truth) header.insert(header.end(), {"truth", "95 %"});
   return text_table(header, rows) + "\n";
 }
 
 std::string gate_text(const Evaluation& evaluation) {
   if (!evaluation.gate_off) return {};
   const GateOff& off = *evaluation.gate_off;
-  const auto row = [](const std::string& name, const Accuracy& accuracy, const DetectorScore& score) {
-    return Row{name,
-               percent(accuracy.mean),
-               number(score.press.all.mean_ms),
-               fmt::format("{} + {}", score.press.all.misses, score.press.all.early),
-               number(score.slip.all.mean_ms),
-               fmt::format("{} + {}", score.slip.all.misses, score.slip.all.early),
-               std::to_string(score.false_alarms.total.alarms),
-               number(score.false_alarms.per_min)};
+  // Beside one another only two columns: all there is of each would be a long row.
+  std::vector<Row> rows;
+  const auto add = [&](const std::string& name, const auto& text_of) {
+    rows.push_back({name, text_of(evaluation.accuracy, evaluation.network), text_of(off.accuracy, off.network)});
   };
+  add("accuracy [%]", [](const Accuracy& accuracy, const DetectorScore&) { return percent(accuracy.mean); });
+  for (const auto& [name, table] : {std::pair("press", &DetectorScore::press), std::pair("slip", &DetectorScore::slip)}) {
+    add(fmt::format("mean delay of {} [ms]", name),
+        [table](const Accuracy&, const DetectorScore& score) { return number((score.*table).all.mean_ms); });
+    add(fmt::format("{}, misses + early", name),
+        [table](const Accuracy&, const DetectorScore& score) { return misses_and_early((score.*table).all); });
+  }
+  add("false alarms",
+      [](const Accuracy&, const DetectorScore& score) { return std::to_string(score.false_alarms.total.alarms); });
+  add("false alarms per min", [](const Accuracy&, const DetectorScore& score) { return number(score.false_alarms.per_min); });
   const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
-  return text_table({fmt::format("gate: none below {} events", off.limit), "accuracy [%]", "press [ms]", "miss + early",
-                     "slip [ms]", "miss + early", "false alarms", "per min"},
-                    {row("on", evaluation.accuracy, evaluation.network), row("off", off.accuracy, off.network)}) +
+  return text_table({fmt::format("gate: none below {} events", off.limit), "on", "off"}, rows) +
          fmt::format("The gate spares the network {:.1f} % of {} ticks.\n\n", share, off.ticks);
 }
 
+constexpr const char* operating_legend =
+    "Press or slip, whichever is likelier, is said from this probability on. m + e: misses and early ones; alarms: false ones.";
+
 std::string operating_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
-  const auto told = [](const DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); };
   for (const OperatingPoint& point : evaluation.operating_curve) {
     // Those that a person compares; eval.json has them all.
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
-    rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), told(point.press),
-                    number(point.slip.mean_ms), told(point.slip), number(point.false_alarms.per_min),
+    rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
+                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms.per_min),
                     bounds(point.false_alarms.per_min, 1)});
   }
-  return text_table(
-      {"said where as likely as", "press [ms]", "miss + early", "slip [ms]", "miss + early", "false alarms per min", "95 %"},
-      rows);
+  return text_table({"said from", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
+         wrapped(operating_legend) + "\n";
 }
 
 constexpr const char* delay_legend =
@@ -161,7 +167,10 @@ constexpr const char* delay_legend =
 
 constexpr const char* false_alarm_legend =
     "A false alarm begins in no interval; one that begins within the guard after an interval is counted apart, and so is one in "
-    "real motion that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run.";
+    "real motion that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run. "
+    "minutes: how long nothing was, and how long these others lasted. The interval per minute ends no lower than so few alarms "
+    "in "
+    "so short a time may mean.";
 
 Row delay_row(const std::string& name, const DelaySummary& delay) {
   return {name,
@@ -199,20 +208,23 @@ std::string delays_text(const Evaluation& evaluation) {
 }
 
 std::string false_alarms_text(const Evaluation& evaluation) {
-  const auto minutes = [](microseconds us) { return fmt::format("{:.3f}", static_cast<double>(us.count()) / 60e6); };
-  const auto row = [&](const std::string& name, const FalseAlarmTable& table) {
+  std::vector<Row> rows;
+  const auto add = [&](const std::string& name, const FalseAlarmTable& table) {
     const FalseAlarms& total = table.total;
-    return Row{name,
-               number(table.per_min),
-               bounds(table.per_min, 1),
-               fmt::format("{} in {}", total.alarms, minutes(total.none_time)),
-               fmt::format("{} in {}", total.after_intervals, minutes(total.after_intervals_time)),
-               fmt::format("{} in {}", total.unlabelled, minutes(total.unlabelled_time))};
+    rows.push_back({name, number(table.per_min), bounds(table.per_min, 1), std::to_string(total.alarms),
+                    std::to_string(total.after_intervals), std::to_string(total.unlabelled)});
   };
-  std::vector<Row> rows{row("network", evaluation.network.false_alarms)};
-  if (evaluation.truth) rows.push_back(row("network, by the truth", evaluation.truth->false_alarms));
-  for (const auto& [name, score] : evaluation.trivial) rows.push_back(row("(" + name + ")", score.false_alarms));
-  return text_table({"false alarms per min", "", "95 %", "in min", "after", "unlabelled"}, rows) + wrapped(false_alarm_legend) +
+  const auto add_minutes = [&](const std::string& name, const FalseAlarmTable& table) {
+    const auto minutes = [](microseconds us) { return fmt::format("{:.3f}", static_cast<double>(us.count()) / 60e6); };
+    const FalseAlarms& total = table.total;
+    rows.push_back({name, "", "", minutes(total.none_time), minutes(total.after_intervals_time), minutes(total.unlabelled_time)});
+  };
+  add("network", evaluation.network.false_alarms);
+  if (evaluation.truth) add("network, by the truth", evaluation.truth->false_alarms);
+  for (const auto& [name, score] : evaluation.trivial) add("(" + name + ")", score.false_alarms);
+  add_minutes("minutes", evaluation.network.false_alarms);
+  if (evaluation.truth) add_minutes("minutes, by the truth", evaluation.truth->false_alarms);
+  return text_table({"false alarms", "per min", "95 %", "alarms", "after", "unlabelled"}, rows) + wrapped(false_alarm_legend) +
          "\n\n";
 }
 
@@ -231,7 +243,7 @@ std::string text_of(const Evaluation& evaluation) {
   std::string title = title_of(evaluation);
   if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
   if (evaluation.gate_off) title += ", gated";
-  return title + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
+  return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
          delays_text(evaluation) + false_alarms_text(evaluation) + gate_text(evaluation) + over_time_text(evaluation) +
          operating_text(evaluation) + engine_text(evaluation);
 }
@@ -245,9 +257,10 @@ std::string text_of(const UnseenComparison& comparison, bool simulated) {
   for (const auto& [name, seen] : comparison.seen.objects)
     row(name, seen, comparison.held_out.objects.at(name), comparison.difference.objects.at(name));
   row("mean over objects", comparison.seen.mean, comparison.held_out.mean, comparison.difference.mean);
-  return fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither learned from\n\n",
-                     comparison.seen_model, comparison.held_out_model, comparison.runs.size(), simulated ? "simulated" : "real") +
-         text_table({"accuracy on balanced samples [%]", "seen", "95 %", "held out", "95 %", "difference", "95 %"}, rows) + "\n";
+  return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither learned from",
+                             comparison.seen_model, comparison.held_out_model, comparison.runs.size(),
+                             simulated ? "simulated" : "real")) +
+         "\n\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows) + "\n";
 }
 
 }  // namespace tactile

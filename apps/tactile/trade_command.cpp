@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -137,13 +136,6 @@ std::string percent_text(const nlohmann::json& figure) {
         fmt::format(" [{}, {}]", text_of(100 * number_in(figure.at("low")), 1), text_of(100 * number_in(figure.at("high")), 1));
   }
   return text;
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
 }
 
 std::string settings_text(const nlohmann::json& trade) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "support/run_command.hpp"
 
 namespace tactile {
@@ -20,6 +23,15 @@ TEST(Wrapped, BreaksBetweenWordsAndIndentsAllButTheFirst) {
 }
 
 TEST(Wrapped, LeavesAWordWhole) { EXPECT_EQ(wrapped("a unbreakable b", 0, 4), "a\nunbreakable\nb"); }
+
+TEST(LinesOf, AreOneMoreThanTheEndsBetweenThem) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(lines_of("one\ntwo"), (Lines{"one", "two"}));
+  EXPECT_EQ(lines_of("one"), Lines{"one"});
+  EXPECT_EQ(lines_of(""), Lines{""});
+  EXPECT_EQ(lines_of("one\n\ntwo\n"), (Lines{"one", "", "two", ""}));
+  EXPECT_EQ(lines_of(wrapped("one two three", 2, 9)), (Lines{"one two", "  three"}));
+}
 
 TEST(ShellWord, IsReadAsOneWordByAShell) {
   EXPECT_EQ(shell_word("data/fan/01"), "data/fan/01");

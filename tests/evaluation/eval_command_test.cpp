@@ -13,6 +13,7 @@
 #include "evaluation/trained_model.hpp"
 #include "support/run_command.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/simulation/truth.hpp"
@@ -26,6 +27,15 @@ namespace fs = std::filesystem;
 using test::make_runs;
 using test::run_tactile;
 using test::Trained;
+
+/// The longest of its lines, "Written to" paths left out.
+std::string longest_line(const std::string& text) {
+  std::string longest;
+  for (const std::string& line : lines_of(text)) {
+    if (!line.starts_with("Written to ") && characters_in(line) > characters_in(longest)) longest = line;
+  }
+  return longest;
+}
 
 TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   const Trained trained({"fan", "small-box", "usb-hub"});
@@ -56,6 +66,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   EXPECT_NE(text.out.find("on simulated runs"), std::string::npos);
   EXPECT_NE(text.out.find("The network's accuracy interval"), std::string::npos);
   EXPECT_NE(text.out.find("always_press"), std::string::npos);
+  EXPECT_LE(characters_in(longest_line(text.out)), 100U) << longest_line(text.out);
   for (const char* touch : {"none", "press", "slip"}) {
     for (const char* score : {"precision", "recall", "f1"}) expect_figure(json.at("per_class").at(touch).at(score));
   }
@@ -203,7 +214,9 @@ TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
   const auto json = read_json(trained.bundle.folder / "eval-confirm-2-of-3-guard-20-ms.json");
   EXPECT_EQ(json.at("confirm"), nlohmann::json("2/3"));
   EXPECT_EQ(json.at("guard_ms"), nlohmann::json(20.0));
-  ASSERT_EQ(run_tactile("eval --quiet --gate", trained.folder.path()).exit_code, 0);
+  const auto gated = run_tactile("eval --quiet --gate", trained.folder.path());
+  ASSERT_EQ(gated.exit_code, 0) << gated.err;
+  EXPECT_LE(characters_in(longest_line(gated.out)), 100U) << longest_line(gated.out);
   EXPECT_TRUE(fs::exists(trained.bundle.folder / "eval-gate.json"));
 }
 
@@ -308,6 +321,10 @@ TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
   EXPECT_EQ(json.at("unseen").at("models").at("seen"), "small");
   EXPECT_TRUE(json.contains("accuracy"));
 
+  const auto text = run_tactile("eval --unseen --no-train", trained.folder.path());
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_NE(text.out.find("held out"), std::string::npos) << text.out;
+  EXPECT_LE(characters_in(longest_line(text.out)), 100U) << longest_line(text.out);
   const auto again = run_tactile("eval --unseen --no-train --json", trained.folder.path());
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(nlohmann::json::parse(again.out).at("unseen"), json.at("unseen"));

@@ -104,6 +104,63 @@ TEST(FalseAlarms, NeedOneVerdictForEachTick) {
   EXPECT_THROW(false_alarms_of(ticks, verdicts, {}, {}, {}, 4ms), Error);
 }
 
+/// Of each object `runs` runs of `none_time` with `alarms` each.
+std::vector<RunFalseAlarms> alike(std::initializer_list<const char*> objects, std::size_t runs, std::uint64_t alarms,
+                                  microseconds none_time) {
+  FalseAlarms counts;
+  counts.alarms = alarms;
+  counts.none_time = none_time;
+  std::vector<RunFalseAlarms> made;
+  for (const char* object : objects) made.insert(made.end(), runs, {object, counts});
+  return made;
+}
+
+TEST(FalseAlarmTable, DoesNotTakeNoAlarmInTwentySecondsForNone) {
+  // Four runs of 5 s; Garwood's bound for none met is 3.68888, over a third of a minute.
+  const Figure per_min = false_alarm_table(alike({"fan", "box", "hub", "bottle"}, 1, 0, 5s)).per_min;
+  EXPECT_EQ(per_min.value, 0);
+  ASSERT_TRUE(per_min.low && per_min.high);
+  EXPECT_EQ(*per_min.low, 0);
+  EXPECT_NEAR(*per_min.high, 3 * 3.688879, 1e-4);
+}
+
+TEST(FalseAlarmTable, EndsNoIntervalBelowWhatAFewAlarmsMayMean) {
+  // Every run of an object alike: the draws alone would end at the value itself.
+  const FalseAlarmTable table = false_alarm_table(alike({"fan", "box", "hub"}, 4, 1, 10s));
+  EXPECT_DOUBLE_EQ(table.per_min.value, 6);
+  ASSERT_TRUE(table.per_min.high && table.objects.at("fan").high);
+  EXPECT_NEAR(*table.per_min.high, 20.961585 / 2, 1e-4) << "12 in two minutes";
+  EXPECT_NEAR(*table.objects.at("fan").high, 10.241589 * 60 / 40, 1e-4) << "4 in 40 s";
+}
+
+TEST(FalseAlarmTable, LeavesTheIntervalOfManyAlarmsToTheDraws) {
+  auto runs = alike({"fan"}, 3, 2000, 60s);
+  const auto quiet = alike({"box", "hub"}, 3, 1000, 60s);
+  runs.insert(runs.end(), quiet.begin(), quiet.end());
+  const Figure per_min = false_alarm_table(runs).per_min;
+  EXPECT_DOUBLE_EQ(per_min.value, 12'000.0 / 9);
+  ASSERT_TRUE(per_min.high);
+  EXPECT_DOUBLE_EQ(*per_min.high, 2000) << "only fan drawn; the count alone leaves 1357 at most";
+}
+
+TEST(FalseAlarmTable, HasNoIntervalOfTwoRuns) {
+  const FalseAlarmTable table = false_alarm_table(alike({"fan"}, 2, 0, 5s));
+  EXPECT_FALSE(table.per_min.high || table.objects.at("fan").high);
+}
+
+TEST(WidenByFewAlarms, TakesTheAlarmsAndTheTimeOfOneSeed) {
+  FalseAlarms counted;
+  counted.alarms = 3;  // of two seeds: 2 of one, rounded up
+  counted.none_time = 120s;
+  Figure per_min{.value = 1.5, .low = 1, .high = 2, .n = 3};
+  widen_by_few_alarms(per_min, counted, 0.95, 2);
+  EXPECT_NEAR(*per_min.high, 7.224688, 1e-5) << "2 in a minute";
+  EXPECT_EQ(*per_min.low, 1);
+  Figure wide{.value = 1.5, .low = 1, .high = 8, .n = 3};
+  widen_by_few_alarms(wide, counted, 0.95, 2);
+  EXPECT_EQ(*wide.high, 8);
+}
+
 TEST(FalseAlarmTable, DividesAllAlarmsByAllNoneTime) {
   FalseAlarms busy, quiet;
   busy.alarms = 3;

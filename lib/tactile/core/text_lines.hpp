@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tactile {
 
@@ -14,6 +15,9 @@ std::size_t character_at(std::string_view text);
 
 /// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.
 std::string wrapped(const std::string& text, std::size_t indent = 0, std::size_t width = 80);
+
+/// The lines of `text` without their ends: one more than it has of '\n', so never none.
+std::vector<std::string> lines_of(std::string_view text);
 
 /// `text` as one word of a command that a shell reads: as it is where that does, else in quotes.
 std::string shell_word(const std::string& text);

@@ -85,8 +85,6 @@ class LiveDetector {
   /// Takes packets until the queue is closed and empty, or `stop` says so, by the host's clock.
   void run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far);
 
-  bool has_played_all() const { return over_; }  ///< ticks lie beyond `play_for`
-
   const LiveCounts& counts() const { return counts_; }
   const DeadlineMonitor& deadlines() const { return deadlines_; }
   const TickClock& clock() const { return clock_; }

@@ -82,10 +82,11 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
 
 double poisson_upper_bound(std::uint64_t count, double confidence) {
   const double share = (1 - confidence) / 2;
+  // No mean asked for lies below the count, so from there on down each term is less than the one before.
   const auto share_up_to_count = [count](double mean) {
-    double sum = 0;
-    for (std::uint64_t k = 0; k <= count; ++k)
-      sum += std::exp(static_cast<double>(k) * std::log(mean) - mean - std::lgamma(static_cast<double>(k) + 1));
+    auto k = static_cast<double>(count);
+    double term = std::exp(k * std::log(mean) - mean - std::lgamma(k + 1)), sum = term;
+    for (; k > 0 && term > 1e-17 * sum; --k) sum += term *= k / mean;
     return sum;
   };
   double low = static_cast<double>(count), high = low + 10;

@@ -1,6 +1,7 @@
 #include "tactile/evaluation/false_alarms.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -34,6 +35,11 @@ FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
   after_intervals_time += other.after_intervals_time;
   unlabelled_time += other.unlabelled_time;
   return *this;
+}
+
+std::optional<double> FalseAlarms::per_min() const {
+  if (none_time <= microseconds{0}) return std::nullopt;
+  return static_cast<double>(alarms) / in_minutes(none_time);
 }
 
 FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
@@ -86,20 +92,31 @@ void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
           {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}}};
 }
 
+void widen_by_few_alarms(Figure& per_min, const FalseAlarms& counted, double confidence, unsigned seeds) {
+  if (!per_min.high || counted.none_time <= microseconds{0}) return;
+  const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(counted.alarms) / seeds));
+  per_min.high = std::max(*per_min.high, poisson_upper_bound(of_a_seed, confidence) / (in_minutes(counted.none_time) / seeds));
+}
+
 FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const BootstrapOptions& options) {
   const auto objects = runs_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
-  const Statistic per_min = [runs](const RunsByObject& chosen) -> std::optional<double> {
+  const auto sum_of = [runs](const RunsByObject& chosen) {
     FalseAlarms sum;
     for (const auto& object : chosen) {
       for (const std::size_t i : object) sum += runs[i].counts;
     }
-    if (sum.none_time <= microseconds{0}) return std::nullopt;
-    return static_cast<double>(sum.alarms) / in_minutes(sum.none_time);
+    return sum;
   };
+  const Statistic per_min = [sum_of](const RunsByObject& chosen) { return sum_of(chosen).per_min(); };
   FalseAlarmTable table;
-  for (const auto& [name, indexes] : objects) table.objects[name] = figure_of_object(indexes, per_min, options);
+  for (const auto& [name, indexes] : objects) {
+    Figure& of_object = table.objects[name];
+    of_object = figure_of_object(indexes, per_min, options);
+    widen_by_few_alarms(of_object, sum_of({indexes}), options.confidence);
+  }
   table.per_min = figure_over_objects(without_names(objects), per_min, options);
   for (const RunFalseAlarms& run : runs) table.total += run.counts;
+  widen_by_few_alarms(table.per_min, table.total, options.confidence);
   return table;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct FalseAlarms {
   microseconds unlabelled_time{0};
 
   FalseAlarms& operator+=(const FalseAlarms& other);
+
+  std::optional<double> per_min() const;  ///< of none time; nothing where there was none
 };
 
 /// Counts the episodes whose first tick is in no interval. One that ran into an onset at most the head start before it is that
@@ -45,7 +48,21 @@ struct RunFalseAlarms {
   FalseAlarms counts;
 };
 
-/// Per minute of none time, over all runs and of each object.
+/// Widens the interval of false alarms per minute to where it ends no lower than that of the alarms counted, over the none time
+/// they were counted in:
+///
+///   high = max(high, poisson_upper_bound(alarms) / none time)
+///
+/// Runs drawn of runs without an alarm hold none either, however short they are: of 20 s without one, the draws say that there
+/// are 0 a minute at most, the count that there may be 11.
+///
+/// @param per_min  left as it is where it has no interval
+/// @param counted  of all that was drawn from
+/// @param seeds    > 0; networks that `counted` holds the same runs of: the time is that of one, and so are the alarms, rounded
+/// up
+void widen_by_few_alarms(Figure& per_min, const FalseAlarms& counted, double confidence = 0.95, unsigned seeds = 1);
+
+/// Per minute of none time, over all runs and of each object; intervals widened by few alarms.
 struct FalseAlarmTable {
   Figure per_min;                         ///< all alarms / all none time; objects drawn first, then runs
   std::map<std::string, Figure> objects;  ///< runs drawn

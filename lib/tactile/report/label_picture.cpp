@@ -538,11 +538,7 @@ class PictureScript {
     const Labels& labels = picture_.labels;
     std::vector<Line> lines;
     const auto say = [&](const std::string& sentence, std::string_view colour) {
-      const std::string broken = wrapped(as_seen_here(sentence), 4, line_characters);
-      for (std::size_t begin = 0; begin < broken.size();) {
-        const std::size_t end = std::min(broken.find('\n', begin), broken.size());
-        std::string line = broken.substr(begin, end - begin);
-        begin = end + 1;
+      for (std::string& line : lines_of(wrapped(as_seen_here(sentence), 4, line_characters))) {
         // A word that is longer than a line is cut.
         while (characters_in(line) > line_characters) {
           std::size_t bytes = line_characters;

@@ -240,12 +240,7 @@ class PredictionScript {
     remarks.insert(remarks.end(), picture_.remarks.begin(), picture_.remarks.end());
     std::vector<std::string> lines;
     for (const std::string& remark : remarks) {
-      const std::string broken = wrapped(remark, 4, line_characters);
-      for (std::size_t begin = 0; begin < broken.size();) {
-        const std::size_t end = std::min(broken.find('\n', begin), broken.size());
-        lines.push_back(broken.substr(begin, end - begin));
-        begin = end + 1;
-      }
+      for (const std::string& line : lines_of(wrapped(remark, 4, line_characters))) lines.push_back(line);
     }
     return lines;
   }

@@ -145,7 +145,7 @@ class Report {
         "runs and objects; where fewer than three could be drawn there is none. Those from few are too narrow: of such intervals "
         "of "
         "a mean, meant to hold it in 95 % of cases, about 76 % do with 3 runs or objects, 82 % with 4, 86 % with 7 and 91 % with "
-        "10.");
+        "10. Those of false alarms per minute end no lower than what so many alarms in so much time may mean.");
     if (!input_.remarks.empty()) page_.list(input_.remarks);
   }
 

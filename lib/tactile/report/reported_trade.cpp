@@ -209,16 +209,6 @@ class WordPlaces {
   std::vector<Box> taken_;
 };
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return lines;
-}
-
 /// A setting's name in lines that each fit a column, broken between its knobs.
 std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   constexpr char stays = '\x1F';  // for a blank within a knob, while lines are broken

@@ -594,10 +594,7 @@ class Trade {
                    {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads_}, progress);
       result["by"] = "eval";
       result["accuracy"] = evaluation.accuracy.mean;
-      Figure alarms = evaluation.network.false_alarms.per_min;
-      // By few alarms, as of every other setting.
-      if (alarms.high) alarms.high = std::max(*alarms.high, counted.figures.false_alarms_per_min.high.value_or(*alarms.high));
-      result["false_alarms_per_min"] = alarms;
+      result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
     }
     result["model"] = network.name();
     result["runs"] = names_of(*dataset_, reported);

@@ -1,7 +1,6 @@
 #include "tactile/trade/trade_figures.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "tactile/core/error.hpp"
@@ -11,8 +10,6 @@ namespace {
 
 using Runs = std::span<const TradedRun>;
 using OfRuns = std::function<std::optional<double>(const RunsByObject&)>;
-
-double in_minutes(microseconds us) { return static_cast<double>(us.count()) / 60e6; }
 
 std::optional<double> quantile_of(std::vector<double> values, double q) {
   if (values.empty()) return std::nullopt;
@@ -80,19 +77,16 @@ OfRuns alarms_in(Runs runs) {
     for (const auto& object : chosen) {
       for (const std::size_t i : object) sum += runs[i].alarms;
     }
-    if (sum.none_time <= microseconds{0}) return std::nullopt;
-    return static_cast<double>(sum.alarms) / in_minutes(sum.none_time);
+    return sum.per_min();
   };
 }
 
-/// Widens the interval where there were too few alarms, or too little time, for the runs to tell.
-void widen_by_few_alarms(Figure& per_min, Runs runs) {
-  if (!per_min.high) return;
+/// Too few alarms, or too little time, for the runs to tell.
+void widen_by_few_alarms_in(Runs runs, Figure& per_min, double confidence) {
   FalseAlarms sum;
   unsigned seeds = 1;
   for (const TradedRun& run : runs) sum += run.alarms, seeds = std::max(seeds, run.seeds);
-  const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(sum.alarms) / seeds));
-  per_min.high = std::max(*per_min.high, poisson_upper_bound(of_a_seed) / (in_minutes(sum.none_time) / seeds));
+  widen_by_few_alarms(per_min, sum, confidence, seeds);
 }
 
 RunsByObject all_by_object(Runs runs) {
@@ -165,7 +159,7 @@ TradeResult result_of(Runs runs, const BootstrapOptions& options) {
   result.figures.us_p99 = figure(tick_us_in(runs, 0.99));
   result.figures.delay_us = figure(delay_in(runs));
   result.figures.false_alarms_per_min = figure(alarms_in(runs));
-  widen_by_few_alarms(result.figures.false_alarms_per_min, runs);
+  widen_by_few_alarms_in(runs, result.figures.false_alarms_per_min, options.confidence);
   result.delay_p95_us =
       figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));

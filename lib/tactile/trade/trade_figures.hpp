@@ -45,8 +45,8 @@ struct TradedRun {
 TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
 
 /// All figures over the same runs, as one wants them told; a delay includes computing: the median time of a tick that no gate
-/// closes, as every tick is at which something is detected. The interval of false alarms ends no lower than
-/// `poisson_upper_bound` of the alarms of one seed, since runs in which none were met say little of how many there are.
+/// closes, as every tick is at which something is detected. The interval of false alarms is
+/// widened by few alarms.
 struct TradeResult {
   TradeFigures figures;
   Figure delay_p95_us;
