@@ -338,7 +338,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
         axes.front);
   }
   if (has_bars) note += fmt::format(" Bars: 95 % intervals of {}.", axes.bars);
-  if (!numbered.empty()) note += " Hollow: the others, numbered too, those that meet as one: 8–11.";
+  if (!numbered.empty()) note += " Hollow: the others; a range of numbers is of circles that meet.";
   if (without_number > 0) note += fmt::format(" Without a number: {} more.", without_number);
   if (left_out > 0) note += fmt::format(" Left out for want of a value: {}.", left_out);
   const std::vector<std::string> note_lines = lines_of(wrapped(note, 0, note_characters));
@@ -417,6 +417,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     if (place.is_beside) return;
     const double end_x = std::clamp(x, place.x - place.width / 2, place.x + place.width / 2);
     const double end_y = std::clamp(y, place.y - 7, place.y + 7);
+    places.take_line(x, y, end_x, end_y);
     script.add("set arrow from screen {:.6f}, screen {:.6f} to screen {:.6f}, screen {:.6f} nohead lc rgb '{}' lw 0.8",
                x / page_width, 1 - y / height, end_x / page_width, 1 - end_y / height, faint_ink);
   };
@@ -478,6 +479,7 @@ ReportedTrade read_trade(const std::filesystem::path& folder) {
   }
   for (const JsonView& one : json["not_measured"].items())
     trade.left_out.push_back(fmt::format("{}: {}", one["setting"].text(), one["why"].text()));
+  if (const JsonView unfinished = json["unfinished"]) trade.left_out.push_back(unfinished.text());
   if (const JsonView growth = json["growth"]) {
     trade.by_rate = growth_in(growth["rate"]);
     trade.by_history = growth_in(growth["history"]);

@@ -390,6 +390,16 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
       if (std::isfinite(x) && std::isfinite(y)) places.take(x - half, y - half, x + half, y + half);
     }
   }
+  // Nor do curves lead through words.
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const OperatingMark &from = points[i - 1], &to = points[i];
+    const double x = across(place_of(from.false_alarms_per_min)), to_x = across(place_of(to.false_alarms_per_min));
+    for (const auto& [from_ms, to_ms] :
+         {std::pair(from.press.mean_ms, to.press.mean_ms), std::pair(from.slip.mean_ms, to.slip.mean_ms)}) {
+      if (std::isfinite(x) && std::isfinite(to_x) && std::isfinite(from_ms) && std::isfinite(to_ms))
+        places.take_line(x, down(from_ms), to_x, down(to_ms));
+    }
+  }
   for (const Touch touch : {Touch::slip, Touch::press}) {
     for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
       const auto point = std::find_if(points.begin(), points.end(),

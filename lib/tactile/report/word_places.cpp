@@ -72,6 +72,15 @@ WordPlaces::Place WordPlaces::near(double x, double y, double width) const {
           .covers_words = meets_words(best)};
 }
 
+void WordPlaces::take_line(double x, double y, double to_x, double to_y) {
+  constexpr double half = 2;
+  const int pieces = 1 + static_cast<int>(std::min(1e4, std::hypot(to_x - x, to_y - y) / (2 * half)));
+  for (int i = 0; i <= pieces; ++i) {
+    const double at_x = x + (to_x - x) * i / pieces, at_y = y + (to_y - y) * i / pieces;
+    take(at_x - half, at_y - half, at_x + half, at_y + half);
+  }
+}
+
 void WordPlaces::take(const Place& place) {
   taken_.push_back({place.x - place.width / 2, place.y - half_height, place.x + place.width / 2, place.y + half_height, true});
 }

@@ -30,6 +30,9 @@ class WordPlaces {
   /// a point that is not finite, or where the panel is too small, one that is neither free nor beside.
   Place near(double x, double y, double width) const;
 
+  /// A thin line leads from there to there.
+  void take_line(double x, double y, double to_x, double to_y);
+
   /// Words stand there from now on: others are put on them last of all.
   void take(const Place& place);
 
