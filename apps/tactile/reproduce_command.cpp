@@ -216,7 +216,8 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
       spdlog::info("{}", step);
     }
   };
-  const StudySummary summary = run_study(options, new_progress, tell_step);
+  const StudySummary summary =
+      run_study(options, new_progress, tell_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;

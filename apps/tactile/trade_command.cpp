@@ -21,6 +21,8 @@
 #include "tactile/report/gnuplot.hpp"
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/trade/trade.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/dataset_settings.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -206,6 +208,8 @@ std::string text_of(const TradeSummary& summary) {
     text +=
         wrapped(fmt::format("Not measured: {}: {}.", one.at("setting").get<std::string>(), one.at("why").get<std::string>())) +
         "\n";
+  if (const auto& unfinished = trade.at("unfinished"); !unfinished.is_null())
+    text += "\n" + wrapped(unfinished.get<std::string>()) + "\n";
   text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
   text += fmt::format("{} steps done, {} kept as they were. Written to {}\n", summary.done, summary.kept, summary.file.string());
   return text;
@@ -231,6 +235,25 @@ std::vector<std::string> draw_figures(const fs::path& out) {
   return files;
 }
 
+/// Where the dataset is not the one that is told of in the folder: all of it is measured anew, which may take hours.
+void warn_of_another_dataset(const TradeArguments& args) {
+  const fs::path file = fs::path(args.out) / "trade.json";
+  if (!fs::exists(file)) return;
+  nlohmann::json before;
+  try {
+    before = read_json(file).at("dataset");
+    const Dataset dataset(fs::path(args.data) / "dataset.h5");
+    if (before.at("manifest_hash") == dataset.manifest_hash()) return;
+    std::vector<std::string> differing;
+    if (before.contains("settings"))
+      differing = differing_settings(dataset_settings_in(dataset.settings()), before.at("settings"));
+    spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured anew", dataset.file().string(), args.out,
+                 differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
+  } catch (const nlohmann::json::exception&) {
+  } catch (const Error&) {  // what is wrong with the dataset is told by the trade
+  }
+}
+
 void trade(const TradeArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const TradeOptions options = options_of(args, common);
@@ -239,7 +262,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
         "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside "
         "it");
   }
-  make_missing_dataset(args.data, common);
+  if (!make_missing_dataset(args.data, common)) warn_of_another_dataset(args);
   const TradeSummary summary = run_trade(
       options, [&] { return progress_line(common); },
       [](const std::string& step, bool kept) {

@@ -10,6 +10,8 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/verify_dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "text_table.hpp"
@@ -61,7 +63,8 @@ nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
           {"warnings", summary.warnings}};
 }
 
-std::string text_of(const DatasetSummary& summary, const std::string& file) {
+/// @param differing  what is other than in the dataset that was there
+std::string text_of(const DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing) {
   std::vector<std::vector<std::string>> rows;
   for (const WindowedRun& run : summary.runs) {
     const auto count = [&](Touch touch) {
@@ -73,10 +76,21 @@ std::string text_of(const DatasetSummary& summary, const std::string& file) {
   text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
   if (summary.outcome == DatasetSummary::Outcome::replaced)
-    text += "The dataset that was there had another manifest; its heatmaps are gone with it.\n";
+    text += fmt::format("The dataset that was there had another manifest ({}); its heatmaps are gone with it.\n",
+                        differing.empty() ? "other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   if (summary.outcome == DatasetSummary::Outcome::moved)
     text += "It is the one that was there, heatmaps included; where its runs lie now was noted.\n";
   return text;
+}
+
+/// In what a dataset that is there was made with other settings; nothing where there is none.
+std::vector<std::string> differing_from(const std::string& file, const WindowsOptions& options) {
+  if (!std::filesystem::exists(file)) return {};
+  try {
+    return differing_settings(dataset_settings_of(options), dataset_settings_in(Dataset(file).settings()));
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 void verify(const WindowsArguments& args, const std::string& file, const CommonArguments& common) {
@@ -120,9 +134,10 @@ void write_windows(const WindowsArguments& args, const CommonArguments& common) 
                                             .seed = args.seed},
                                .mix = args.mix,
                                .include_flagged = args.include_flagged};
+  const std::vector<std::string> differing = differing_from(file, options);
   const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
-  print_result(common, json_of(summary, file), text_of(summary, file));
+  print_result(common, json_of(summary, file), text_of(summary, file, differing));
 }
 
 }  // namespace

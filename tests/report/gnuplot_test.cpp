@@ -71,6 +71,7 @@ TEST(Draw, MakesAnSvg) {
   const std::string svg = read_text(folder / "line.svg");
   EXPECT_NE(svg.find("<svg"), std::string::npos);
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
+  EXPECT_NE(svg.find("font-size=\"13.33\""), std::string::npos) << "10 points, as large as in the PNG";
   EXPECT_NE(svg.find("&amp; ’b’"), std::string::npos) << svg;
 }
 

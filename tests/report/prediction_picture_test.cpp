@@ -48,11 +48,11 @@ TEST(PredictionPicture, DrawsWhatWasSaidWhereItWasSaid) {
   const test::TemporaryFolder folder;
   draw_prediction(small_picture(), folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
-  ASSERT_EQ(picture.cols, 1600);
-  // The axis goes from 110 to 1570 px for 998 ms.
+  ASSERT_EQ(picture.cols, 1100);
+  // The axis goes from 110 to 1070 px for 998 ms.
   const auto [first, last] = columns_of(picture, blue);
-  EXPECT_NEAR(first, 110 + 1460 * 0.200 / 0.998, 3);
-  EXPECT_NEAR(last, 110 + 1460 * 0.400 / 0.998, 3);
+  EXPECT_NEAR(first, 110 + 960 * 0.200 / 0.998, 3);
+  EXPECT_NEAR(last, 110 + 960 * 0.400 / 0.998, 3);
   EXPECT_EQ(columns_of(picture, orange).second, -1);
   EXPECT_EQ(columns_of(picture, grey).second, -1);
 }
@@ -65,8 +65,8 @@ TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   const test::TemporaryFolder folder;
   draw_prediction(with, folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
-  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 1460 * 0.600 / 0.998, 3);
-  EXPECT_NEAR(columns_of(picture, grey, rows_bottom + 34).first, 110 + 1460 * 0.800 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 960 * 0.600 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, grey, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
 }
 
 TEST(PredictionPicture, ASingleTickThatIsSaidIsSeen) {

@@ -221,11 +221,11 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
     }
     for (const Words& line : words) {
       EXPECT_FALSE(tells(line.text, "…")) << line.text;
-      EXPECT_FALSE(line.text == "dense") << "it is on no front";
       EXPECT_LE(characters_in(line.text), 114U) << line.text;
       EXPECT_GT(line.y, 0) << line.text;
       EXPECT_LT(line.y, plot.height_px - 6) << line.text;
     }
+    EXPECT_TRUE(std::any_of(words.begin(), words.end(), [](const Words& line) { return line.text == "dense"; }));
     drawn(plot);
   }
   const std::string svg = drawn(trade_delay_plot(trade));
@@ -296,11 +296,11 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
   std::string all;
   for (const Words& line : words) all += line.text + ' ';
   EXPECT_TRUE(tells(all, "Filled, and the first 24 of 30 numbered: the front"));
-  const auto list_begin = std::find_if(words.begin(), words.end(), [](const Words& line) { return line.text == "24"; });
+  const auto list_begin = std::find_if(words.begin(), words.end(), [](const Words& line) { return line.text == "25"; });
   ASSERT_NE(list_begin, words.end());
   std::copy_if(list_begin + 1, words.end(), std::back_inserter(numbers),
                [](const Words& line) { return std::regex_match(line.text, std::regex("[0-9]+")); });
-  ASSERT_EQ(numbers.size(), 24U);
+  ASSERT_EQ(numbers.size(), 25U) << "of the front, and of the one that is far off";
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const double width = 8.0 * static_cast<double>(numbers[i].text.size() + numbers[k].text.size()) / 2;
@@ -308,6 +308,39 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
           << numbers[i].text << " and " << numbers[k].text;
     }
   }
+}
+
+TEST(TradePlots, NumberThoseOnNoFrontTooAndOnceWhereTheyMeet) {
+  const Plot plot =
+      trade_accuracy_plot(trade_of({beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000),
+                                    beaten(setting("dense", 500, 0.85, 3, 9000)), beaten(setting("gate", 300, 0.7, 3, 9000)),
+                                    beaten(setting("confirm 2/3", 500.1, 0.85, 3, 9000))}));
+  const std::vector<Words> words = words_in(plot);
+  const auto place_of = [&words](const std::string& text) {
+    const auto found = std::find_if(words.begin(), words.end(), [&text](const Words& one) { return one.text == text; });
+    EXPECT_NE(found, words.end()) << text;
+    return found == words.end() ? Words{} : *found;
+  };
+  // In the list, from left to right in the panel.
+  for (const auto& [number, name] : {std::pair("2", "gate"), std::pair("3", "dense"), std::pair("4", "confirm 2/3")})
+    EXPECT_DOUBLE_EQ(place_of(number).y, place_of(name).y) << name;
+  const XAxis axis = x_axes(plot).at(0);
+  EXPECT_LT(std::abs(place_of("3–4").x - axis.px(std::log10(500))), 60);
+  EXPECT_LT(std::abs(place_of("usual").x - axis.px(2)), 60);
+  drawn(plot);
+}
+
+TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
+  std::vector<ReportedSetting> settings{setting("as usual", 100, 0.9, 3, 9000)};
+  for (int i = 0; i < 100; ++i)
+    settings.push_back(beaten(setting(fmt::format("int8, factor {}", i), 120 + 5 * i, 0.5 + 0.003 * i, 3, 9000)));
+  settings.push_back(beaten(setting("dense", 700, 0.6, 3, 9000)));
+  const Plot plot = trade_accuracy_plot(trade_of(settings));
+  std::string all;
+  for (const Words& line : words_in(plot)) all += line.text + '\n';
+  EXPECT_TRUE(tells(all, "Without a number: 59 more."));
+  EXPECT_TRUE(tells(all, "\ndense\n"));
+  drawn(plot);
 }
 
 TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {

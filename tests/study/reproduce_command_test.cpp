@@ -194,6 +194,21 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
 }
 
+TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
+  const test::TemporaryFolder folder;
+  const std::string one_history = "reproduce --preset tiny --objects fan,white-box --epochs 1 --threads 2 --no-report --th ";
+  const auto first = test::run_tactile(one_history + "40", folder.path());
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(first.err.find("is made anew"), std::string::npos) << first.err;
+  // All runs that are there are studied.
+  const auto other =
+      test::run_tactile("reproduce --preset tiny --epochs 1 --threads 2 --no-report --th 60 --out other", folder.path());
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_NE(other.err.find("data/dataset.h5 was made with other settings and is made anew with history 60 ms instead of 50 ms;"),
+            std::string::npos)
+      << other.err;
+}
+
 TEST(ReproduceCommand, WhatCannotBeMeantIsRefused) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects fan,white-box --quiet", folder.path()).exit_code, 0);

@@ -108,6 +108,23 @@ TEST_F(Steps, ProcessesRunSideBySideAndAreToldInTheirOrder) {
   EXPECT_EQ(pasts_.size(), 3U);
 }
 
+TEST_F(Steps, AreToldInTheirOwnWordsAsEachBegins) {
+  std::vector<std::string> told;
+  StepRunner steps(
+      {.folder = folder_ / "study", .program = "/bin/sh", .threads = 1, .tell = [&](const std::string& words, bool kept) {
+         told.push_back(words + (kept ? " is kept" : ""));
+       }});
+  Step first = by_process("a", {}), second = by_process("b", {});
+  first.words = "training 1 of 2";
+  second.words = "training 2 of 2";
+  steps.run_side_by_side({first, second});
+  steps.run(writing("c", {}));
+  EXPECT_FALSE(steps.is_done(writing("d", {})));
+  EXPECT_TRUE(steps.is_done(first));
+  steps.run(first);
+  EXPECT_EQ(told, (std::vector<std::string>{"training 1 of 2", "training 2 of 2", "c", "training 1 of 2 is kept"}));
+}
+
 TEST_F(Steps, AProcessLearnsWhatIsKnownOfItsStep) {
   runner().run(by_process("a", {{"x", 1}}));
   ASSERT_EQ(pasts_.size(), 1U);

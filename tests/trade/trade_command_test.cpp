@@ -118,8 +118,15 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallGoesOn) {
       "--gate off --epochs 1 --seeds 1 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_NE(none.err.find("--budget-minutes"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("a larger --budget-minutes"), std::string::npos) << none.err;
   EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  const auto told = test::run_tactile(few + "--th 20,40", folder.path());
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  for (const char* words :
+       {"part 1 of 2: one knob at a time, 2 settings", "training 1 of 2: the usual network", "training 2 of 2: t_h 20 ms",
+        "judging 1 of 2, at every tick of 4 runs: the usual network", "judging 2 of 2", "timing 2 ways to compute a tick"})
+    EXPECT_NE(told.err.find(words), std::string::npos) << words << '\n' << told.err;
+  EXPECT_EQ(told.err.find("single-run"), std::string::npos) << "no names of files\n" << told.err;
   const nlohmann::json whole = traded(folder.path(), "--th 20,40", few);
   EXPECT_NE(point_of(whole, "t_h 20 ms"), nullptr);
   EXPECT_TRUE(whole.at("points")[0].at("reported").at("accuracy").at("low").is_null()) << "two objects";
@@ -128,6 +135,17 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallGoesOn) {
   EXPECT_EQ(point_of(again, "t_h 30 ms"), nullptr);
   ASSERT_EQ(again.at("not_measured").size(), 1U);
   EXPECT_EQ(again.at("not_measured")[0].at("setting"), "t_h 30 ms");
+  // With no room for a training at all the same command would come no further.
+  EXPECT_NE(again.at("unfinished").get<std::string>().find("a larger --budget-minutes"), std::string::npos);
+  EXPECT_TRUE(whole.at("unfinished").is_null());
+  // Another dataset means that all is measured anew.
+  const auto redrawn = test::run_tactile("windows --seed 2", folder.path());
+  ASSERT_EQ(redrawn.exit_code, 0) << redrawn.err;
+  EXPECT_NE(redrawn.out.find("(seed 2 instead of 1)"), std::string::npos) << redrawn.out;
+  const auto other = test::run_tactile(few + "--th 40", folder.path());
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_NE(other.err.find("is another dataset than trade was measured on (seed 2 instead of 1)"), std::string::npos)
+      << other.err;
 }
 
 TEST(TradeCommand, NeedsRunsToChooseOn) {

@@ -30,7 +30,8 @@ std::string plot_text(std::string_view text);
 /// For those who draw at the end of something long. @throws Error  if `draw` knows no picture of this extension
 void check_is_picture(const std::filesystem::path& file);
 
-/// Draws the figure as PNG or SVG, as the file's extension says, whole or not at all; the same figure gives the same bytes. Runs
+/// Draws the figure as PNG or SVG, as the file's extension says, whole or not at all; the same figure gives the same bytes. Words
+/// are as large in both: a point is 4/3 px, so that 11 points are 14.7 px in a figure shown as wide as it is. Runs
 /// the system's gnuplot, which reads script and numbers from memory and answers through a pipe: no shell, no other files, no
 /// settings of the user.
 /// @throws Error  if gnuplot is not installed, says that the script is wrong, or dies; if the extension is another, a size or a

@@ -19,9 +19,10 @@ namespace tactile {
 namespace {
 
 // All in pixels of the picture.
-constexpr int picture_width = 1600, left = 110, right = 30, top = 76, between_panels = 18, axis_height = 52;
+constexpr int picture_width = 1100, left = 110, right = 30, top = 76, between_panels = 18, axis_height = 52;
 constexpr int rate_height = 200, probability_height = 220, row_height = 34, line_height = 19;
-constexpr std::size_t line_characters = 200;
+constexpr std::size_t line_characters = 130;
+constexpr std::size_t curve_points = 1500;  // finer than pixels, for an SVG is looked at closely
 
 constexpr std::string_view ink = "#303030", faint_ink = "#707070", unlabelled_colour = "#B8B8B8";
 
@@ -126,7 +127,7 @@ class PredictionScript {
     std::vector<PlotPoint> points;
     for (const PredictedTick& tick : picture_.ticks) points.push_back({seconds_to(tick.t), value_of(tick)});
     std::vector<double> values;
-    for (const PlotPoint& point : thinned(points, 0, seconds_, static_cast<std::size_t>(picture_width - left - right))) {
+    for (const PlotPoint& point : thinned(points, 0, seconds_, curve_points)) {
       values.push_back(point.x);
       values.push_back(point.y);
     }

@@ -37,7 +37,7 @@ struct PredictionPicture {
   std::vector<std::string> remarks;       ///< told in words under the panels
 };
 
-/// A figure 1600 pixels wide, after the paper's eighth: the event rate, the probabilities of press and slip, and rows for what
+/// A figure 1100 pixels wide, after the paper's eighth: the event rate, the probabilities of press and slip, and rows for what
 /// was said, labelled and true, one under the other on one axis of camera time; labelled intervals are shaded throughout, presses
 /// blue and slips orange.
 /// @throws Error  if there is no tick

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/report/json_view.hpp"
 #include "tactile/report/plot_script.hpp"
+#include "tactile/report/word_places.hpp"
 
 namespace tactile {
 namespace {
@@ -20,8 +22,9 @@ namespace {
 using figure_colours::faint_ink;
 using figure_colours::ink;
 
-constexpr int page_width = 1000;        // [px]
-constexpr std::size_t most_named = 24;  // of a front
+constexpr int page_width = 1000;         // [px]
+constexpr std::size_t most_named = 24;   // of a front
+constexpr std::size_t most_others = 42;  // numbered, of those on none
 
 ReportedSetting setting_in(const JsonView& json) {
   const JsonView reported = json["reported"], difference = json["difference"];
@@ -161,54 +164,6 @@ Tics decade_tics(const Stretch& stretch, double (*place_of)(double), bool from_z
   return tics;
 }
 
-/// Finds places for words beside marks of a panel, where they cover nothing, else as little as can be.
-class WordPlaces {
- public:
-  explicit WordPlaces(const PlotBox& panel) : panel_(panel) {}
-
-  void take(double left, double top, double right, double bottom) { taken_.push_back({left, top, right, bottom, 1}); }
-
-  struct Place {
-    double x = 0, y = 0;    ///< its middle
-    bool is_beside = true;  ///< else so far off that a line has to tell whose words these are
-  };
-
-  /// A place near (x, y) for a line of this width, which is taken from then on.
-  Place beside(double x, double y, double width) {
-    constexpr double half_height = 8;
-    double least = INFINITY;
-    Box best{};
-    bool is_beside = true;
-    for (const double away : {15.0, 22.0, 30.0, 40.0, 52.0, 66.0}) {
-      for (const auto& [right, down] : {std::pair(0.7, -0.7), std::pair(-0.7, -0.7), std::pair(0.7, 0.7), std::pair(-0.7, 0.7),
-                                        std::pair(1.0, 0.0), std::pair(-1.0, 0.0), std::pair(0.0, -1.0), std::pair(0.0, 1.0)}) {
-        // From the mark's side, the words begin there.
-        const double middle = x + right * away + (right > 0 ? 0.5 : right < 0 ? -0.5 : 0) * std::max(0.0, width - 8);
-        const Box box{middle - width / 2, y + down * away - half_height, middle + width / 2, y + down * away + half_height, 30};
-        if (box.left < panel_.left || box.right > panel_.right || box.top < panel_.top || box.bottom > panel_.bottom) continue;
-        double covered = 0;
-        for (const Box& other : taken_) {
-          covered += other.weight * std::max(0.0, std::min(box.right, other.right) - std::max(box.left, other.left)) *
-                     std::max(0.0, std::min(box.bottom, other.bottom) - std::max(box.top, other.top));
-        }
-        if (covered < least) least = covered, best = box, is_beside = away < 25;
-      }
-      if (least == 0) break;
-    }
-    if (!std::isfinite(least)) return {.x = x, .y = y};
-    taken_.push_back(best);
-    return {.x = (best.left + best.right) / 2, .y = (best.top + best.bottom) / 2, .is_beside = is_beside};
-  }
-
- private:
-  struct Box {
-    double left = 0, top = 0, right = 0, bottom = 0;
-    double weight = 1;  ///< of what lies there: words on words are read by nobody, words on a bar are
-  };
-  PlotBox panel_;
-  std::vector<Box> taken_;
-};
-
 /// A setting's name in lines that each fit a column, broken between its knobs.
 std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   constexpr char stays = '\x1F';  // for a blank within a knob, while lines are broken
@@ -223,11 +178,63 @@ std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   return lines;
 }
 
+/// Names with their numbers, down one column after another.
+class NameList {
+ public:
+  static constexpr int row = 19;  // [px]
+
+  NameList(int columns, std::size_t characters) : columns_(columns), characters_(characters) {}
+
+  void add(std::size_t number, const std::string& name) {
+    entries_.push_back({number, name_lines(name, characters_), 0, 0});
+    std::size_t all = 0, before = 0;
+    for (const Entry& entry : entries_) all += entry.lines.size();
+    // Each column takes its share, the last ones what is left.
+    std::size_t column = 0, at = 0;
+    rows_ = 0;
+    for (Entry& entry : entries_) {
+      if (before * static_cast<std::size_t>(columns_) >= all * (column + 1)) ++column, at = 0;
+      entry.column = column, entry.at = at;
+      at += entry.lines.size(), before += entry.lines.size();
+      rows_ = std::max(rows_, at);
+    }
+  }
+
+  bool empty() const { return entries_.empty(); }
+  int height() const { return row * static_cast<int>(rows_); }
+
+  /// @param top  the middle of the first row [px]
+  void write(PlotScript& script, int top) const {
+    constexpr int left = 24, number_width = 26;
+    const double width = (page_width - left - 10.0) / columns_;
+    for (const Entry& entry : entries_) {
+      const double x = left + width * static_cast<double>(entry.column);
+      int y = top + row * static_cast<int>(entry.at);
+      script.text(fmt::format("{}", entry.number), x, y, "left font ',11'");
+      for (const std::string& line : entry.lines) {
+        script.text(line, x + number_width, y, "left font ',11'");
+        y += row;
+      }
+    }
+  }
+
+ private:
+  struct Entry {
+    std::size_t number = 0;
+    std::vector<std::string> lines;
+    std::size_t column = 0, at = 0;  ///< rows down
+  };
+  int columns_;
+  std::size_t characters_, rows_ = 0;
+  std::vector<Entry> entries_;
+};
+
 /// A setting's place in a figure.
 struct Dot {
   double x = NAN;
   Measured y;
   bool on_front = false, usual = false;
+  bool is_one_knob = false;  ///< one alone differs from the usual setting
   std::string text;
 
   bool has_place() const { return std::isfinite(x) && std::isfinite(y.value); }
@@ -243,17 +250,51 @@ struct Axes {
   double y_begin = 0, y_end = INFINITY;  ///< no value lies outside
 };
 
+/// Dots whose marks meet, under one label: "8", "8–13".
+struct Crowd {
+  std::vector<const Dot*> dots;
+  std::size_t first_number = 0;
+
+  std::string label() const {
+    return dots.size() == 1 ? fmt::format("{}", first_number)
+                            : fmt::format("{}–{}", first_number, first_number + dots.size() - 1);
+  }
+};
+
+/// Dots in crowds, from left to right. @param place  a dot's, in pixels
+template <class PlaceOf>
+std::vector<Crowd> crowds_of(std::vector<const Dot*> dots, std::size_t first_number, PlaceOf place) {
+  constexpr double close = 10;  // [px]
+  std::stable_sort(dots.begin(), dots.end(), [&](const Dot* a, const Dot* b) { return place(*a) < place(*b); });
+  std::vector<Crowd> crowds;
+  for (const Dot* dot : dots) {
+    const auto [x, y] = place(*dot);
+    const auto crowd = std::find_if(crowds.begin(), crowds.end(), [&, x = x, y = y](const Crowd& one) {
+      const auto [other_x, other_y] = place(*one.dots.front());
+      return std::hypot(x - other_x, y - other_y) < close;
+    });
+    if (crowd == crowds.end())
+      crowds.push_back({.dots = {dot}});
+    else
+      crowd->dots.push_back(dot);
+  }
+  for (Crowd& crowd : crowds) {
+    crowd.first_number = first_number;
+    first_number += crowd.dots.size();
+  }
+  return crowds;
+}
+
 Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot>& dots) {
-  constexpr int left = 90, right = 40, panel_height = 420, below = 72, row = 19, note_row = 20, note_top = 52;
-  constexpr int column_width = 475, number_width = 26;
-  constexpr std::size_t note_characters = 114, name_characters = 60;
+  constexpr int left = 90, right = 40, panel_height = 420, below = 72, row = NameList::row, note_row = 20, note_top = 52;
+  constexpr std::size_t note_characters = 114;
   constexpr double half_mark = 6, half_diamond = 13, number_character = 9.5, word_character = 8.4;  // [px]
   const auto place_of = axes.x_from_zero ? log_place_from_zero : log_place;
 
-  std::vector<const Dot*> front, others;
+  std::vector<const Dot*> front, others, usual;
   std::size_t left_out = 0;
   double least_x = INFINITY, most_x = -INFINITY, least_y = INFINITY, most_y = -INFINITY;
-  bool has_bars = false, has_usual = false;
+  bool has_bars = false;
   for (const Dot& dot : dots) {
     const double x = place_of(dot.x);
     if (!dot.has_place() || !std::isfinite(x)) {
@@ -261,7 +302,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
       continue;
     }
     (dot.on_front ? front : others).push_back(&dot);
-    has_usual = has_usual || dot.usual;
+    if (dot.usual) usual.push_back(&dot);
     least_x = std::min(least_x, x), most_x = std::max(most_x, x);
     least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
     if (dot.on_front && dot.has_interval()) {
@@ -271,9 +312,15 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   }
   std::stable_sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
   const std::size_t named = std::min(front.size(), most_named);
+  // The usual one has a word of its own. Where there are too many, those that differ by one knob come first.
+  std::vector<const Dot*> numbered;
+  std::copy_if(others.begin(), others.end(), std::back_inserter(numbered), [](const Dot* dot) { return !dot->usual; });
+  std::stable_partition(numbered.begin(), numbered.end(), [](const Dot* dot) { return dot->is_one_knob; });
+  const std::size_t without_number = numbered.size() - std::min(numbered.size(), most_others);
+  numbered.resize(numbered.size() - without_number);
 
   std::string note = "Each circle is a setting, on the reported runs";
-  note += has_usual ? "; the usual one is in a diamond." : ".";
+  note += !usual.empty() ? "; the usual one is in a diamond." : ".";
   if (!front.empty()) {
     note += fmt::format(
         " Filled{}: the front, {}, as found on the runs to choose on.",
@@ -281,37 +328,13 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
         axes.front);
   }
   if (has_bars) note += fmt::format(" Bars: 95 % intervals of {}.", axes.bars);
+  if (!numbered.empty()) note += " Hollow: the others; a range of numbers is of circles that meet.";
+  if (without_number > 0) note += fmt::format(" Without a number: {} more.", without_number);
   if (left_out > 0) note += fmt::format(" Left out for want of a value: {}.", left_out);
   const std::vector<std::string> note_lines = lines_of(wrapped(note, 0, note_characters));
   const int top = note_top + note_row * static_cast<int>(note_lines.size()) + 4, bottom = top + panel_height;
 
-  // The front's names go down the left column, then down the right one.
-  std::vector<std::vector<std::string>> names;
-  std::size_t name_rows = 0;
-  for (std::size_t i = 0; i < named; ++i) {
-    names.push_back(name_lines(front[i]->text, name_characters));
-    name_rows += names.back().size();
-  }
-  std::size_t left_names = 0, left_rows = 0;
-  while (left_names < named && 2 * left_rows < name_rows) left_rows += names[left_names++].size();
-
-  const int names_top = bottom + below + (named > 0 ? row : 0);
-  const int height = names_top + static_cast<int>(left_rows) * row + 6;
-  PlotScript script(title, page_width, height);
-  for (std::size_t i = 0; i < note_lines.size(); ++i)
-    script.text(note_lines[i], 20, note_top + note_row * static_cast<int>(i), "left font ',12'", faint_ink);
-  if (named > 0)
-    script.text("The front, each by what is other than usual:", 24, bottom + below - 2, "left font ',11'", faint_ink);
-  for (std::size_t i = 0, at_row = 0; i < named; ++i) {
-    if (i == left_names) at_row = 0;
-    const int x = 24 + (i < left_names ? 0 : column_width + 8);
-    script.text(fmt::format("{}", i + 1), x, names_top + static_cast<int>(at_row) * row, "left font ',11'");
-    for (const std::string& line : names[i])
-      script.text(line, x + number_width, names_top + static_cast<int>(at_row++) * row, "left font ',11'");
-  }
-
   const PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = bottom};
-  script.begin_panel(box);
   if (front.empty() && others.empty()) least_x = most_x = least_y = most_y = 0;
   // No false alarms at all is what others are compared with, unless that makes what is there small.
   if (axes.x_from_zero && (least_x < 1.5 || 2 * least_x < most_x)) least_x = 0, most_x = std::max(most_x, std::log10(2));
@@ -320,6 +343,38 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   // Beyond what can be there is nothing but room for half a mark.
   const double edge = 0.025 * (up.end - up.begin);
   up.begin = std::max(up.begin, axes.y_begin - edge), up.end = std::min(up.end, axes.y_end + edge);
+  const auto at_x = [&](const Dot& dot) { return box.left + across.at(place_of(dot.x)); };
+  const auto at_y = [&](double y) { return box.bottom - up.at(y); };
+  const auto at = [&](const Dot& dot) { return std::pair(at_x(dot), at_y(dot.y.value)); };
+
+  NameList front_names(2, 60), other_names(3, 38);
+  for (std::size_t i = 0; i < named; ++i) front_names.add(i + 1, front[i]->text);
+  const std::vector<Crowd> crowds = crowds_of(std::move(numbered), named + 1, at);
+  for (const Crowd& crowd : crowds) {
+    for (std::size_t i = 0; i < crowd.dots.size(); ++i) other_names.add(crowd.first_number + i, crowd.dots[i]->text);
+  }
+  int height = bottom + below;
+  const auto room_for = [&height](const NameList& names) {
+    const int begin = height;
+    if (!names.empty()) height += row + names.height();
+    return begin;
+  };
+  const int front_top = room_for(front_names), others_top = room_for(other_names) + (front_names.empty() ? 0 : 8);
+  height += front_names.empty() || other_names.empty() ? 6 : 14;
+
+  PlotScript script(title, page_width, height);
+  for (std::size_t i = 0; i < note_lines.size(); ++i)
+    script.text(note_lines[i], 20, note_top + note_row * static_cast<int>(i), "left font ',12'", faint_ink);
+  if (!front_names.empty())
+    script.text("The front, each by what is other than usual:", 24, front_top - 2, "left font ',11'", faint_ink);
+  front_names.write(script, front_top + row);
+  if (!other_names.empty()) {
+    script.text(front_names.empty() ? "Each by what is other than usual:" : "The others:", 24, others_top - 2, "left font ',11'",
+                faint_ink);
+  }
+  other_names.write(script, others_top + row);
+
+  script.begin_panel(box);
   script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]", across.begin, across.end, up.begin, up.end);
   script.add("set xtics ({})", decade_tics(across, place_of, axes.x_from_zero).text());
   script.add("set xlabel {} textcolor rgb '{}'\nset ylabel {} textcolor rgb '{}'", plot_text(axes.x_label), ink,
@@ -327,10 +382,8 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
 
   std::vector<double> other_values, front_values, usual_values;
   WordPlaces places(box);
-  const auto at_x = [&](const Dot& dot) { return box.left + across.at(place_of(dot.x)); };
-  const auto at_y = [&](double y) { return box.bottom - up.at(y); };
   const auto take = [&](const Dot& dot) {
-    const double x = at_x(dot), y = at_y(dot.y.value);
+    const auto [x, y] = at(dot);
     const double half = dot.usual ? half_diamond : half_mark;
     places.take(x - half, y - half, x + half, y + half);
     if (dot.on_front && dot.has_interval()) places.take(x - 3, at_y(dot.y.high), x + 3, at_y(dot.y.low));
@@ -345,23 +398,22 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
                                              dot->has_interval() ? dot->y.high : dot->y.value});
     take(*dot);
   }
-  for (std::size_t i = 0; i < named; ++i) {
-    const std::string number = fmt::format("{}", i + 1);
-    const double x = at_x(*front[i]), y = at_y(front[i]->y.value);
-    const double width = number_character * static_cast<double>(number.size());
-    const WordPlaces::Place place = places.beside(x, y, width);
-    script.text(number, place.x, place.y, "center font ',11'");
-    if (place.is_beside) continue;
-    const double end_x = std::clamp(x, place.x - width / 2, place.x + width / 2), end_y = std::clamp(y, place.y - 7, place.y + 7);
+  const auto write_at = [&](const std::string& words, const Dot& dot, double character, std::string_view colour) {
+    const auto [x, y] = at(dot);
+    const WordPlaces::Place place = places.near(x, y, character * static_cast<double>(characters_in(words)));
+    if (place.covers_words) return;  // neither could be read; the list has it
+    places.take(place);
+    script.text(words, place.x, place.y, "center font ',11'", colour);
+    if (place.is_beside) return;
+    const double end_x = std::clamp(x, place.x - place.width / 2, place.x + place.width / 2);
+    const double end_y = std::clamp(y, place.y - 7, place.y + 7);
+    places.take_line(x, y, end_x, end_y);
     script.add("set arrow from screen {:.6f}, screen {:.6f} to screen {:.6f}, screen {:.6f} nohead lc rgb '{}' lw 0.8",
                x / page_width, 1 - y / height, end_x / page_width, 1 - end_y / height, faint_ink);
-  }
-  // The usual one has its diamond; the word too where there is room.
-  for (const Dot& dot : dots) {
-    if (!dot.usual || !dot.has_place() || !std::isfinite(place_of(dot.x))) continue;
-    const WordPlaces::Place place = places.beside(at_x(dot), at_y(dot.y.value), 5 * word_character);
-    if (place.is_beside) script.text("usual", place.x, place.y, "center font ',11'");
-  }
+  };
+  for (std::size_t i = 0; i < named; ++i) write_at(fmt::format("{}", i + 1), *front[i], number_character, ink);
+  for (const Dot* dot : usual) write_at("usual", *dot, word_character, ink);
+  for (const Crowd& crowd : crowds) write_at(crowd.label(), *crowd.dots.front(), number_character, faint_ink);
   if (front.empty() && others.empty())
     script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
   const std::string front_table = script.table(4, std::move(front_values));
@@ -417,6 +469,7 @@ ReportedTrade read_trade(const std::filesystem::path& folder) {
   }
   for (const JsonView& one : json["not_measured"].items())
     trade.left_out.push_back(fmt::format("{}: {}", one["setting"].text(), one["why"].text()));
+  if (const JsonView unfinished = json["unfinished"]) trade.left_out.push_back(unfinished.text());
   if (const JsonView growth = json["growth"]) {
     trade.by_rate = growth_in(growth["rate"]);
     trade.by_history = growth_in(growth["history"]);
@@ -432,6 +485,7 @@ Plot trade_accuracy_plot(const ReportedTrade& trade) {
                     .y = scaled(setting.accuracy, 100),
                     .on_front = setting.on_accuracy_front,
                     .usual = setting.design == "usual",
+                    .is_one_knob = setting.text.find(',') == std::string::npos,
                     .text = setting.text});
   }
   return dots_plot(with_runs(trade, "Accuracy against time per tick"),
@@ -451,6 +505,7 @@ Plot trade_delay_plot(const ReportedTrade& trade) {
                     .y = scaled(setting.delay_us, 1e-3),
                     .on_front = setting.on_delay_front,
                     .usual = setting.design == "usual",
+                    .is_one_knob = setting.text.find(',') == std::string::npos,
                     .text = std::isfinite(setting.missed.value)
                                 ? fmt::format("{} ({:.1f} % missed)", setting.text, 100 * setting.missed.value)
                                 : setting.text});

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tactile/report/plot_script.hpp"
+#include "tactile/report/word_places.hpp"
 
 namespace tactile {
 namespace {
@@ -64,44 +65,6 @@ std::string row_names(const std::vector<std::string>& names) {
     tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", plot_text(shortened(names[i], 22)), names.size() - 1 - i);
   return tics.empty() ? "'' 0" : tics;
 }
-
-/// Where words fit beside points of a panel, in pixels.
-class FreePlaces {
- public:
-  explicit FreePlaces(const PlotBox& panel) : panel_(panel) {}
-
-  void take_point(double x, double y) {
-    constexpr double half = 7;
-    if (std::isfinite(x) && std::isfinite(y)) taken_.push_back({x - half, y - half, x + half, y + half});
-  }
-
-  /// The middle of a place near (x, y) for words of this width, which is taken from then on; nothing where there is none.
-  std::optional<std::pair<double, double>> beside(double x, double y, double width) {
-    if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
-    constexpr double half_height = 7, away = 16;
-    const double aside = width / 2 + 12;
-    for (const auto& [dx, dy] :
-         {std::pair(0.0, -away), std::pair(aside, 0.0), std::pair(-aside, 0.0), std::pair(0.0, away), std::pair(aside, -away),
-          std::pair(-aside, -away), std::pair(aside, away), std::pair(-aside, away)}) {
-      const Box box{x + dx - width / 2, y + dy - half_height, x + dx + width / 2, y + dy + half_height};
-      const bool is_in = box.left > panel_.left && box.right < panel_.right && box.top > panel_.top && box.bottom < panel_.bottom;
-      const auto meets = [&box](const Box& other) {
-        return box.left < other.right && other.left < box.right && box.top < other.bottom && other.top < box.bottom;
-      };
-      if (!is_in || std::any_of(taken_.begin(), taken_.end(), meets)) continue;
-      taken_.push_back(box);
-      return std::pair(x + dx, y + dy);
-    }
-    return std::nullopt;
-  }
-
- private:
-  struct Box {
-    double left, top, right, bottom;
-  };
-  PlotBox panel_;
-  std::vector<Box> taken_;
-};
 
 /// 1, 2 and 5 of each decade within [least, most], as tics of an axis of logarithms.
 std::string decade_tics(double least, double most) {
@@ -415,12 +378,27 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
   begin_panel(top, delay_bottom, longest, "mean delay [ms]");
   script.add("set xtics ({})", bare_tics);
   // Thresholds are told beside their points, only where nothing else is.
+  constexpr double word_character = 8.5;  // [px]
   const auto across = [&](double x) { return left + (page_width - left - right) * (x - none_at + 0.03 * span) / (1.06 * span); };
   const auto down = [&](double delay_ms) { return delay_bottom - delay_height * (delay_ms + 0.03 * longest) / (1.21 * longest); };
-  FreePlaces places({.left = left, .top = top, .right = page_width - right, .bottom = delay_bottom});
+  WordPlaces places({.left = left, .top = top, .right = page_width - right, .bottom = delay_bottom});
   for (const OperatingMark& point : all) {
-    for (const OperatingMark::OfTouch& touch : {point.press, point.slip})
-      places.take_point(across(place_of(point.false_alarms_per_min)), down(touch.mean_ms));
+    constexpr double half = 7;
+    const double x = across(place_of(point.false_alarms_per_min));
+    for (const OperatingMark::OfTouch& touch : {point.press, point.slip}) {
+      const double y = down(touch.mean_ms);
+      if (std::isfinite(x) && std::isfinite(y)) places.take(x - half, y - half, x + half, y + half);
+    }
+  }
+  // Nor do curves lead through words.
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const OperatingMark &from = points[i - 1], &to = points[i];
+    const double x = across(place_of(from.false_alarms_per_min)), to_x = across(place_of(to.false_alarms_per_min));
+    for (const auto& [from_ms, to_ms] :
+         {std::pair(from.press.mean_ms, to.press.mean_ms), std::pair(from.slip.mean_ms, to.slip.mean_ms)}) {
+      if (std::isfinite(x) && std::isfinite(to_x) && std::isfinite(from_ms) && std::isfinite(to_ms))
+        places.take_line(x, down(from_ms), to_x, down(to_ms));
+    }
   }
   for (const Touch touch : {Touch::slip, Touch::press}) {
     for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
@@ -429,9 +407,11 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
       if (point == points.end()) continue;
       const double delay_ms = touch == Touch::press ? point->press.mean_ms : point->slip.mean_ms;
       const std::string words = fmt::format("{:.4g}", wanted);
-      const auto place =
-          places.beside(across(place_of(point->false_alarms_per_min)), down(delay_ms), 7.0 * static_cast<double>(words.size()));
-      if (place) script.text(words, place->first, place->second, "center font ',10'", figure_colours::of(touch));
+      const WordPlaces::Place place = places.near(across(place_of(point->false_alarms_per_min)), down(delay_ms),
+                                                  word_character * static_cast<double>(words.size()));
+      if (!place.is_plain()) continue;
+      places.take(place);
+      script.text(words, place.x, place.y, "center font ',10'", figure_colours::of(touch));
     }
   }
   draw_lines(std::move(delays), values_of_own([](const OperatingMark::OfTouch& touch) { return touch.mean_ms; }));

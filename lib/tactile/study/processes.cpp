@@ -135,7 +135,11 @@ void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions
   Children children(plans);
   std::size_t next = 0;
   while (next < plans.size() || children.running() > 0) {
-    while (next < plans.size() && children.running() < std::max(1U, options.at_once)) children.start(next++, options.program);
+    while (next < plans.size() && children.running() < std::max(1U, options.at_once)) {
+      children.start(next, options.program);
+      if (options.begun) options.begun(next);
+      ++next;
+    }
     if (options.while_waiting) options.while_waiting();
     const auto ended = children.reap();
     for (const auto& [child, status] : ended) {

@@ -18,6 +18,7 @@ struct ProcessesOptions {
   std::filesystem::path program;        ///< this one, as a rule
   unsigned at_once = 1;                 ///< so many run at the same time, > 0
   std::function<void()> while_waiting;  ///< called about ten times a second; what it throws ends the processes. May be empty
+  std::function<void(std::size_t index)> begun = {};             ///< told of each as it begins. May be empty
   std::function<void(std::size_t index, double seconds)> ended;  ///< told of each that came to a good end. May be empty
 };
 

@@ -62,14 +62,23 @@ bool StepRunner::knows(const std::string& name) const { return fs::exists(file_o
 
 nlohmann::json StepRunner::inputs_of(const std::string& name) const { return read(name).inputs; }
 
-bool StepRunner::find_done(const Step& step) {
-  Known known = read(step.name);
+bool StepRunner::is_done(const Step& step) const {
+  const Known known = read(step.name);
   if (!known.done || known.key != key_of(step)) return false;
   const nlohmann::json outputs = step.outputs();
-  if (outputs.is_null() || outputs != known.outputs) return false;
+  return !outputs.is_null() && outputs == known.outputs;
+}
+
+void StepRunner::tell_of(const Step& step, bool kept) const {
+  if (options_.tell) options_.tell(step.words.empty() ? step.name : step.words, kept);
+}
+
+bool StepRunner::find_done(const Step& step) {
+  if (!is_done(step)) return false;
+  Known known = read(step.name);
   known.record.command = step.command;
   records_.push_back(std::move(known.record));
-  if (options_.tell) options_.tell(step.name, true);
+  tell_of(step, true);
   return true;
 }
 
@@ -83,7 +92,6 @@ void StepRunner::begin(const Step& step) {
                                   {"outputs", nullptr},
                                   {"seconds", 0},
                                   {"finished_at", ""}});
-  if (options_.tell) options_.tell(step.name, false);
 }
 
 void StepRunner::finish(const Step& step, double seconds) {
@@ -109,8 +117,9 @@ void StepRunner::run(const Step& step) {
   if (step.arguments) return run_side_by_side({step});
   if (find_done(step)) return;
   begin(step);
+  tell_of(step, false);
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  tell(progress, 0, 0, step.name);
+  tell(progress, 0, 0, step.words.empty() ? step.name : step.words);
   const auto begun = Clock::now();
   try {
     step.work(progress);
@@ -145,10 +154,12 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   run_processes(plans, {.program = options_.program,
                         .at_once = options_.threads,
                         .while_waiting = tell_all,
-                        .ended = [&](std::size_t index, double seconds) {
-                          finish(*due[index], seconds);
-                          ++ended;
-                        }});
+                        .begun = [&](std::size_t index) { tell_of(*due[index], false); },
+                        .ended =
+                            [&](std::size_t index, double seconds) {
+                              finish(*due[index], seconds);
+                              ++ended;
+                            }});
   // In the order of the plan, whichever ended first.
   const auto place_of = [&](const StepRecord& record) {
     return std::find_if(steps.begin(), steps.end(), [&](const Step& step) { return step.name == record.name; }) - steps.begin();

@@ -25,6 +25,7 @@ struct Step {
 
   std::function<void(const ProgressCallback&)> work = {};  ///< done in this process; empty where `arguments` are given
   std::function<std::vector<std::string>(const StepPast&)> arguments = {};  ///< of a process that does it
+  std::string words = {};  ///< what is told of it while it is done: "training 3 of 11: t_h 20 ms"; where empty, its name
 };
 
 /// What is kept of a step that was done.
@@ -43,7 +44,7 @@ struct StepRunnerOptions {
   std::filesystem::path program;  ///< that `arguments` are of
   unsigned threads = 1;           ///< how many processes run side by side, > 0
   NewProgress new_progress = {};
-  std::function<void(const std::string& name, bool kept)> tell = {};  ///< told of each step as it begins, or is found done
+  std::function<void(const std::string& words, bool kept)> tell = {};  ///< told of each step as it begins, or is found done
 };
 
 /// Runs steps and remembers them in `folder/steps`. A step whose key and outputs are those remembered is not done again; one that
@@ -62,6 +63,9 @@ class StepRunner {
   const std::vector<StepRecord>& records() const { return records_; }
   std::size_t done_now() const { return done_now_; }
 
+  /// Whether it would be found done.
+  bool is_done(const Step& step) const;
+
   /// Whether a step of this name was ever begun, with whatever inputs.
   bool knows(const std::string& name) const;
 
@@ -74,6 +78,7 @@ class StepRunner {
   Known read(const std::string& name) const;
   bool find_done(const Step& step);
   void begin(const Step& step);
+  void tell_of(const Step& step, bool kept) const;
   void finish(const Step& step, double seconds);
 
   StepRunnerOptions options_;

@@ -35,6 +35,7 @@
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
 #include "tactile/study/training_step.hpp"
+#include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -102,8 +103,10 @@ struct RunSet {
 
 class Study {
  public:
-  Study(const StudyOptions& options, const NewProgress& new_progress, const std::function<void(const std::string&, bool)>& tell)
+  Study(const StudyOptions& options, const NewProgress& new_progress, const std::function<void(const std::string&, bool)>& tell,
+        const std::function<void(const std::string&)>& warn)
       : options_(options),
+        warn_(warn),
         preset_(preset_settings(options.preset)),
         epochs_(options.epochs.value_or(preset_.epochs)),
         threads_(options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency())),
@@ -245,8 +248,25 @@ class Study {
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
+                       warn_of_another_dataset(windows);
                        write_dataset(options_.data, dataset_file(), windows, threads_, progress);
                      }});
+  }
+
+  /// Another study's, or somebody's own, that will be replaced.
+  void warn_of_another_dataset(const WindowsOptions& windows) const {
+    if (!warn_) return;
+    std::vector<std::string> differing;
+    try {
+      const Dataset there(dataset_file());
+      differing = differing_settings(dataset_settings_of(windows), dataset_settings_in(there.settings()));
+    } catch (const Error&) {
+      return;  // none is there, or none that can be read
+    }
+    if (differing.empty()) return;
+    warn_(fmt::format(
+        "{} was made with other settings and is made anew with {}; give each study a data folder of its own to keep both",
+        dataset_file().string(), fmt::join(differing, ", ")));
   }
 
   void render() {
@@ -326,8 +346,7 @@ class Study {
   StudyModel seen_model(microseconds history, std::uint64_t seed) const { return model_of(history, seed, {}); }
 
   Step training_of(const StudyModel& model) const {
-    return training_step(*dataset_, model.settings, model.bundle,
-                         {options_.data, options_.models, from_study(options_.models)});
+    return training_step(*dataset_, model.settings, model.bundle, {options_.data, options_.models, from_study(options_.models)});
   }
 
   /// Named where it is not the usual one, whose results stay as they are.
@@ -831,6 +850,7 @@ class Study {
   }
 
   StudyOptions options_;
+  std::function<void(const std::string&)> warn_;
   PresetSettings preset_;
   unsigned epochs_, threads_;
   FolderLock lock_;
@@ -856,9 +876,10 @@ class Study {
 }  // namespace
 
 StudySummary run_study(const StudyOptions& options, const NewProgress& new_progress,
-                       const std::function<void(const std::string& step, bool kept)>& tell) {
+                       const std::function<void(const std::string& step, bool kept)>& tell,
+                       const std::function<void(const std::string& sentence)>& warn) {
   if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
-  return Study(options, new_progress, tell).run();
+  return Study(options, new_progress, tell, warn).run();
 }
 
 }  // namespace tactile

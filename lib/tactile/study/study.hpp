@@ -25,9 +25,12 @@ struct StudySummary {
 ///
 /// @param new_progress  asked at the begin of each step for what is told of it
 /// @param tell  told of each step as it begins, or is found done
+/// @param warn  told, before it is done, in a sentence what somebody may not expect: that the dataset which lies in `data` was
+///              made with other settings, and is made anew
 /// @throws Error  if an option is out of its range, another study is at work in the same folder, or a step fails: it names the
 ///                step's command and what went wrong
 StudySummary run_study(const StudyOptions& options, const NewProgress& new_progress = {},
-                       const std::function<void(const std::string& step, bool kept)>& tell = {});
+                       const std::function<void(const std::string& step, bool kept)>& tell = {},
+                       const std::function<void(const std::string& sentence)>& warn = {});
 
 }  // namespace tactile

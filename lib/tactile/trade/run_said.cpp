@@ -3,12 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
+#include "tactile/model/train_model.hpp"
 
 namespace tactile {
 namespace {
@@ -44,6 +47,19 @@ RunSaid said_in_run(const std::filesystem::path& recording, const std::string& r
         if (waiting.size() >= batch * heatmap.size()) classify_waiting();
       });
   if (!waiting.empty()) classify_waiting();
+  return said;
+}
+
+std::vector<RunSaid> said_in_runs(const Dataset& dataset, std::span<const std::uint32_t> runs, const Classifier& classifier,
+                                  microseconds tick, unsigned threads, const ProgressCallback& progress) {
+  std::vector<RunSaid> said(runs.size());
+  std::mutex one_at_a_time;
+  std::size_t done = 0;
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    said[i] = said_in_run(dataset.run_folder(runs[i]) / "events.aedat4", name_of(dataset.runs()[runs[i]]), classifier, tick);
+    const std::scoped_lock lock(one_at_a_time);
+    tell(progress, ++done, runs.size(), fmt::format("what it says at every tick: {} of {} runs", done, runs.size()));
+  });
   return said;
 }
 

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/progress.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confirmation.hpp"
 #include "tactile/model/classifier.hpp"
+#include "tactile/windows/dataset.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
@@ -27,6 +29,10 @@ struct RunSaid {
 /// @throws Error  as `classify_full_run`
 RunSaid said_in_run(const std::filesystem::path& recording, const std::string& run, const Classifier& classifier,
                     microseconds tick);
+
+/// Of several of the dataset's runs, in their order. @throws Error  as `classify_full_run`
+std::vector<RunSaid> said_in_runs(const Dataset& dataset, std::span<const std::uint32_t> runs, const Classifier& classifier,
+                                  microseconds tick, unsigned threads, const ProgressCallback& progress = {});
 
 /// The same at a tick that is a whole number of the old ones: what `said_in_run` gives at it, since a heatmap depends on the
 /// events of its history alone. @throws Error  if it is not

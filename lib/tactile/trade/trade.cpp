@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <set>
 #include <thread>
@@ -19,18 +18,19 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/evaluation/evaluation.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/classifier.hpp"
-#include "tactile/model/library.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/study/folder_lock.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
 #include "tactile/study/training_step.hpp"
+#include "tactile/trade/measured_again.hpp"
 #include "tactile/trade/pareto_front.hpp"
 #include "tactile/trade/run_said.hpp"
 #include "tactile/trade/trade_figures.hpp"
+#include "tactile/trade/trade_point.hpp"
+#include "tactile/trade/trade_results.hpp"
 
 namespace tactile {
 namespace {
@@ -53,28 +53,6 @@ json json_of(const TimedWay& way) {
           {"weights", read_description({way.model}).weights_sha256}};
 }
 
-/// A network that settings share, and one seed of it.
-struct TradeNetwork {
-  ModelSettings settings;
-  ModelBundle bundle;
-
-  std::string name() const { return bundle.name(); }
-};
-
-/// A setting, and what is measured of it.
-struct TradePoint {
-  TradeSetting setting;
-  std::string design;                       ///< "usual", "one", "corner", "all"
-  std::vector<TradeNetwork> networks = {};  ///< one for each seed
-  TradeResult choice = {}, reported = {};
-  std::optional<TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
-  bool on_accuracy_front = false, on_delay_front = false;
-};
-
-struct NotMeasured {
-  std::string setting, why;
-};
-
 class Trade {
  public:
   Trade(const TradeOptions& options, const NewProgress& new_progress, const std::function<void(const std::string&, bool)>& tell)
@@ -86,7 +64,12 @@ class Trade {
                  .program = options.program,
                  .threads = threads_,
                  .new_progress = new_progress,
-                 .tell = tell}) {}
+                 .tell = [this, tell](const std::string& step, bool kept) {
+                   if (!tell) return;
+                   // A part is told of once something of it is to be done.
+                   if (!kept && !part_.empty()) tell(std::exchange(part_, {}), false);
+                   tell(step, kept);
+                 }}) {}
 
   TradeSummary run() {
     const Dataset dataset(options_.data / "dataset.h5");
@@ -97,15 +80,22 @@ class Trade {
     // The usual setting first: all others are told by their difference to it.
     add(options_.usual, "usual");
     for (const TradeSetting& setting : design) add(setting, options_.full ? "all" : "one");
+    begin_part(fmt::format("{}, {} settings", options_.full ? "every combination" : "one knob at a time", points_.size()));
     measure("times-design");
     if (!options_.full) {
       const std::size_t before = points_.size();
       for (const TradeSetting& corner : promising_corners(options_.usual, options_.levels, outcomes(), options_.corners))
         add(corner, "corner");
+      begin_part(fmt::format("{} combinations that look promising", points_.size() - before));
       if (points_.size() > before) measure("times");
     }
+    if (options_.seeds > 1) begin_part(fmt::format("what lies on a front and the usual setting with {} seeds", options_.seeds));
     sow_the_front();
-    if (options_.growth) measure_cost_growth();
+    if (options_.growth) {
+      begin_part("how the cost of a tick grows");
+      measure_cost_growth();
+    }
+    if (options_.wish.any()) begin_part("a setting for what is wished");
     recommend_one();
     TradeSummary summary;
     summary.trade = write_results();
@@ -116,6 +106,39 @@ class Trade {
   }
 
  private:
+  // --- what is told of it
+
+  /// Told once a step of it is done: parts that are kept are not worth a word.
+  void begin_part(const std::string& words) {
+    const int parts =
+        1 + (options_.full ? 0 : 1) + (options_.seeds > 1 ? 1 : 0) + (options_.growth ? 1 : 0) + (options_.wish.any() ? 1 : 0);
+    part_ = fmt::format("part {} of {}: {}", ++parts_begun_, parts, words);
+  }
+
+  /// A network by what is other than usual, where `rendering` is its own, at the tick that it is asked at.
+  std::string words_of(const TradeNetwork& network, microseconds tick, EngineKind engine, Precision precision) const {
+    TradeSetting asked = options_.usual, usual = options_.usual;
+    asked.rendering = network.settings.rendering;
+    asked.rendering.tick = tick;
+    asked.engine = engine, asked.precision = precision;
+    usual.rendering.tick = tick_said_at(network_of(options_.usual, 0), options_.usual.rendering.tick);
+    const std::string words = asked == usual ? "the usual network" : text_of(asked, usual);
+    return options_.seeds > 1 ? fmt::format("{}, seed {}", words, network.settings.training.seed) : words;
+  }
+
+  std::string words_of(const TradeNetwork& network) const {
+    const microseconds usual_tick = tick_said_at(network_of(options_.usual, 0), options_.usual.rendering.tick);
+    return words_of(network, usual_tick, options_.usual.engine, options_.usual.precision);
+  }
+
+  /// What is left of steps that take alike, by those done since.
+  static std::string time_left(Clock::time_point begun, std::size_t done, std::size_t all) {
+    if (done == 0) return {};
+    const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+    const double left = passed / static_cast<double>(done) * static_cast<double>(all - done);
+    return left < 90 ? fmt::format(", about {:.0f} s left", left) : fmt::format(", about {:.0f} min left", left / 60);
+  }
+
   // --- which runs
 
   void divide_runs() {
@@ -128,9 +151,9 @@ class Trade {
     }
     train_runs_ = runs.train;
     choice_count_ = runs.choice.size();
-    tested_ = runs.choice;
-    tested_.insert(tested_.end(), runs.reported.begin(), runs.reported.end());
-    for (const std::uint32_t run : tested_) {
+    tested_.indexes = runs.choice;
+    tested_.indexes.insert(tested_.indexes.end(), runs.reported.begin(), runs.reported.end());
+    for (const std::uint32_t run : tested_.indexes) {
       check_unchanged(*dataset_, run);
       const DatasetRun& names = dataset_->runs()[run];
       const RunFolder folder{dataset_->run_folder(run), names.object, names.run};
@@ -139,12 +162,12 @@ class Trade {
       for (const std::uint32_t sample : samples_of_runs(*dataset_, {&run, 1}))
         judged.samples.push_back(dataset_->samples()[sample]);
       judged.truth = read_run_truth(folder, member<bool>(dataset_->settings(), "include_flagged", dataset_->file().string()));
-      judged_.push_back(std::move(judged));
-      recordings_.push_back(folder.events());
+      tested_.judged.push_back(std::move(judged));
+      tested_.recordings.push_back(folder.events());
     }
   }
 
-  std::vector<std::string> tested_names() const { return names_of(*dataset_, tested_); }
+  std::vector<std::string> tested_names() const { return names_of(*dataset_, tested_.indexes); }
 
   // --- networks
 
@@ -164,7 +187,7 @@ class Trade {
 
   Step training_of(const TradeNetwork& network) const {
     return training_step(*dataset_, network.settings, network.bundle,
-                         {options_.data, options_.models, from_trade(options_.models)});
+                         {options_.data, options_.models, from_folder(options_.models, options_.out)});
   }
 
   double seconds_of_a_training() const {
@@ -197,14 +220,36 @@ class Trade {
     }
     runner_.run_side_by_side(there);
     const std::size_t at_once = options_.budget_minutes ? threads_ : std::max<std::size_t>(due.size(), 1);
-    for (std::size_t begin = 0; begin < due.size() && budget_allows_a_batch(); begin += at_once) {
+    for (std::size_t begin = 0; begin < due.size(); begin += at_once) {
+      if (!budget_allows_a_batch()) {
+        budget_ended_ = true;
+        return;
+      }
       std::vector<Step> batch;
       for (std::size_t i = begin; i < std::min(begin + at_once, due.size()); ++i) {
         batch.push_back(training_of(*due[i]));
+        batch.back().words = fmt::format("training {} of {}: {}", i + 1, due.size(), words_of(*due[i]));
         trained_.insert(due[i]->name());
       }
+      trainings_begun_ += batch.size();
       runner_.run_side_by_side(batch);
     }
+  }
+
+  /// Where the budget ended the work, whether the next call goes on, and what it needs for it.
+  std::string unfinished() const {
+    if (!budget_ended_) return {};
+    const double minutes = options_.budget_minutes.value_or(0), training = seconds_of_a_training() / 60;
+    if (trainings_begun_ > 0 && training < minutes) {
+      return fmt::format(
+          "The budget of {:g} minutes ended the work: run the same command again, and it goes on where it stopped; all that is "
+          "done is kept.",
+          minutes);
+    }
+    return fmt::format(
+        "The budget of {:g} minutes ended the work, and leaves no room for a training{}: run the same command with a larger "
+        "--budget-minutes, and it goes on where it stopped; all that is done is kept.",
+        minutes, training > 0 ? fmt::format(" of {:.2g} minutes", training) : std::string());
   }
 
   // --- points
@@ -223,7 +268,7 @@ class Trade {
     train(networks);
     take_networks();
     if (!points_.empty() && points_.front().networks.empty())
-      throw Error("the usual setting could not be measured; expected a larger --budget-minutes");
+      throw Error("the usual setting's network is not trained yet; expected time for it. " + unfinished());
     drop_unless([](const TradePoint& point) { return !point.networks.empty(); },
                 fmt::format("the budget of {:g} minutes was used up before its network was trained",
                             options_.budget_minutes.value_or(0)));
@@ -234,7 +279,7 @@ class Trade {
         "its network was made without a gate");
     if (points_.empty() || !(points_.front().setting == options_.usual))
       throw Error("the usual setting has a gate, and its network none; expected one that this version of 'tactile train' made");
-    for (const TradePoint& point : points_) say(point);
+    say_all();
     measure_times(times_name);
     judge();
   }
@@ -292,50 +337,55 @@ class Trade {
                        name_of(setting.engine), name_of(setting.precision));
   }
 
-  void say(const TradePoint& point) {
-    for (const TradeNetwork& network : point.networks) {
-      const std::string name = said_name(network, point.setting);
-      if (said_.contains(name)) continue;
-      const fs::path file = options_.out / "said" / (name + ".json");
-      const microseconds tick = tick_said_at(network, point.setting.rendering.tick);
-      runner_.run({.name = name,
-                   .command = "",
-                   .inputs = {{"manifest", dataset_->manifest_hash()},
-                              {"weights", read_description(network.bundle).weights_sha256},
-                              {"runs", tested_names()},
-                              {"tick_us", tick.count()},
-                              {"engine", name_of(point.setting.engine)},
-                              {"precision", name_of(point.setting.precision)}},
-                   .outputs = [file] { return hash_of_file(file); },
-                   .work =
-                       [&](const ProgressCallback& progress) {
-                         write_said(file, said_anew(network, point.setting, tick, tested_, progress));
-                       }});
-      said_[name] = read_said(file);
+  Step saying_of(const TradeNetwork& network, const TradeSetting& setting) const {
+    const fs::path file = options_.out / "said" / (said_name(network, setting) + ".json");
+    const microseconds tick = tick_said_at(network, setting.rendering.tick);
+    return {.name = said_name(network, setting),
+            .command = "",
+            .inputs = {{"manifest", dataset_->manifest_hash()},
+                       {"weights", read_description(network.bundle).weights_sha256},
+                       {"runs", tested_names()},
+                       {"tick_us", tick.count()},
+                       {"engine", name_of(setting.engine)},
+                       {"precision", name_of(setting.precision)}},
+            .outputs = [file] { return hash_of_file(file); },
+            .work =
+                [this, file, tick, network, setting](const ProgressCallback& progress) {
+                  const Classifier classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+                  write_said(file, said_in_runs(*dataset_, tested_.indexes, classifier, tick, threads_, progress));
+                }};
+  }
+
+  /// What all networks of all points say.
+  void say_all() {
+    std::vector<Step> due;
+    const auto take = [this](const std::string& name) { said_[name] = read_said(options_.out / "said" / (name + ".json")); };
+    std::set<std::string> seen;
+    for (const TradePoint& point : points_) {
+      for (const TradeNetwork& network : point.networks) {
+        const std::string name = said_name(network, point.setting);
+        if (said_.contains(name) || !seen.insert(name).second) continue;
+        Step step = saying_of(network, point.setting);
+        step.words =
+            words_of(network, tick_said_at(network, point.setting.rendering.tick), point.setting.engine, point.setting.precision);
+        if (!runner_.is_done(step)) {
+          due.push_back(std::move(step));
+          continue;
+        }
+        runner_.run(step);
+        take(name);
+      }
+    }
+    const Clock::time_point begun = Clock::now();
+    for (std::size_t i = 0; i < due.size(); ++i) {
+      due[i].words = fmt::format("judging {} of {}, at every tick of {} runs: {}{}", i + 1, due.size(), tested_.indexes.size(),
+                                 due[i].words, time_left(begun, i, due.size()));
+      runner_.run(due[i]);
+      take(due[i].name);
     }
   }
 
-  std::vector<RunSaid> said_anew(const TradeNetwork& network, const TradeSetting& setting, microseconds tick,
-                                 std::span<const std::uint32_t> runs, const ProgressCallback& progress) const {
-    const Classifier classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-    std::vector<RunSaid> said(runs.size());
-    std::mutex one_at_a_time;
-    std::size_t done = 0;
-    parallel_for(runs.size(), threads_, [&](std::size_t i) {
-      said[i] =
-          said_in_run(dataset_->run_folder(runs[i]) / "events.aedat4", name_of(dataset_->runs()[runs[i]]), classifier, tick);
-      const std::scoped_lock lock(one_at_a_time);
-      tell(progress, ++done, runs.size(), fmt::format("every tick of {}, by {}", said[i].run, network.name()));
-    });
-    return said;
-  }
-
   // --- what ticks take
-
-  TimedWay way_of(const TradePoint& point) const {
-    const TradeSetting& setting = point.setting;
-    return {setting.rendering, setting.engine, setting.precision, setting.sparse, point.networks.front().bundle.folder};
-  }
 
   void measure_times(const std::string& name) {
     ways_.clear();
@@ -359,37 +409,27 @@ class Trade {
                  .outputs = [file] { return hash_of_file(file); },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       write_times(file, time_ticks(ways_, recordings_, options_.timing, progress));
-                     }});
+                       write_times(file, time_ticks(ways_, tested_.recordings, options_.timing, progress));
+                     },
+                 .words = fmt::format("timing {} ways to compute a tick, in turns, at {} times of each of {} runs", ways_.size(),
+                                      options_.timing.pieces * options_.timing.ticks, tested_.indexes.size())});
     times_ = read_times(file);
     if (times_.size() != ways_.size()) throw Error(file.string() + ": times of other ways; expected those asked for");
   }
 
   // --- figures
 
-  static std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
-    if (!setting.gate) return std::nullopt;
-    return gate_limit(network.bundle, read_description(network.bundle));
-  }
-
-  static void add_times(TradedRun& outcome, const std::vector<TickTime>& times, std::optional<std::uint64_t> gate) {
-    for (const TickTime& time : times) {
-      outcome.tick_us.push_back(time.total(gate));
-      if (!gate || time.events >= *gate) outcome.open_tick_us.push_back(time.total({}));
-    }
-  }
-
   /// Of every tested run, the first seeds together.
   std::vector<TradedRun> outcomes_of(const TradePoint& point, std::size_t seeds) const {
-    std::vector<TradedRun> outcomes(tested_.size());
+    std::vector<TradedRun> outcomes(tested_.indexes.size());
     for (std::size_t seed = 0; seed < seeds; ++seed) {
       const TradeNetwork& network = point.networks[seed];
       const auto gate = gate_of(point.setting, network);
       const std::vector<RunSaid>& said = said_.at(said_name(network, point.setting));
-      for (std::size_t run = 0; run < tested_.size(); ++run) {
+      for (std::size_t run = 0; run < outcomes.size(); ++run) {
         const RunSaid at_its_tick = at_tick(said[run], point.setting.rendering.tick);
         const TradedRun outcome =
-            outcome_of(judged_[run], at_its_tick, verdicts_of(at_its_tick, gate, point.setting.confirmation));
+            outcome_of(tested_.judged[run], at_its_tick, verdicts_of(at_its_tick, gate, point.setting.confirmation));
         if (seed == 0) {
           outcomes[run] = outcome;
         } else {
@@ -399,7 +439,7 @@ class Trade {
     }
     const auto way = static_cast<std::size_t>(std::find(ways_.begin(), ways_.end(), way_of(point)) - ways_.begin());
     const auto gate = gate_of(point.setting, point.networks.front());
-    for (std::size_t run = 0; run < tested_.size(); ++run) add_times(outcomes[run], times_[way].at(run), gate);
+    for (std::size_t run = 0; run < outcomes.size(); ++run) add_times(outcomes[run], times_[way].at(run), gate);
     return outcomes;
   }
 
@@ -461,7 +501,7 @@ class Trade {
       train(networks);
       if (trained_.size() == before) return;
       take_networks();
-      for (const TradePoint& point : points_) say(point);
+      say_all();
       judge();
     }
   }
@@ -493,7 +533,9 @@ class Trade {
                  .work =
                      [&](const ProgressCallback& progress) {
                        write_json(file, measure_growth(moving_events(recordings), dataset_->sensor(), growth, progress));
-                     }});
+                     },
+                 .words = fmt::format("timing ticks at {} event rates, {} histories and {} sensor sizes", growth.rates.size(),
+                                      growth.histories.size(), growth.sensors.size())});
     growth_ = read_json(file);
   }
 
@@ -550,18 +592,24 @@ class Trade {
   json measured_again(const TradePoint& point) {
     const TradeNetwork& network = point.networks.front();
     const fs::path file = options_.out / "again" / (id_of(point.setting) + ".json");
-    const std::span<const std::uint32_t> reported = std::span(tested_).subspan(choice_count_);
+    const TestedRuns reported = tested_.from(choice_count_);
     runner_.run({.name = "again-" + id_of(point.setting),
                  .command = "",
                  .inputs = {{"manifest", dataset_->manifest_hash()},
                             {"weights", read_description(network.bundle).weights_sha256},
                             {"setting", point.setting},
-                            {"runs", names_of(*dataset_, reported)},
-                            {"truth", truth_hashes(reported)},
+                            {"runs", names_of(*dataset_, reported.indexes)},
+                            {"truth", truth_hashes(reported.indexes)},
                             {"machine", cpu_name()},
                             {"revision", revision()}},
                  .outputs = [file] { return hash_of_file(file); },
-                 .work = [&](const ProgressCallback& progress) { write_json(file, again(point, reported, progress)); }});
+                 .work =
+                     [&](const ProgressCallback& progress) {
+                       write_json(
+                           file, measure_again(point, points_.front(), *dataset_, reported, options_.timing, threads_, progress));
+                     },
+                 .words = fmt::format("measuring the setting chosen again, on {} runs that it was not chosen on: {}",
+                                      reported.indexes.size(), text_of(point.setting, options_.usual))});
     return read_json(file);
   }
 
@@ -571,142 +619,21 @@ class Trade {
     return hashes;
   }
 
-  json again(const TradePoint& point, std::span<const std::uint32_t> reported, const ProgressCallback& progress) const {
-    const TradeSetting& setting = point.setting;
-    const TradeNetwork& network = point.networks.front();
-    const auto gate = gate_of(setting, network);
-    const std::vector<TimedWay> ways{way_of(points_.front()), way_of(point)};
-    const auto times = time_ticks(ways, std::span(recordings_).subspan(choice_count_), options_.timing, progress);
-    const auto said = said_anew(network, setting, setting.rendering.tick, reported, progress);
-    std::vector<TradedRun> outcomes;
-    for (std::size_t i = 0; i < reported.size(); ++i) {
-      outcomes.push_back(outcome_of(judged_[choice_count_ + i], said[i], verdicts_of(said[i], gate, setting.confirmation)));
-      add_times(outcomes.back(), times[1].at(i), gate);
-    }
-    const TradeResult counted = result_of(outcomes);
-    json result = counted;
-    result["by"] = "trade";
-    // `eval` judges at the network's own ticks alone, where samples lie.
-    if (setting.rendering.tick == network.settings.rendering.tick) {
-      const Classifier classifier(network.bundle.folder, threads_, setting.engine, {.precision = setting.precision});
-      const Evaluation evaluation =
-          evaluate(*dataset_, classifier, reported,
-                   {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads_}, progress);
-      result["by"] = "eval";
-      result["accuracy"] = evaluation.accuracy.mean;
-      result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
-    }
-    result["model"] = network.name();
-    result["runs"] = names_of(*dataset_, reported);
-    return result;
-  }
-
-  // --- results
-
-  std::string from_trade(const fs::path& path) const {
-    const auto whole = [](const fs::path& any) { return fs::weakly_canonical(fs::absolute(any)); };
-    return whole(path).lexically_relative(whole(options_.out)).generic_string();
-  }
-
-  json point_json(const TradePoint& point) const {
-    json networks = json::array();
-    for (const TradeNetwork& network : point.networks) networks.push_back(network.name());
-    json entry = {
-        {"id", id_of(point.setting)}, {"text", text_of(point.setting, options_.usual)},
-        {"design", point.design},     {"setting", point.setting},
-        {"models", networks},         {"seeds", point.networks.size()},
-        {"choice", point.choice},     {"reported", point.reported},
-        {"difference", nullptr},      {"front", {{"accuracy", point.on_accuracy_front}, {"delay", point.on_delay_front}}}};
-    if (point.difference) entry["difference"] = *point.difference;
-    return entry;
-  }
-
-  /// Of how many settings the time that 99 of 100 ticks do not exceed is uncertain by more than a factor of four: the longest
-  /// heatmap of a run takes some twice as long as its usual one, all else is what the machine did meanwhile.
-  std::size_t settings_on_a_busy_machine() const {
-    return static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), [](const TradePoint& point) {
-      const auto is_uncertain = [](const Figure& us) { return us.low && us.high && *us.high > 4 * *us.low; };
-      return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
-    }));
-  }
-
-  json levels_json() const {
-    json levels = json::object();
-    for (const TradeFactor& factor : factors_of(options_.levels)) {
-      levels[factor.name] = json::array();
-      for (const TradeLevel& level : factor.levels) levels[factor.name].push_back(level.text);
-    }
-    return levels;
-  }
-
   json write_results() const {
-    const BootstrapOptions bootstrap;
-    const std::span<const std::uint32_t> all(tested_);
-    json trade = {
-        {"format", "tactile-trade-1"},
-        {"title", fmt::format("Speed against accuracy on {} runs", dataset_->simulated() ? "simulated" : "real")},
-        {"simulated", dataset_->simulated()},
-        {"times_are",
-         fmt::format(
-             "Time per tick is that of computing: counting events, rendering and network, on one thread of one process, at {} "
-             "times of every run, the median of {} turns, in which all settings come one after the other, so that what else "
-             "the machine does falls on all alike. What 'tactile detect' waits for beside it, it tells itself.",
-             options_.timing.ticks * options_.timing.pieces, options_.timing.turns)},
-        {"settings",
-         {{"data", from_trade(options_.data)},
-          {"models", from_trade(options_.models)},
-          {"train_run", options_.train_run},
-          {"choice_runs", options_.choice_runs},
-          {"epochs", options_.epochs},
-          {"seeds", options_.seeds},
-          {"seed", options_.seed},
-          {"full", options_.full},
-          {"budget_minutes", options_.budget_minutes ? json(*options_.budget_minutes) : json()},
-          {"levels", levels_json()}}},
-        {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}}},
-        {"machine",
-         {{"cpu", cpu_name()},
-          {"system", system_name()},
-          {"cores", std::thread::hardware_concurrency()},
-          {"memory_bytes", memory_bytes()},
-          {"threads", threads_}}},
-        {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
-        {"dataset",
-         {{"file", from_trade(dataset_->file())},
-          {"manifest_hash", dataset_->manifest_hash()},
-          {"samples", dataset_->samples().size()}}},
-        {"runs",
-         {{"train", names_of(*dataset_, train_runs_)},
-          {"choice", names_of(*dataset_, all.first(choice_count_))},
-          {"reported", names_of(*dataset_, all.subspan(choice_count_))}}},
-        {"usual", id_of(options_.usual)},
-        {"busy", settings_on_a_busy_machine()},
-        {"points", json::array()},
-        {"left_out", json::array()},
-        {"not_measured", json::array()},
-        {"growth", growth_},
-        {"recommendation", recommendation_},
-        {"steps", json::array()}};
-    for (const TradePoint& point : points_) trade["points"].push_back(point_json(point));
-    for (const LeftOutPair& pair : left_out_pairs(options_.levels)) {
-      trade["left_out"].push_back(
-          {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is no whole number of ticks"}});
-    }
-    for (const TradePoint& point : points_) {
-      if ((point.on_accuracy_front || point.on_delay_front) && point.networks.size() < options_.seeds)
-        trade["not_measured"].push_back({{"setting", text_of(point.setting, options_.usual)},
-                                         {"why", fmt::format("with {} of {} seeds: the budget was used up",
-                                                             options_.seeds - point.networks.size(), options_.seeds)}});
-    }
-    for (const NotMeasured& one : not_measured_) trade["not_measured"].push_back({{"setting", one.setting}, {"why", one.why}});
-    for (const StepRecord& record : runner_.records()) {
-      trade["steps"].push_back({{"name", record.name},
-                                {"command", record.command.empty() ? json() : json(record.command)},
-                                {"seconds", record.seconds},
-                                {"finished_at", record.finished_at}});
-    }
-    write_whole(options_.out / "trade.csv", trade_csv(trade));
-    write_whole(options_.out / "trade.json", trade.dump(2) + "\n");
+    const std::span<const std::uint32_t> all(tested_.indexes);
+    const json trade = trade_json({.options = options_,
+                                   .dataset = *dataset_,
+                                   .threads = threads_,
+                                   .train = train_runs_,
+                                   .choice = all.first(choice_count_),
+                                   .reported = all.subspan(choice_count_),
+                                   .points = points_,
+                                   .not_measured = not_measured_,
+                                   .growth = growth_,
+                                   .recommendation = recommendation_,
+                                   .unfinished = unfinished(),
+                                   .steps = runner_.records()});
+    write_trade(trade, options_.out);
     return trade;
   }
 
@@ -718,17 +645,19 @@ class Trade {
   const Dataset* dataset_ = nullptr;
 
   std::vector<std::uint32_t> train_runs_;
-  std::vector<std::uint32_t> tested_;  ///< runs to choose on, then those to report on
+  TestedRuns tested_;  ///< runs to choose on, then those to report on
   std::size_t choice_count_ = 0;
-  std::vector<JudgedRun> judged_;     ///< of each of them
-  std::vector<fs::path> recordings_;  ///< likewise
-  std::set<std::string> trained_;     ///< names of networks
+  std::set<std::string> trained_;  ///< names of networks
   std::map<std::string, std::vector<RunSaid>> said_;
   std::vector<TradePoint> points_;  ///< the usual one first
   std::vector<NotMeasured> not_measured_;
   std::vector<TimedWay> ways_;
   std::vector<TimesOfRuns> times_;  ///< of each way
   json growth_, recommendation_;
+  std::string part_;  ///< not told yet
+  int parts_begun_ = 0;
+  bool budget_ended_ = false;
+  std::size_t trainings_begun_ = 0;
 };
 
 void check_options(const TradeOptions& options) {
@@ -748,38 +677,6 @@ TradeSummary run_trade(const TradeOptions& options, const NewProgress& new_progr
                        const std::function<void(const std::string& step, bool kept)>& tell) {
   check_options(options);
   return Trade(options, new_progress, tell).run();
-}
-
-std::string trade_csv(const json& trade) {
-  std::string csv =
-      "id,design,seeds,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,gate,runs,"
-      "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p95_us,missed,"
-      "false_alarms_per_min,false_alarms_per_min_low,false_alarms_per_min_high,us_p50,us_p50_low,us_p50_high,"
-      "us_p99,us_p99_low,us_p99_high,front_accuracy,front_delay\n";
-  const auto number = [](const json& value) {
-    return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>());
-  };
-  const auto figure = [&](const json& value) {
-    return fmt::format("{},{},{}", number(value.at("value")), number(value.at("low")), number(value.at("high")));
-  };
-  for (const json& point : trade.at("points")) {
-    for (const char* runs : {"choice", "reported"}) {
-      const json &setting = point.at("setting"), &result = point.at(runs);
-      const auto word = [&](const char* key) { return setting.at(key).get<std::string>(); };
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},", point.at("id").get<std::string>(),
-                         point.at("design").get<std::string>(), point.at("seeds").get<std::size_t>(), number(setting.at("th_ms")),
-                         number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"), word("denoise"),
-                         word("engine"), word("precision"), word("pass"), word("confirm"),
-                         setting.at("gate").get<bool>() ? "on" : "off", runs);
-      const json& delay = result.at("delay_us");
-      csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", figure(result.at("accuracy")), figure(delay.at("mean")),
-                         number(delay.at("p95").at("value")), number(delay.at("missed").at("value")),
-                         figure(result.at("false_alarms_per_min")), figure(result.at("us").at("p50")),
-                         figure(result.at("us").at("p99")), point.at("front").at("accuracy").get<bool>() ? 1 : 0,
-                         point.at("front").at("delay").get<bool>() ? 1 : 0);
-    }
-  }
-  return csv;
 }
 
 json detect_config(const json& trade, const fs::path& trade_folder) {

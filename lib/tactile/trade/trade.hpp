@@ -53,9 +53,6 @@ struct TradeSummary {
 TradeSummary run_trade(const TradeOptions& options, const NewProgress& new_progress = {},
                        const std::function<void(const std::string& step, bool kept)>& tell = {});
 
-/// One row for each setting and set of runs. @param trade  as trade.json has it
-std::string trade_csv(const nlohmann::json& trade);
-
 /// What `tactile detect --config` takes for the setting recommended. @throws Error  if none was
 nlohmann::json detect_config(const nlohmann::json& trade, const std::filesystem::path& trade_folder);
 

@@ -136,6 +136,13 @@ TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const 
   return outcome;
 }
 
+void add_times(TradedRun& outcome, std::span<const TickTime> times, std::optional<std::uint64_t> gate) {
+  for (const TickTime& time : times) {
+    outcome.tick_us.push_back(time.total(gate));
+    if (!gate || time.events >= *gate) outcome.open_tick_us.push_back(time.total({}));
+  }
+}
+
 void to_json(nlohmann::json& json, const TradeResult& result) {
   json = {{"accuracy", result.figures.accuracy},
           {"delay_us",

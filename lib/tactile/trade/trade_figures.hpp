@@ -44,6 +44,9 @@ struct TradedRun {
 /// @param said  at the setting's tick
 TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
 
+/// Adds what ticks took, the gate's way where it closes.
+void add_times(TradedRun& outcome, std::span<const TickTime> times, std::optional<std::uint64_t> gate);
+
 /// All figures over the same runs, as one wants them told; a delay includes computing: the median time of a tick that no gate
 /// closes, as every tick is at which something is detected. The interval of false alarms is
 /// widened by few alarms.

@@ -13,6 +13,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
+#include "tactile/windows/dataset_settings.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -268,7 +269,7 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
                 "); expected at least one with all three");
   }
   plan.warnings.insert(plan.warnings.end(), lacking.begin(), lacking.end());
-  plan.settings = {{"sampling", options.sampling}, {"mix", options.mix}, {"include_flagged", options.include_flagged}};
+  plan.settings = dataset_settings_of(options);
   plan.manifest = dataset_layout::manifest_of(plan.settings, plan.sensor, plan.simulated, plan.rows);
   return plan;
 }

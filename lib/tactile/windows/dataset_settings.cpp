@@ -1,0 +1,60 @@
+#include "tactile/windows/dataset_settings.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace tactile {
+namespace {
+
+std::string text_of(std::string_view key, const nlohmann::json& value) {
+  if (value.is_boolean()) return value.get<bool>() ? "on" : "off";
+  if (key.ends_with("_us") && value.is_number()) return fmt::format("{:g} ms", value.get<double>() / 1000);
+  return value.is_null() ? "none" : value.dump();
+}
+
+std::string name_of(std::string_view key) {
+  std::string name(key.substr(0, key.size() - (key.ends_with("_us") ? 3 : 0)));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+/// All keys side by side.
+nlohmann::json flat(const nlohmann::json& settings) {
+  nlohmann::json all = nlohmann::json::object();
+  for (const auto& [key, value] : settings.items()) {
+    if (value.is_object())
+      all.update(value);
+    else
+      all[key] = value;
+  }
+  return all;
+}
+
+}  // namespace
+
+nlohmann::json dataset_settings_of(const WindowsOptions& options) {
+  return {{"sampling", options.sampling}, {"mix", options.mix}, {"include_flagged", options.include_flagged}};
+}
+
+nlohmann::json dataset_settings_in(const nlohmann::json& manifest) {
+  nlohmann::json settings = nlohmann::json::object();
+  for (const char* key : {"sampling", "mix", "include_flagged"}) {
+    if (manifest.contains(key)) settings[key] = manifest.at(key);
+  }
+  return settings;
+}
+
+std::vector<std::string> differing_settings(const nlohmann::json& now, const nlohmann::json& before) {
+  const nlohmann::json all = flat(now), others = flat(before);
+  std::vector<std::string> differing;
+  for (const auto& [key, value] : all.items()) {
+    const nlohmann::json other = others.contains(key) ? others.at(key) : nlohmann::json();
+    if (value != other)
+      differing.push_back(fmt::format("{} {} instead of {}", name_of(key), text_of(key, value), text_of(key, other)));
+  }
+  return differing;
+}
+
+}  // namespace tactile
