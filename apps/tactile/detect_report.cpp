@@ -19,10 +19,14 @@ struct NamedHistogram {
 };
 
 std::vector<NamedHistogram> histograms_of(const DeadlineMonitor& monitor) {
-  return {{"waiting", "waiting for data", &monitor.waiting()}, {"queued", "waiting for us", &monitor.queued()},
-          {"rendering", "rendering", &monitor.rendering()},    {"network", "network", &monitor.network()},
-          {"output", "output", &monitor.output()},             {"work", "rendering, network, output", &monitor.work()},
-          {"answer", "from closed to told", &monitor.answer()}, {"whole", "from the tick's end", &monitor.whole()}};
+  return {{"waiting", "waiting for data", &monitor.waiting()},
+          {"queued", "waiting for us", &monitor.queued()},
+          {"rendering", "rendering", &monitor.rendering()},
+          {"network", "network", &monitor.network()},
+          {"output", "output", &monitor.output()},
+          {"work", "rendering, network, output", &monitor.work()},
+          {"answer", "from closed to told", &monitor.answer()},
+          {"whole", "from the tick's end", &monitor.whole()}};
 }
 
 std::string latency_text(const DetectSummary& summary) {
@@ -54,8 +58,10 @@ std::string latency_text(const DetectSummary& summary) {
 std::string text_of(const DetectSummary& summary) {
   const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   std::vector<std::pair<std::string, std::string>> lines;
-  lines.emplace_back("ticks", fmt::format("{} told, {} skipped, {} more than a tick late: {:.3f} % missed", ticks.told,
-                                          ticks.skipped, ticks.late, 100 * ticks.missed_share()));
+  lines.emplace_back(
+      "ticks", summary.plays ? fmt::format("{} told: all there are, each when its events were read, by no deadline", ticks.told)
+                             : fmt::format("{} told, {} skipped, {} more than a tick late: {:.3f} % missed", ticks.told,
+                                           ticks.skipped, ticks.late, 100 * ticks.missed_share()));
   std::string said;
   for (const Touch touch : all_touches) {
     const auto index = static_cast<std::size_t>(touch);
@@ -64,8 +70,8 @@ std::string text_of(const DetectSummary& summary) {
   }
   lines.emplace_back("verdicts", said);
   if (summary.gate) {
-    lines.emplace_back("gate", fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.told,
-                                           *summary.gate));
+    lines.emplace_back("gate",
+                       fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.told, *summary.gate));
   }
   if (!summary.plays)
     lines.emplace_back("closed", fmt::format("{} by events, {} by the host's time", ticks.told - summary.counts.by_host,
@@ -83,9 +89,9 @@ std::string text_of(const DetectSummary& summary) {
   for (const auto& [kind, count] : summary.faults) faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", count, kind);
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
   if (summary.robot) {
-    lines.emplace_back("robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
-                                            counted(summary.robot->raised, "rise"),
-                                            counted(summary.robot->state.reconnects, "reconnect")));
+    lines.emplace_back(
+        "robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
+                             counted(summary.robot->raised, "rise"), counted(summary.robot->state.reconnects, "reconnect")));
   }
   if (summary.udp) lines.emplace_back("udp", fmt::format("{} sent, {} failed", (*summary.udp)[0], (*summary.udp)[1]));
   if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "tick"));
@@ -93,7 +99,8 @@ std::string text_of(const DetectSummary& summary) {
   lines.emplace_back("lasted", fmt::format("{}, {:.1f} % of one core", duration_text(summary.elapsed),
                                            elapsed > 0 ? 100 * summary.cpu_s / elapsed : 0));
   if (summary.asked_for_real_time)
-    lines.emplace_back("real time", summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
+    lines.emplace_back("real time",
+                       summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
   for (std::size_t i = 1; i < summary.real_time.size(); ++i) lines.emplace_back("", summary.real_time[i]);
   lines.emplace_back("engine", summary.engine + ", " + summary.precision);
   lines.emplace_back("ended", summary.ended);
@@ -118,15 +125,16 @@ nlohmann::json json_of(const DetectSummary& summary) {
       {"simulated", summary.simulated},
       {"rendering", summary.rendering},
       {"confirm", text_of(summary.confirmation)},
-      {"gate", summary.gate ? nlohmann::json{{"limit_events", *summary.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
+      {"gate",
+       summary.gate ? nlohmann::json{{"limit_events", *summary.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
       {"ended", summary.ended},
       {"elapsed_s", seconds_of(summary.elapsed)},
       {"cpu_s", summary.cpu_s},
       {"ticks",
        {{"told", ticks.told},
         {"skipped", ticks.skipped},
-        {"late", ticks.late},
-        {"missed_share", ticks.missed_share()},
+        {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
+        {"missed_share", summary.plays ? nlohmann::json() : nlohmann::json(ticks.missed_share())},
         {"by_events", ticks.told - summary.counts.by_host},
         {"by_host", summary.counts.by_host},
         {"incomplete", summary.counts.incomplete},
@@ -151,7 +159,8 @@ nlohmann::json json_of(const DetectSummary& summary) {
       {"udp", nullptr},
       {"recorded", nullptr},
       {"ticks_left_out", summary.ticks_left_out}};
-  for (const Touch touch : all_touches) json["verdicts"][std::string(name_of(touch))] = summary.verdicts[static_cast<std::size_t>(touch)];
+  for (const Touch touch : all_touches)
+    json["verdicts"][std::string(name_of(touch))] = summary.verdicts[static_cast<std::size_t>(touch)];
   for (const ToldEpisode& episode : summary.first_episodes)
     json["episodes"]["first"].push_back(
         {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "support/comes_true.hpp"
+#include "support/error_of.hpp"
 #include "tactile/core/host_clock.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 
@@ -129,6 +130,44 @@ TEST(LiveDetector, EndsWhereWhatIsPlayedHasLastedLongEnough) {
   live.take({200'000}, base);
   live.tell_all(base);
   EXPECT_EQ(live.told.size(), 10U);
+}
+
+constexpr std::int64_t a_year = 365LL * 24 * 3'600 * 1'000'000;
+
+TEST(LiveDetector, RefusesWhatIsPlayedWhereATimeLiesAYearAhead) {
+  Live live(true);
+  std::vector<std::int64_t> times;
+  for (std::int64_t t = 0; t <= 20'000; t += 500) times.push_back(t);
+  live.take(times, base);
+  EXPECT_EQ(live.told.size(), 6U) << "at 10 to 20 ms";
+  const std::string refused = test::error_of([&] { live.take({a_year}, base); });
+  EXPECT_NE(refused.find("ticks of 2000 us from the first event to the last; expected at most 100000000"), std::string::npos)
+      << refused;
+  EXPECT_EQ(live.told.size(), 6U);
+  std::vector<Event> events(2);
+  events[1].t = camera_time(a_year);
+  EXPECT_NE(test::error_of([&] { for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms}, {}); }).find("expected at most"),
+            std::string::npos)
+      << "as whoever looks at whole recordings does";
+}
+
+TEST(LiveDetector, PlaysAPieceOfWhatHasATimeAYearAhead) {
+  Live live(true, {}, {}, 20ms);
+  live.take({0, 500, a_year}, base);
+  EXPECT_EQ(live.told.size(), 10U) << "at 10 to 28 ms";
+  EXPECT_TRUE(live.detector.has_played_all());
+}
+
+TEST(LiveDetector, StopsAmidTheTicksThatOneEventCloses) {
+  Live live(true);
+  PacketQueue queue(std::size_t{1} << 20);
+  PacketQueue::Packet packet = queue.take();
+  packet.front().arrived = host_time(base);
+  packet.front().elements.events.resize(2);
+  packet.front().elements.events[1].t = camera_time(100'000'000'000);  // 50 million ticks
+  ASSERT_TRUE(queue.push(packet, true));
+  live.detector.run(queue, [&] { return live.told.size() >= 100; }, [] { return std::uint64_t{0}; });
+  EXPECT_EQ(live.told.size(), 100U);
 }
 
 TEST(LiveDetector, CountsEventsThatComeTooLateAndLeavesThemOut) {
