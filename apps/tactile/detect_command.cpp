@@ -132,9 +132,9 @@ microseconds tick_within(microseconds history, std::int64_t tick_us, const std::
   std::int64_t below = std::min(tick_us, history.count()), above = below;
   while (!divides(below)) --below;
   while (!divides(above)) ++above;
-  throw Error(fmt::format("--tick-us {}: the history t_h of {} is {} us, no whole number of such ticks; expected {}", tick_us,
-                          model, history.count(),
-                          below == above ? fmt::format("{} at most", below) : fmt::format("such as {} or {}", below, above)));
+  throw Error(fmt::format(
+      "--tick-us {}: the history t_h of {} is {} us, no whole number of such ticks; expected {}", tick_us, model, history.count(),
+      below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
 }
 
 /// The bits that were asked for, and what raises each.

@@ -57,7 +57,8 @@ const CLI::Option* option_named_in(const std::string& message, const CLI::App& c
 
 std::string expected_value(const CLI::Option& option) {
   const ValueText value = value_text(option);
-  const std::string whole = option.get_positional() ? value.name : option.get_name() + " " + value.name;
+  const std::string name = option.get_positional() ? "" : option.get_name();
+  const std::string whole = name + (name.empty() || value.name.empty() ? "" : " ") + value.name;
   return value.right.empty() ? whole : whole + ", " + value.right;
 }
 

@@ -166,8 +166,10 @@ TEST(LiveDetector, StopsAmidTheTicksThatOneEventCloses) {
   packet.front().elements.events.resize(2);
   packet.front().elements.events[1].t = camera_time(100'000'000'000);  // 50 million ticks
   ASSERT_TRUE(queue.push(packet, true));
-  live.detector.run(queue, [&] { return live.told.size() >= 100; }, [] { return std::uint64_t{0}; });
-  EXPECT_EQ(live.told.size(), 100U);
+  live.detector.run(
+      queue, [&] { return live.told.size() >= 100; }, [] { return std::uint64_t{0}; });
+  EXPECT_GE(live.told.size(), 100U);
+  EXPECT_LE(live.told.size(), 101U) << "one that is due may follow";
 }
 
 TEST(LiveDetector, CountsEventsThatComeTooLateAndLeavesThemOut) {
