@@ -42,8 +42,10 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   }
   for (const auto& [key, value] : json.items()) {
     if (std::find(names.begin(), names.end(), key) == names.end()) {
-      throw Error(fmt::format("{}: '{}' is no option of '{}'; the nearest is '{}'", file, key, command.get_name(),
-                              nearest_name(key, names)));
+      const std::string nearest = nearest_name(key, names);
+      throw Error(fmt::format("{}: '{}' is no option of '{}'; {}", file, key, command.get_name(),
+                              nearest.empty() ? fmt::format("'tactile {} --help' lists all", command.get_name())
+                                              : fmt::format("the nearest is '{}'", nearest)));
     }
     const auto has_this_name = [&name = key](CLI::Option* option) { return option->get_single_name() == name; };
     CLI::Option* option = command.get_options(has_this_name).front();

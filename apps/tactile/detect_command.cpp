@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -41,6 +42,7 @@
 #include "tactile/detect/tick_log.hpp"
 #include "tactile/detect/udp_records.hpp"
 #include "tactile/engine/lenet_engine.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/report/gnuplot.hpp"
 #include "tactile/robot/robot_inputs.hpp"
@@ -70,7 +72,7 @@ struct DetectArguments {
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, robot;
   std::optional<int> bit, press_bit, slip_bit;
-  double clear_ms = 0;
+  std::optional<double> clear_ms;
   bool latch = false, no_real_time = false, no_rehearsal = false, awake = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
@@ -87,6 +89,16 @@ ModelBundle chosen_model(const DetectArguments& args) {
   if (!found) found = newest_bundle(args.models, [](const ModelDescription&) { return true; });
   if (!found) throw Error(args.models + ": no model; expected one, run 'tactile train' first");
   return *found;
+}
+
+/// As `eval` does, before anything is told. @throws Error  if the file seems to hold too many ticks
+void check_ticks_of(const DetectArguments& args, const HeatmapOptions& rendering) {
+  const fs::path path = args.from.substr(5);
+  if (!fs::exists(path)) return;  // who opens it says so
+  const fs::path file = fs::is_directory(path) ? recording_in(path) : path;
+  const RecordingReader reader(file);
+  const std::string why = why_too_many(listed_ticks(reader, event_stream(reader, args.stream).id, rendering));
+  if (!why.empty()) throw Error(file.string() + ": " + why);
 }
 
 /// What runs the network, for one thread.
@@ -113,6 +125,18 @@ std::optional<RunFolder> played_run(const std::string& source) {
   return run_folder_at(folder);
 }
 
+/// The tick that --tick-us asks for. @throws Error  unless the model's history is a whole number of it
+microseconds tick_within(microseconds history, std::int64_t tick_us, const std::string& model) {
+  if (tick_us <= history.count() && history.count() % tick_us == 0) return microseconds{tick_us};
+  const auto divides = [&history](std::int64_t us) { return history.count() % us == 0; };
+  std::int64_t below = std::min(tick_us, history.count()), above = below;
+  while (!divides(below)) --below;
+  while (!divides(above)) ++above;
+  throw Error(fmt::format(
+      "--tick-us {}: the history t_h of {} is {} us, no whole number of such ticks; expected {}", tick_us, model, history.count(),
+      below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
+}
+
 /// The bits that were asked for, and what raises each.
 struct BitsAskedFor {
   std::vector<int> bits;
@@ -129,9 +153,22 @@ BitsAskedFor bits_of(const DetectArguments& args) {
   add(args.bit, {.at_press = true, .at_slip = true});
   add(args.press_bit, {.at_press = true, .at_slip = false});
   add(args.slip_bit, {.at_press = false, .at_slip = true});
+  // Here, and not by CLI11: each may stand on the command line or in --config's file.
+  if (args.robot.empty()) {
+    const std::array<std::pair<bool, const char*>, 5> of_a_robot{{{args.bit.has_value(), "--bit"},
+                                                                  {args.press_bit.has_value(), "--press-bit"},
+                                                                  {args.slip_bit.has_value(), "--slip-bit"},
+                                                                  {args.latch, "--latch"},
+                                                                  {args.clear_ms.has_value(), "--clear-ms"}}};
+    for (const auto& [given, option] : of_a_robot) {
+      if (!given) continue;
+      throw Error(fmt::format("{}: there is no robot to tell, --robot is missing; expected --robot HOST beside it{}", option,
+                              asked.bits.empty() ? ", and --bit, --press-bit or --slip-bit with a register from 64 to 127" : ""));
+    }
+  }
   if (asked.bits.empty() && !args.robot.empty())
     throw Error("--robot: there is no bit to tell it; expected --bit, --press-bit or --slip-bit with a register from 64 to 127");
-  if (!asked.bits.empty() && args.robot.empty()) throw Error("--bit: there is no robot to tell; expected --robot HOST beside it");
+  if (args.latch && args.clear_ms) throw Error("--latch: does not go with --clear-ms; expected one of the two");
   for (std::size_t i = 0; i < asked.bits.size(); ++i) {
     if (std::find(asked.bits.begin(), asked.bits.begin() + static_cast<std::ptrdiff_t>(i), asked.bits[i]) !=
         asked.bits.begin() + static_cast<std::ptrdiff_t>(i))
@@ -168,7 +205,7 @@ class Faults {
 class RobotTeller {
  public:
   RobotTeller(const DetectArguments& args, const BitsAskedFor& asked, Faults& faults, bool real_time)
-      : bits_(asked.rules, {.never = args.latch, .hold = microseconds{std::llround(1000 * args.clear_ms)}}) {
+      : bits_(asked.rules, {.never = args.latch, .hold = microseconds{std::llround(1000 * args.clear_ms.value_or(0))}}) {
     const NetworkAddress address = robot_address(args.robot);
     RobotInputsOptions options{.host = address.host, .port = address.port, .bits = asked.bits};
     options.log = [&faults](const std::string& text) { faults.add({"robot", text, host_now()}); };
@@ -366,14 +403,15 @@ void detect(DetectArguments args, const CommonArguments& common) {
   summary.engine = args.engine;
   summary.precision = args.precision;
   summary.rendering = model.settings.rendering;
-  if (args.tick_us) summary.rendering.tick = microseconds{*args.tick_us};
   check(summary.rendering);
+  if (args.tick_us) summary.rendering.tick = tick_within(summary.rendering.history, *args.tick_us, bundle.name());
   summary.confirmation = confirmation_in(args.confirm);
   if (args.gate) summary.gate = gate_limit(bundle, model);
   line.inform("detecting by " + bundle.folder.string());
 
   if (args.from.empty()) args.from = usual_source("detect");
   const bool is_file = args.from.starts_with("file:");
+  if (is_file && args.duration_s == 0) check_ticks_of(args, summary.rendering);
   const bool plays = is_file || args.speed != 1;
   const bool real_time = !plays && !args.no_real_time;
   summary.source = args.from;
@@ -499,7 +537,11 @@ void detect(DetectArguments args, const CommonArguments& common) {
                            summary.last_tick && between(*summary.first_tick, *summary.last_tick) + options.clock.tick >= duration;
   if (was_interrupted) summary.ended = "interrupted";
   if (by_duration) summary.ended = "duration";
-  if (summary.ended.empty()) summary.ended = gone.empty() ? "source ended" : gone;
+  if (summary.ended.empty()) {
+    summary.ended = gone.empty() ? "source ended" : gone;
+    if (const auto tried = feed.gave_up_after())
+      summary.ended += fmt::format("; gave up after {:.1f} s", 1e-6 * static_cast<double>(tried->count()));
+  }
   if (recording) {
     recording->copy->end();
     // What waits between us and the recorder is still to come to it.
@@ -571,16 +613,16 @@ void add_detect_command(CLI::App& app) {
       ->check(in_range(0.0, 1e9))
       ->type_name("S")
       ->capture_default_str();
-  CLI::Option* robot = command->add_option("--robot", args->robot, "UR controller to tell")->type_name("HOST[:PORT]");
+  command->add_option("--robot", args->robot, "UR controller to tell")->type_name("HOST[:PORT]");
   const CLI::Validator is_bit = in_range(64, 127);
   command->add_option("--bit", args->bit, "Its input bit register that is high at press and slip")->check(is_bit)->type_name("N");
   command->add_option("--press-bit", args->press_bit, "Likewise, at press alone")->check(is_bit)->type_name("N");
   command->add_option("--slip-bit", args->slip_bit, "Likewise, at slip alone")->check(is_bit)->type_name("N");
-  CLI::Option* latch = command->add_flag("--latch", args->latch, "A bit that rose stays high until the end")->needs(robot);
+  CLI::Option* latch = command->add_flag("--latch", args->latch, "A bit that rose stays high until the end");
   command->add_option("--clear-ms", args->clear_ms, "A bit falls so long after the last tick that raised it [ms]")
       ->check(in_range(0.0, 1e6))
       ->excludes(latch)
-      ->capture_default_str();
+      ->default_str("0");
   command->add_option("--udp", args->udp, "Send a record each tick to HOST:PORT")->type_name("ADDRESS");
   command->add_option("--ticks", args->ticks, "Write every tick to this CSV")->type_name("FILE.csv");
   command->add_option("--plot", args->plot, "Draw probabilities over time beside events and truth")

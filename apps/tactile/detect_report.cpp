@@ -58,8 +58,10 @@ std::string latency_text(const DetectSummary& summary) {
 std::string text_of(const DetectSummary& summary) {
   const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   std::vector<std::pair<std::string, std::string>> lines;
-  lines.emplace_back("ticks", fmt::format("{} told, {} skipped, {} more than a tick late: {:.3f} % missed", ticks.told,
-                                          ticks.skipped, ticks.late, 100 * ticks.missed_share()));
+  lines.emplace_back("ticks", summary.plays
+                                  ? fmt::format("{} told, none skipped; no deadline, since what is played waits", ticks.told)
+                                  : fmt::format("{} told, {} skipped, {} more than a tick late: {:.3f} % missed", ticks.told,
+                                                ticks.skipped, ticks.late, 100 * ticks.missed_share()));
   std::string said;
   for (const Touch touch : all_touches) {
     const auto index = static_cast<std::size_t>(touch);
@@ -132,8 +134,8 @@ nlohmann::json json_of(const DetectSummary& summary) {
       {"ticks",
        {{"told", ticks.told},
         {"skipped", ticks.skipped},
-        {"late", ticks.late},
-        {"missed_share", ticks.missed_share()},
+        {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
+        {"missed_share", summary.plays ? nlohmann::json() : nlohmann::json(ticks.missed_share())},
         {"by_events", ticks.told - summary.counts.by_host},
         {"by_host", summary.counts.by_host},
         {"incomplete", summary.counts.incomplete},

@@ -47,8 +47,9 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
     std::vector<std::string> names;
     for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-      fmt::print(stderr, "tactile: '{}' is no command; the nearest is '{}', and 'tactile --help' lists all\n", argv[1],
-                 nearest_name(argv[1], names));
+      const std::string nearest = nearest_name(argv[1], names);
+      fmt::print(stderr, "tactile: '{}' is no command; {}'tactile --help' lists all\n", argv[1],
+                 nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest));
       return e.get_exit_code();
     }
     const UsageError error = usage_error(app, e);

@@ -31,7 +31,13 @@ HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args
                                    {"resize", args.resize},
                                    {"factor", args.factor}};
   const auto options = settings.get<HeatmapOptions>();
-  check(options);
+  try {
+    check(options);
+  } catch (const Error& e) {
+    const bool fits = options.history > microseconds{0} && options.history % options.tick == microseconds{0};
+    throw Error(fits ? fmt::format("--factor {:g}: {}", args.factor, e.what())
+                     : fmt::format("--th {:g}, --tick-us {}: {}", history_ms, args.tick_us, e.what()));
+  }
   return options;
 }
 

@@ -38,8 +38,9 @@ std::string about_extra_words(const CLI::App& app, const CLI::App& command) {
   const bool is_ahead = &app != &command && std::find(own.begin(), own.end(), *found) != own.end();
   if (is_ahead && std::find(known.begin(), known.end(), name) != known.end())
     return fmt::format("{}: stands ahead of the command; expected '{} {}'", name, full_name(command), *found);
-  return fmt::format("{}: is no option of '{}'; the nearest is '{}', and '{} --help' lists all", name, full_name(command),
-                     nearest_name(name, known), full_name(command));
+  const std::string nearest = nearest_name(name, known);
+  return fmt::format("{}: is no option of '{}'; {}'{} --help' lists all", name, full_name(command),
+                     nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest), full_name(command));
 }
 
 /// The option that one of CLI11's messages is about; null if none is named.
@@ -56,7 +57,8 @@ const CLI::Option* option_named_in(const std::string& message, const CLI::App& c
 
 std::string expected_value(const CLI::Option& option) {
   const ValueText value = value_text(option);
-  const std::string whole = option.get_positional() ? value.name : option.get_name() + " " + value.name;
+  const std::string name = option.get_positional() ? "" : option.get_name();
+  const std::string whole = name + (name.empty() || value.name.empty() ? "" : " ") + value.name;
   return value.right.empty() ? whole : whole + ", " + value.right;
 }
 
@@ -70,6 +72,12 @@ std::string about_option(const CLI::Option& option, const CLI::ParseError& error
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
     return fmt::format("{}: is missing; expected {}", label,
                        option.get_positional() ? "'" + usage_text(command) + "'" : expected_value(option));
+  }
+  if (dynamic_cast<const CLI::RequiresError*>(&error) != nullptr) {
+    for (const CLI::Option* other : option.get_needs()) {
+      if (other->count() == 0)
+        return fmt::format("{}: {} is missing; expected {} beside it", label, label_of(*other), expected_value(*other));
+    }
   }
   if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
     for (const CLI::Option* other : option.get_excludes()) {

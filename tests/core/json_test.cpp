@@ -36,6 +36,15 @@ TEST(Json, NearestNameTakesTheFewestEdits) {
   EXPECT_EQ(nearest_name("epoch", {"batch", "epochs", "seed"}), "epochs");
   EXPECT_EQ(nearest_name("sede", {"batch", "epochs", "seed"}), "seed");
   EXPECT_EQ(nearest_name("x", {}), "");
+  EXPECT_EQ(nearest_name("fna", {"fan", "usb-hub"}), "fan") << "two letters swapped";
+  EXPECT_EQ(nearest_name("-out", {"--ticks", "--out"}), "--out") << "dashes in front do not count";
+  EXPECT_EQ(nearest_name("bottle", {"fan", "water-bottle", "white-box"}), "water-bottle") << "a piece of it";
+}
+
+TEST(Json, NearestNameIsNoneWhereNoneIsNear) {
+  EXPECT_EQ(nearest_name("cup", {"fan", "usb-hub", "water-bottle"}), "");
+  EXPECT_EQ(nearest_name("x", {"y"}), "");
+  EXPECT_EQ(nearest_name("", {"fan"}), "");
 }
 
 TEST(Json, MemberNamesFileAndKeyWhenItIsMissingOrOfAnotherType) {

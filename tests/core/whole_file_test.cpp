@@ -1,12 +1,14 @@
 #include "tactile/core/whole_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -22,6 +24,41 @@ TEST(WholeFile, IsNotThereBeforeItIsCommitted) {
   EXPECT_FALSE(std::filesystem::exists(folder / "result.txt"));
   whole.commit();
   EXPECT_EQ(read_text(folder / "result.txt"), "half");
+}
+
+TEST(ReadText, ReadsAPipeToItsEndAndNoFurtherThanItsLimit) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto read_behind_a_pipe = [&](const std::string& text, std::size_t limit) {
+    std::thread writing([&] { std::ofstream(pipe) << text; });  // less than a pipe holds: it never waits for who reads
+    std::string outcome;
+    try {
+      outcome = read_text(pipe, limit);
+    } catch (const Error& e) {
+      outcome = e.what();
+    }
+    writing.join();
+    return outcome;
+  };
+  EXPECT_EQ(read_behind_a_pipe("twelve bytes", 12), "twelve bytes");
+  EXPECT_EQ(read_behind_a_pipe("", 12), "");
+  EXPECT_EQ(read_behind_a_pipe("thirteen byte", 12), pipe.string() + ": more than 12 bytes long; expected at most 12");
+}
+
+TEST(ReadText, ReadsAllOfALongFileAndNamesTheSizeOfOneThatIsTooLong) {
+  const test::TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 50'000; ++i) text += std::to_string(i);
+  write_whole(folder / "long", text);
+  EXPECT_EQ(read_text(folder / "long"), text);
+  EXPECT_EQ(read_text(folder / "long", text.size()), text);
+  try {
+    read_text(folder / "long", text.size() - 1);
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find(std::to_string(text.size()) + " bytes long"), std::string::npos) << e.what();
+  }
 }
 
 TEST(WholeFile, LeavesTheOldFileAndNoRubbishWhenItIsGivenUp) {

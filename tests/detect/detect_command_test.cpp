@@ -16,11 +16,15 @@
 #include "network/scripted_server.hpp"
 #include "robot/fake_controller.hpp"
 #include "support/comes_true.hpp"
+#include "support/error_of.hpp"
 #include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
 
 namespace tactile {
 namespace {
@@ -100,6 +104,8 @@ TEST(DetectCommand, SaysOfARecordingExactlyWhatEvalSaysTickForTick) {
       const auto json = nlohmann::json::parse(live.out);
       EXPECT_EQ(json.at("ticks").at("told"), offline.size());
       EXPECT_EQ(json.at("ticks").at("skipped"), 0);
+      EXPECT_TRUE(json.at("ticks").at("late").is_null()) << "what is played has no deadline";
+      EXPECT_TRUE(json.at("ticks").at("missed_share").is_null());
       EXPECT_EQ(json.at("ended"), "source ended");
       EXPECT_EQ(json.at("gate").is_null(), options.find("gate") == std::string::npos);
       EXPECT_GT(json.at("verdicts").at("slip").get<int>(), 0);
@@ -207,6 +213,8 @@ TEST(DetectCommand, DrawsWhatItToldBesideLabelsAndTruth) {
   const auto result = run_tactile("detect --model small --from file:data/fan/02 --speed 0 --plot told.svg", folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("Drawn in told.svg"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("no deadline"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("a tick late"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("slip  at "), std::string::npos) << result.out;
   const std::string svg = read_text(folder / "told.svg");
   EXPECT_NE(svg.find("labelled"), std::string::npos);
@@ -276,6 +284,68 @@ TEST(DetectCommand, NamesGarbageAndSaysWhatItToldUntilThen) {
   EXPECT_EQ(json.at("faults").at("kinds").at("broken"), 1);
 }
 
+TEST(DetectCommand, SaysThatItGaveUpAStreamThatClosed) {
+  const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) { test::send_all(client, stream_then("")); });
+  const auto result =
+      run_tactile("detect --json --model small --reconnect 0.2 --from " + server.address().text(), trained().folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find(": gave up after "), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("faults").at("kinds").at("closed"), 1);
+  EXPECT_EQ(json.at("faults").at("kinds").at("gave up"), 1);
+  EXPECT_TRUE(json.at("ended").get<std::string>().starts_with("source ended; gave up after ")) << json.at("ended");
+}
+
+/// The run's events, and one so long behind the last.
+fs::path with_an_event_ahead(const fs::path& name, microseconds ahead) {
+  const fs::path folder = trained().folder.path();
+  const RecordingReader recording(folder / "data/fan/02/events.aedat4");
+  const Stream& stream = event_stream(recording);
+  std::vector<Event> events = test::events_in_file(recording.file());
+  RecordingWriter writer(folder / name, std::vector<Stream>{stream});
+  writer.write_events(stream.id, std::span<const Event>(events));
+  Event far = events.back();
+  far.t = after(far.t, ahead);
+  writer.write_events(stream.id, std::span<const Event>(&far, 1));
+  writer.close();
+  return folder / name;
+}
+
+TEST(DetectCommand, RefusesARecordingWithATimeAYearAheadAsEvalDoes) {
+  const fs::path folder = trained().folder.path();
+  const fs::path file = with_an_event_ahead("year.aedat4", 365 * 24h);
+  RecordingReader recording(file);
+  const std::string of_eval =
+      test::error_of([&] { for_every_tick(recording, event_stream(recording).id, {}, [](auto&&...) { FAIL() << "a tick"; }); });
+  const auto whole = run_tactile("detect --quiet --model small --speed 0 --ticks year.csv --from file:" + file.string(), folder);
+  EXPECT_EQ(whole.exit_code, 1);
+  EXPECT_NE(whole.err.find(of_eval), std::string::npos) << whole.err;
+  EXPECT_FALSE(fs::exists(folder / "year.csv"));
+  const auto piece =
+      run_tactile("detect --quiet --json --model small --speed 0 --duration 0.4 --from file:" + file.string(), folder);
+  EXPECT_EQ(piece.exit_code, 0) << piece.err;
+  EXPECT_EQ(nlohmann::json::parse(piece.out).at("ticks").at("told"), 200);
+}
+
+TEST(DetectCommand, TellsThroughASilenceWhatEvalTells) {
+  const fs::path folder = trained().folder.path();
+  const fs::path file = with_an_event_ahead("minute.aedat4", 60s);
+  std::vector<std::pair<std::string, std::string>> offline;
+  RecordingReader recording(file);
+  for_every_tick(recording, event_stream(recording).id, {}, [&](CameraTime t, auto, std::uint64_t events) {
+    offline.emplace_back(std::to_string(us_of(t)), std::to_string(events));
+  });
+  ASSERT_GT(offline.size(), 30'000U);
+  const auto result = run_tactile("detect --quiet --model small --speed 0 --ticks minute.csv --from file:" + file.string(), folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::vector<Row> told = rows_of(folder / "minute.csv");
+  ASSERT_EQ(told.size(), offline.size());
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    ASSERT_EQ(told[i].at("t_us"), offline[i].first);
+    ASSERT_EQ(told[i].at("events"), offline[i].second);
+  }
+}
+
 TEST(DetectCommand, NamesAClockOf31BitsThatBeganAgain) {
   // The camera's clock of 31 bits begins again within the stream; there is one connection, so it is named and that is the end.
   constexpr std::int64_t end = std::int64_t{1} << 31;
@@ -301,6 +371,14 @@ TEST(DetectCommand, SaysWhatIsWrong) {
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   };
   expect_error("--from file:data/fan/02 --bit 64", "there is no robot to tell");
+  expect_error("--from file:data/fan/02 --slip-bit 64", "--slip-bit: there is no robot to tell, --robot is missing");
+  expect_error("--from file:data/fan/02 --latch", "--latch: there is no robot to tell, --robot is missing; expected --robot HOST");
+  expect_error("--from file:data/fan/02 --clear-ms 5", "--clear-ms: there is no robot to tell, --robot is missing");
+  expect_error("--from file:data/fan/02 --latch --clear-ms 5 --robot 127.0.0.1", "expected one of the two");
+  expect_error("--from file:data/fan/02 --tick-us 3000", "expected a tick such as 2500 or 4000");
+  expect_error("--from file:data/fan/02 --tick-us 41000", "expected 40000 at most");
+  expect_error("--from sim:cup", "'cup' is no object that can be simulated; expected one of 3d-printed-object");
+  expect_error("--from file:data/fan/02 --object fan", "--object: --record is missing; expected --record beside it");
   expect_error("--from file:data/fan/02 --robot 127.0.0.1", "there is no bit to tell it");
   expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 63", "64 to 127");
   expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 70 --slip-bit 70", "stands for two things");

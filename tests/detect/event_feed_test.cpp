@@ -128,18 +128,25 @@ TEST(EventFeed, SaysWhyASourceIsGoneThatCannotBeOpenedAgain) {
   feed.start();
   all_of(queue);
   EXPECT_TRUE(comes_true([&] { return feed.error() == "made: garbage; expected events"; }));
+  EXPECT_FALSE(feed.gave_up_after()) << "nothing was tried";
   EXPECT_EQ(faults.kinds(), "broken ");
 }
 
 TEST(EventFeed, GivesUpAfterAWhile) {
   PacketQueue queue(std::size_t{1} << 20);
+  Faults faults;
   EventFeedOptions options;
+  options.fault = faults.tell();
   options.reconnect = std::chrono::milliseconds(120);
   options.open = []() -> std::unique_ptr<CameraSource> { throw Error("nobody is there"); };
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);
   feed.start();
   all_of(queue);
   EXPECT_TRUE(comes_true([&] { return feed.error() == "made: broke"; }));
+  EXPECT_EQ(faults.kinds(), "broken gave up ");
+  EXPECT_NE(faults.all.back().text.find("(nobody is there)"), std::string::npos) << faults.all.back().text;
+  ASSERT_TRUE(feed.gave_up_after());
+  EXPECT_GE(*feed.gave_up_after(), 120ms);
 }
 
 TEST(EventFeed, CountsWhatFindsNoRoom) {

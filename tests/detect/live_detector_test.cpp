@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "support/comes_true.hpp"
+#include "support/error_of.hpp"
 #include "tactile/core/host_clock.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 
@@ -129,6 +130,46 @@ TEST(LiveDetector, EndsWhereWhatIsPlayedHasLastedLongEnough) {
   live.take({200'000}, base);
   live.tell_all(base);
   EXPECT_EQ(live.told.size(), 10U);
+}
+
+constexpr std::int64_t a_year = 365LL * 24 * 3'600 * 1'000'000;
+
+TEST(LiveDetector, RefusesWhatIsPlayedWhereATimeLiesAYearAhead) {
+  Live live(true);
+  std::vector<std::int64_t> times;
+  for (std::int64_t t = 0; t <= 20'000; t += 500) times.push_back(t);
+  live.take(times, base);
+  EXPECT_EQ(live.told.size(), 6U) << "at 10 to 20 ms";
+  const std::string refused = test::error_of([&] { live.take({a_year}, base); });
+  EXPECT_NE(refused.find("ticks of 2000 us from the first event to the last; expected at most 100000000"), std::string::npos)
+      << refused;
+  EXPECT_EQ(live.told.size(), 6U);
+  std::vector<Event> events(2);
+  events[1].t = camera_time(a_year);
+  EXPECT_NE(test::error_of([&] { for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms}, {}); }).find("expected at most"),
+            std::string::npos)
+      << "as whoever looks at whole recordings does";
+}
+
+TEST(LiveDetector, PlaysAPieceOfWhatHasATimeAYearAhead) {
+  Live live(true, {}, {}, 20ms);
+  live.take({0, 500, a_year}, base);
+  EXPECT_EQ(live.told.size(), 10U) << "at 10 to 28 ms";
+  EXPECT_TRUE(live.detector.has_played_all());
+}
+
+TEST(LiveDetector, StopsAmidTheTicksThatOneEventCloses) {
+  Live live(true);
+  PacketQueue queue(std::size_t{1} << 20);
+  PacketQueue::Packet packet = queue.take();
+  packet.front().arrived = host_time(base);
+  packet.front().elements.events.resize(2);
+  packet.front().elements.events[1].t = camera_time(100'000'000'000);  // 50 million ticks
+  ASSERT_TRUE(queue.push(packet, true));
+  live.detector.run(
+      queue, [&] { return live.told.size() >= 100; }, [] { return std::uint64_t{0}; });
+  EXPECT_GE(live.told.size(), 100U);
+  EXPECT_LE(live.told.size(), 101U) << "one that is due may follow";
 }
 
 TEST(LiveDetector, CountsEventsThatComeTooLateAndLeavesThemOut) {
@@ -314,7 +355,13 @@ TEST(LiveDetector, TellsEveryTickOfWhatIsPlayedAsARecordingHasThem) {
 }
 
 TEST(LiveDetector, IsWokenOnlyByWhatClosesATickOrIsMuchToCount) {
-  Live live;
+  // Ticks of 1000 s, so that none closes by the host's time meanwhile, however busy it is.
+  constexpr std::int64_t tick = 1'000'000'000;
+  std::vector<ToldTick> told;
+  LiveDetector detector(
+      {sensor, input, slip_where_anything_is, {.rendering = {.history = 1000s, .tick = 1000s}}},
+      {.clock = {.tick = 1000s, .history = 1000s, .slack = 2ms}, .jump = 10'000s},
+      [&told](const ToldTick& each) { told.push_back(each); }, [](const DetectionFault&) {});
   const auto events_at = [](std::int64_t t, std::size_t count) {
     Event event;
     event.t = camera_time(t);
@@ -327,24 +374,24 @@ TEST(LiveDetector, IsWokenOnlyByWhatClosesATickOrIsMuchToCount) {
     packet.front().elements.events = events_at(t, 1);
     return queue.push(packet, false, wakes);
   };
-  EXPECT_TRUE(live.detector.awaits(events_at(0, 1))) << "nothing is known yet";
+  EXPECT_TRUE(detector.awaits(events_at(0, 1))) << "nothing is known yet";
   std::thread running([&] {
-    live.detector.run(
+    detector.run(
         queue, [] { return false; }, [] { return std::uint64_t{0}; });
   });
   EXPECT_TRUE(push(0, true));
-  EXPECT_TRUE(test::comes_true([&] { return !live.detector.awaits(events_at(9'999, 1)); })) << "the first tick is at 10 ms";
-  EXPECT_TRUE(live.detector.awaits(events_at(10'000, 1)));
-  EXPECT_TRUE(live.detector.awaits(events_at(5'000, 1'000)));
-  EXPECT_TRUE(live.detector.awaits({})) << "the stream may begin anew";
-  EXPECT_TRUE(push(9'000, false)) << "it lies there until the next one";
-  EXPECT_TRUE(push(10'000, true));
-  EXPECT_TRUE(test::comes_true([&] { return !live.detector.awaits(events_at(11'999, 1)); }));
+  EXPECT_TRUE(test::comes_true([&] { return !detector.awaits(events_at(tick - 1, 1)); })) << "the first tick is at 1000 s";
+  EXPECT_TRUE(detector.awaits(events_at(tick, 1)));
+  EXPECT_TRUE(detector.awaits(events_at(tick / 2, 1'000)));
+  EXPECT_TRUE(detector.awaits({})) << "the stream may begin anew";
+  EXPECT_TRUE(push(tick - 1, false)) << "it lies there until the next one";
+  EXPECT_TRUE(push(tick, true));
+  EXPECT_TRUE(test::comes_true([&] { return !detector.awaits(events_at(2 * tick - 1, 1)); }));
   queue.close();
   running.join();
-  ASSERT_GE(live.told.size(), 1U);
-  EXPECT_EQ(live.told[0].verdict.t, camera_time(10'000));
-  EXPECT_EQ(live.told[0].verdict.events, 2U);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].verdict.t, camera_time(tick));
+  EXPECT_EQ(told[0].verdict.events, 2U);
 }
 
 /// A detector of one tick a second, whose network takes some ms and is seen at its work.

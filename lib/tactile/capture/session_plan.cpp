@@ -17,7 +17,9 @@ void check_keys(const nlohmann::json& json, const std::vector<std::string>& know
   if (!json.is_object()) throw Error(where + ": no JSON object; expected {\"" + known.front() + "\": …}");
   for (const auto& [key, value] : json.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw Error(fmt::format("{}: '{}' is not known; the nearest is '{}'", where, key, nearest_name(key, known)));
+      const std::string nearest = nearest_name(key, known);
+      throw Error(nearest.empty() ? fmt::format("{}: '{}' is not known; expected one of {}", where, key, fmt::join(known, ", "))
+                                  : fmt::format("{}: '{}' is not known; the nearest is '{}'", where, key, nearest));
     }
   }
 }

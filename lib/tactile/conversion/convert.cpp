@@ -466,7 +466,8 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   summary.from = recording_format_of(in);
   summary.to = recording_format_of(out);
   check_options(options, summary.from, summary.to);
-  if (!fs::is_regular_file(in)) throw Error(in.string() + ": no such file; expected a recording");
+  if (!fs::exists(in)) throw Error(in.string() + ": no such file; expected a recording");
+  if (!fs::is_regular_file(in)) throw Error(in.string() + ": is no regular file; expected a recording, which is read in places");
   check_target(out, in, options.replace);
   remove_leftovers(out);
   switch (summary.from) {

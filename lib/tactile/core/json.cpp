@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -14,17 +15,28 @@ namespace tactile {
 namespace {
 
 std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1), row_before, row_before_that;
   std::iota(row.begin(), row.end(), std::size_t{0});
-  for (const char letter : a) {
-    std::size_t diagonal = row[0]++;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    row_before_that = std::exchange(row_before, row);
+    row[0] = i + 1;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (letter == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+      row[j + 1] = std::min({row_before[j] + (a[i] == b[j] ? 0 : 1), row[j] + 1, row_before[j + 1] + 1});
+      const bool is_swapped = i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j];
+      if (is_swapped) row[j + 1] = std::min(row[j + 1], row_before_that[j - 1] + 1);
     }
   }
   return row.back();
+}
+
+std::string_view without_dashes(std::string_view name) { return name.substr(std::min(name.find_first_not_of('-'), name.size())); }
+
+/// One letter in three at most is another, or one name is a piece of the other.
+bool are_near(std::string_view a, std::string_view b) {
+  const std::size_t longer = std::max(a.size(), b.size()), shorter = std::min(a.size(), b.size());
+  const std::size_t edits = edits_between(a, b);
+  if (edits < longer && edits <= std::max<std::size_t>(1, longer / 3)) return true;
+  return shorter >= 3 && (a.find(b) != std::string_view::npos || b.find(a) != std::string_view::npos);
 }
 
 /// How many lists and objects lie within each other at the deepest; brackets inside texts do not count.
@@ -142,10 +154,17 @@ std::string differences(const nlohmann::json& before, const nlohmann::json& now)
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
-  const auto nearest = std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return edits_between(name, a) < edits_between(name, b);
-  });
-  return nearest == names.end() ? std::string() : *nearest;
+  const std::string_view plain = without_dashes(name);
+  std::string nearest;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const std::string& candidate : names) {
+    const std::string_view plain_candidate = without_dashes(candidate);
+    const std::size_t edits = edits_between(plain, plain_candidate);
+    if (edits >= fewest || !are_near(plain, plain_candidate)) continue;
+    fewest = edits;
+    nearest = candidate;
+  }
+  return nearest;
 }
 
 void throw_bad_member(std::string_view key, std::string_view where, std::string_view why) {

@@ -33,7 +33,9 @@ T member(const nlohmann::json& json, std::string_view key, std::string_view wher
 /// more there are. Empty where nothing is.
 std::string differences(const nlohmann::json& before, const nlohmann::json& now);
 
-/// The one of `names` that takes the fewest single-letter edits to reach from `name`; empty if there is none.
+/// The one of `names` that `name` may have been meant to be: of those in which one letter in three at most is another, or of
+/// which one is a piece of the other, that which takes the fewest edits (a letter more, less, other, or two swapped); dashes in
+/// front do not count. Empty if none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 
 [[noreturn]] void throw_bad_member(std::string_view key, std::string_view where, std::string_view why);

@@ -1,7 +1,8 @@
 #include "tactile/core/json_fields.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tactile {
@@ -55,9 +56,11 @@ void FieldReader::refuse_others() const {
   for (const auto& [key, value] : json_.items()) {
     if (std::find(names_.begin(), names_.end(), key) != names_.end()) continue;
     const std::string nearest = nearest_name(key, names_);
-    throw Error(nearest.empty()
+    if (!nearest.empty())
+      throw Error(fmt::format("{}: there is no '{}{}'; the nearest is '{}{}'", where_, prefix_, key, prefix_, nearest));
+    throw Error(names_.empty()
                     ? fmt::format("{}: there is no '{}{}'; expected nothing there", where_, prefix_, key)
-                    : fmt::format("{}: there is no '{}{}'; the nearest is '{}{}'", where_, prefix_, key, prefix_, nearest));
+                    : fmt::format("{}: there is no '{}{}'; expected one of {}", where_, prefix_, key, fmt::join(names_, ", ")));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
@@ -18,6 +19,8 @@
 namespace tactile {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::size_t first_read = 65'536;
 
 fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
 
@@ -96,15 +99,24 @@ std::string read_text(const fs::path& file, std::size_t limit) {
   if (!fs::exists(file)) throw Error(file.string() + ": is missing; expected a readable file");
   std::ifstream in(file, std::ios::binary);
   if (!in || fs::is_directory(file)) throw Error(file.string() + ": cannot be read; expected a readable file");
-  in.seekg(0, std::ios::end);
-  const auto size = static_cast<std::size_t>(in.tellg());
-  if (size > limit) {
-    throw Error(file.string() + ": " + std::to_string(size) + " bytes long; expected at most " + std::to_string(limit));
+  std::error_code unknown;
+  if (fs::is_regular_file(file, unknown)) {
+    const std::uintmax_t size = fs::file_size(file, unknown);
+    if (!unknown && size > limit)
+      throw Error(file.string() + ": " + std::to_string(size) + " bytes long; expected at most " + std::to_string(limit));
   }
-  in.seekg(0);
-  std::string text(size, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) throw Error(file.string() + ": reading it failed half-way; expected a readable file");
+  // A pipe has no size, one of /proc says 0, and a file may grow meanwhile: what comes is what counts.
+  std::string text;
+  while (in) {
+    const std::size_t had = text.size(), wanted = std::min(std::max(first_read, had), limit - had + 1);
+    text.resize(had + wanted);
+    in.read(text.data() + had, static_cast<std::streamsize>(wanted));
+    text.resize(had + static_cast<std::size_t>(in.gcount()));
+    if (text.size() > limit)
+      throw Error(file.string() + ": more than " + std::to_string(limit) + " bytes long; expected at most " +
+                  std::to_string(limit));
+  }
+  if (!in.eof()) throw Error(file.string() + ": reading it failed half-way; expected a readable file");
   return text;
 }
 

@@ -33,7 +33,7 @@ void remove_leftovers(const std::filesystem::path& target);
 /// Writes `text` to `file`, whole or not at all. @throws Error if it cannot be written
 void write_whole(const std::filesystem::path& file, std::string_view text);
 
-/// @throws Error if the file cannot be read or is larger than `limit` bytes
+/// All of a file, or of a pipe until it ends. @throws Error if it cannot be read or holds more than `limit` bytes
 std::string read_text(const std::filesystem::path& file, std::size_t limit = std::size_t{256} << 20);
 
 /// Flushes a file's or a folder's data to the disk. @throws Error if that fails

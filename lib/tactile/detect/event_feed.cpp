@@ -56,6 +56,11 @@ std::string EventFeed::error() const {
   return error_;
 }
 
+std::optional<microseconds> EventFeed::gave_up_after() const {
+  const std::scoped_lock lock(guard_);
+  return gave_up_after_;
+}
+
 SourceDrops EventFeed::drops() const {
   const std::scoped_lock lock(guard_);
   SourceDrops drops = drops_of_earlier_;
@@ -138,18 +143,17 @@ void EventFeed::note_drops() {
                              name_, all.packets, all.events));
 }
 
-/// Why the source is gone is said once, and that it is back.
+/// Why the source is gone is said once, and that it is back or given up.
 bool EventFeed::open_again(const std::string& why, bool broke) {
-  const auto gone_for_good = [&] {
-    const std::scoped_lock lock(guard_);
-    if (broke) error_ = why;
-    return false;
-  };
   const bool tries = options_.open && options_.reconnect > milliseconds(0);
   if (broke || tries)
     say(broke ? "broken" : "closed",
         fmt::format("{}{}{}", broke ? "" : name_ + ": ", why, tries ? "; trying to open it again" : ""));
-  if (!tries) return gone_for_good();
+  if (!tries) {
+    const std::scoped_lock lock(guard_);
+    if (broke) error_ = why;
+    return false;
+  }
   {
     const std::scoped_lock lock(guard_);
     drops_of_earlier_ += std::exchange(drops_, {});
@@ -162,6 +166,7 @@ bool EventFeed::open_again(const std::string& why, bool broke) {
   packet_.front().arrived = host_now();
   if (queue_.push(packet_, true)) packet_ = queue_.take();
   const HostTime gone = host_now();
+  std::string last_reason;
   for (milliseconds pause = first_pause; host_now() - gone < options_.reconnect; pause = std::min(2 * pause, longest_pause)) {
     {
       std::unique_lock lock(guard_);
@@ -171,14 +176,21 @@ bool EventFeed::open_again(const std::string& why, bool broke) {
       std::unique_ptr<CameraSource> again = options_.open();
       if (*events_of(*again).size != sensor_) throw Error(name_ + ": is another sensor now; expected one of the same size");
       source_ = std::move(again);
-    } catch (const Error&) {
+    } catch (const Error& e) {
+      last_reason = e.what();
       continue;
     }
     ++index_, ++reopened_;
     say("back", fmt::format("{}: is back after {:.1f} s", name_, 1e-6 * static_cast<double>((host_now() - gone).count())));
     return true;
   }
-  return gone_for_good();
+  const microseconds tried = host_now() - gone;
+  say("gave up", fmt::format("{}: gave up after {:.1f} s{}; expected it to be there again within --reconnect", name_,
+                             1e-6 * static_cast<double>(tried.count()), last_reason.empty() ? "" : " (" + last_reason + ")"));
+  const std::scoped_lock lock(guard_);
+  gave_up_after_ = tried;
+  if (broke) error_ = why;
+  return false;
 }
 
 }  // namespace tactile

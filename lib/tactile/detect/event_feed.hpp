@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -44,7 +45,9 @@ class EventFeed {
 
   CameraSource& source() { return *source_; }  ///< while it does not run
   std::string error() const;                   ///< why the source is gone for good; empty where it ended by itself
-  SourceDrops drops() const;                   ///< of all openings
+  /// How long it was tried to open the source again before that was given up; nothing if it was not given up.
+  std::optional<microseconds> gave_up_after() const;
+  SourceDrops drops() const;                                                           ///< of all openings
   std::uint64_t lost_events() const { return lost_.load(std::memory_order_relaxed); }  ///< for which the queue had no room
   std::uint64_t reopened() const { return reopened_.load(std::memory_order_relaxed); }
 
@@ -71,6 +74,7 @@ class EventFeed {
   std::condition_variable wake_;
   bool stops_ = false;
   std::string error_;
+  std::optional<microseconds> gave_up_after_;
   SourceDrops drops_, drops_of_earlier_;
   std::thread thread_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 
 namespace tactile {
@@ -65,7 +66,11 @@ void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
     detector_.add(part);
     counts_.events += part.size();
     clock_.arrived(part.front().t, part.back().t, at);
+    TickRange ticks = clock_.ticks_until(part.back().t);
+    ticks.count = std::min(ticks.count - 1, options_.play_for / options_.clock.tick) + 1;
+    if (const std::string why = why_too_many(ticks); !why.empty()) throw Error(why);
     while (const auto due = clock_.next(at)) {
+      if (stop_ && stop_()) return;
       if (!first_played_) first_played_ = due->t;
       over_ = between(*first_played_, due->t) >= options_.play_for;
       if (over_) return;
@@ -220,6 +225,7 @@ bool LiveDetector::awaits(std::span<const Event> events) const {
 
 void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far) {
   PacketQueue::Packet packet;
+  stop_ = stop;
   for (bool open = true; open && !stop() && !over_;) {
     // An earlier one only wakes this too often. A stream that begins anew says so by an empty packet, which is always awaited.
     awaited_.store(plays() ? CameraTime::min() : clock_.next_tick().value_or(CameraTime::min()), std::memory_order_relaxed);
@@ -238,6 +244,7 @@ void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, co
   }
   while (!stop() && tell_due(host_now())) {
   }
+  stop_ = nullptr;
 }
 
 }  // namespace tactile

@@ -15,8 +15,8 @@ namespace tactile {
 
 /// What went wrong on the way of the events or the verdicts, and what was done.
 struct DetectionFault {
-  std::string kind;  ///< "closed", "broken", "back", "jump", "silence", "late", "late events", "long packets", "lost", "robot",
-                     ///< "recording"
+  std::string kind;  ///< "closed", "broken", "back", "gave up", "unsound", "jump", "silence", "late", "late events", "long
+                     ///< packets", "lost", "robot", "recording"
   std::string text;  ///< a sentence
   HostTime at{};
 };
@@ -68,7 +68,7 @@ class LiveDetector {
 
   /// A packet; where `source_index` is another than before the stream began anew, and whatever was known of it is forgotten.
   /// Ticks of a stream that is closed by events alone are told at once.
-  /// @throws Error  if events lie outside the sensor or go back in time
+  /// @throws Error  if events lie outside the sensor or go back in time, or if what is played has come to over `most_ticks`
   void take(const QueuedPacket& packet);
 
   bool tell_due(HostTime now);            ///< the next tick that is due, or the newest; false if none is
@@ -117,6 +117,7 @@ class LiveDetector {
   };
   std::optional<Rehearsal> rehearsal_;  ///< not yet over
   std::optional<CameraTime> first_played_;
+  std::function<bool()> stop_;  ///< while `run` works: one packet of what is played may be followed by hours of ticks
   bool over_ = false;
   HostTime late_window_{};  ///< since when the next two are counted
   std::uint64_t window_events_ = 0, window_late_ = 0;

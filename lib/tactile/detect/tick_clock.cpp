@@ -28,8 +28,12 @@ void TickClock::arrived(CameraTime first, CameraTime last, HostTime at) {
   const auto tick = next_tick();
   if (!tick || last < *tick) return;
   // One that closes no further tick than the one before it tells nothing new.
-  const auto ticks_until = [this](CameraTime t) { return full_ticks(*first_event_, t, options_.history, options_.tick).count; };
-  if (arrivals_.empty() || ticks_until(last) > ticks_until(arrivals_.back().last)) arrivals_.push_back({last, at});
+  if (arrivals_.empty() || ticks_until(last).count > ticks_until(arrivals_.back().last).count) arrivals_.push_back({last, at});
+}
+
+TickRange TickClock::ticks_until(CameraTime t) const {
+  if (!first_event_) return {.first = {}, .count = 0, .tick = options_.tick};
+  return full_ticks(*first_event_, t, options_.history, options_.tick);
 }
 
 std::optional<CameraTime> TickClock::next_tick() const {

@@ -57,6 +57,7 @@ class TickClock {
 
   std::optional<CameraTime> next_tick()
       const;  ///< whether it is closed or not; nothing before the first event and where the clock ends
+  TickRange ticks_until(CameraTime t) const;  ///< all of this stream, told or not, up to `t`; none before the first event
   std::optional<CameraTime> last_event() const { return last_event_; }
   std::optional<CameraTime> last_told() const { return last_told_; }
   microseconds longest_packet() const { return longest_packet_; }

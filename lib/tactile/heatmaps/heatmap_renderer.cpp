@@ -100,7 +100,7 @@ void check(const HeatmapOptions& options) {
       return std::string(text.data());
     };
     throw Error("history t_h of " + ms(options.history) + "; expected a whole number of ticks of " + ms(options.tick) +
-                ", at least one (--th, --tick-us)");
+                ", at least one");
   }
   const bool in_range = options.factor > 0.0 && options.factor <= 1.0 && 1.0 / options.factor <= 32767.0;
   if (!in_range || std::abs(1.0 / options.factor - step_of(options.factor)) > 1e-9 * step_of(options.factor)) {

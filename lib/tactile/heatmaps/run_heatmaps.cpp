@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tactile/core/error.hpp"
@@ -15,8 +16,9 @@ constexpr std::size_t chunk = 8192;  // events counted ahead of their tick at th
 /// Takes a run's events as they come, and hands over each full tick as soon as an event at or behind it shows that it is one.
 class EveryTick {
  public:
-  EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use)
-      : options_(options), use_(use), renderer_(sensor, options) {
+  /// @param where  begins what is thrown where there are too many
+  EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
+      : options_(options), use_(use), where_(std::move(where)), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
     range_.tick = options.tick;
   }
@@ -35,6 +37,7 @@ class EveryTick {
  private:
   void render_until(CameraTime last_event) {
     const TickRange full = full_ticks(*first_event_, last_event, options_.history, options_.tick);
+    if (const std::string why = why_too_many(full); !why.empty()) throw Error(where_ + why);
     if (full.count > 0) range_.first = full.first;
     for (; range_.count < full.count; ++range_.count) {
       const CameraTime t = full.at(range_.count);
@@ -46,6 +49,7 @@ class EveryTick {
 
   HeatmapOptions options_;
   const TickCallback& use_;
+  std::string where_;
   HeatmapRenderer renderer_;
   std::vector<std::uint8_t> heatmap_;
   std::optional<CameraTime> first_event_;
@@ -68,7 +72,7 @@ TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, con
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
   if (const std::string why = why_too_many(listed_ticks(recording, stream_id, options)); !why.empty())
     throw Error(recording.file().string() + ": " + why);
-  EveryTick ticks(*sensor, options, use);
+  EveryTick ticks(*sensor, options, use, recording.file().string() + ": ");
   for_all_events(recording, stream_id, [&](std::span<const Event> events) { ticks.add(events); });
   return ticks.range();
 }

@@ -18,12 +18,12 @@ using TickCallback = std::function<void(CameraTime tick, std::span<const std::ui
 ///
 /// @param events  the whole run's, ascending in time
 /// @return        the ticks handed over, as `full_ticks` has them
-/// @throws Error  if the events go back in time or lie outside the sensor, or as `check`
+/// @throws Error  if the events go back in time or lie outside the sensor, they come to over `most_ticks`, or as `check`
 TickRange for_every_tick(std::span<const Event> events, SensorSize sensor, const HeatmapOptions& options,
                          const TickCallback& use);
 
 /// The same from an event stream of a recording, packet by packet: memory follows the packet and the history.
-/// @throws Error  also if the stream declares no size, or the recording seems to hold over `most_ticks`
+/// @throws Error  also if the stream declares no size; where the list of packets tells of over `most_ticks`, before any is used
 TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
                          const TickCallback& use);
 

@@ -15,7 +15,9 @@ namespace {
 [[noreturn]] void refuse_name(std::string_view name, std::string_view what, const std::vector<std::string>& names) {
   std::string listed;
   for (const std::string& known : names) listed += (listed.empty() ? "" : ", ") + known;
-  throw Error(fmt::format("'{}' is no {}; the nearest is '{}', of {}", name, what, nearest_name(name, names), listed));
+  const std::string nearest = nearest_name(name, names);
+  throw Error(nearest.empty() ? fmt::format("'{}' is no {}; expected one of {}", name, what, listed)
+                              : fmt::format("'{}' is no {}; the nearest is '{}', of {}", name, what, nearest, listed));
 }
 
 std::vector<std::string> names_of(const std::vector<ObjectModel>& objects) {
