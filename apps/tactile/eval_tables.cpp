@@ -129,9 +129,9 @@ std::string gate_text(const Evaluation& evaluation) {
   add("accuracy [%]", [](const Accuracy& accuracy, const DetectorScore&) { return percent(accuracy.mean); });
   for (const auto& [name, table] : {std::pair("press", &DetectorScore::press), std::pair("slip", &DetectorScore::slip)}) {
     add(fmt::format("mean delay of {} [ms]", name),
-        [table](const Accuracy&, const DetectorScore& score) { return number((score.*table).all.mean_ms); });
+        [table = table](const Accuracy&, const DetectorScore& score) { return number((score.*table).all.mean_ms); });
     add(fmt::format("{}, misses + early", name),
-        [table](const Accuracy&, const DetectorScore& score) { return misses_and_early((score.*table).all); });
+        [table = table](const Accuracy&, const DetectorScore& score) { return misses_and_early((score.*table).all); });
   }
   add("false alarms",
       [](const Accuracy&, const DetectorScore& score) { return std::to_string(score.false_alarms.total.alarms); });
