@@ -19,7 +19,7 @@ TEST(DatasetSettings, AreToldWhereTheyDiffer) {
   now.sampling.history = 100ms;
   now.include_flagged = true;
   const auto differing = differing_settings(dataset_settings_of(now), dataset_settings_of(before));
-  EXPECT_EQ(differing, (std::vector<std::string>{"include flagged on instead of off", "history 100 ms instead of 50 ms",
+  EXPECT_EQ(differing, (std::vector<std::string>{"history 100 ms instead of 50 ms", "include flagged on instead of off",
                                                  "seed 2 instead of 1"}));
 }
 

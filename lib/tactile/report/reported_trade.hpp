@@ -43,9 +43,9 @@ struct ReportedTrade {
 ReportedTrade read_trade(const std::filesystem::path& folder);
 
 // What is on a front is filled, with its interval, and numbered; the first 24 are named whole below. The front was found on the
-// runs to choose on, of two or three figures: among what is drawn it need not be one, and no line joins it. The others are hollow,
-// and numbered and named likewise: 42 of them, those first that turn one knob alone; where circles meet one label tells all their
-// numbers. The usual one is told by a word. What has no value is left out, and counted.
+// runs to choose on, of two or three figures: among what is drawn it need not be one, and no line joins it. The others are
+// hollow, and numbered and named likewise: 42 of them, those first that turn one knob alone; where circles meet one label tells
+// all their numbers. The usual one is told by a word. What has no value is left out, and counted.
 
 /// Accuracy against the time that 99 of 100 ticks do not exceed, by its logarithm.
 Plot trade_accuracy_plot(const ReportedTrade& trade);

@@ -16,7 +16,7 @@ double overlap(double begin, double end, double other_begin, double other_end) {
 }  // namespace
 
 double WordPlaces::covered_by(const Box& box) const {
-  constexpr double of_words = 30;  // words on words are read by nobody, words on a bar are
+  constexpr double of_words = 2000;  // words on words are read by nobody, words on a bar are
   double covered = 0;
   for (const Box& other : taken_) {
     covered += (other.is_words ? of_words : 1) * overlap(box.left, box.right, other.left, other.right) *
@@ -43,7 +43,7 @@ bool WordPlaces::line_meets_words(double x, double y, const Box& box) const {
 }
 
 WordPlaces::Place WordPlaces::near(double x, double y, double width) const {
-  constexpr double a_line_through_words = 2000;  // [px^2] that it counts as
+  constexpr double a_line_through_words = 1500;  // [px^2] that it counts as
   double least = INFINITY;
   Box best;
   bool is_beside = false;
