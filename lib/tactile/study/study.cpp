@@ -9,11 +9,9 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/machine.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
@@ -22,7 +20,6 @@
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/model/classifier.hpp"
-#include "tactile/model/library.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/study/claims.hpp"
@@ -726,43 +723,37 @@ class Study {
 
   json write_results() const {
     const BootstrapOptions bootstrap;
-    json study = {
-        {"format", "tactile-study-1"},
-        {"title",
-         fmt::format("The paper's study on {} runs ({})", dataset_->simulated() ? "simulated" : "real", options_.preset)},
-        {"simulated", dataset_->simulated()},
-        {"settings", settings_json()},
-        {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}}},
-        {"machine",
-         {{"cpu", cpu_name()},
-          {"system", system_name()},
-          {"cores", std::thread::hardware_concurrency()},
-          {"memory_bytes", memory_bytes()},
-          {"threads", threads_}}},
-        {"bootstrap",
-         {{"draws", bootstrap.draws},
-          {"confidence", bootstrap.confidence},
-          {"seed", bootstrap.seed},
-          {"trainings", words_on_seeds()}}},
-        {"steps", json::array()},
-        {"dataset",
-         {{"file", from_study(dataset_file())},
-          {"manifest_hash", dataset_->manifest_hash()},
-          {"samples", dataset_->samples().size()},
-          {"tick_ms", in_ms(dataset_->sampling().tick)},
-          {"guard_ms", in_ms(dataset_->sampling().guard)}}},
-        {"runs", {{"train", names_of(*dataset_, runs_.train)}}},
-        {"histories", histories_json()},
-        {"choice", choice_json()},
-        {"paper_way", paper_way_json()},
-        {"evaluations", evaluations_json()},
-        {"full_runs", json::array({json{{"run", full_run_},
-                                        {"model", models_.at(history_).front().name()},
-                                        {"th_ms", in_ms(history_)},
-                                        {"csv", from_study(full_run_file_)}}})},
-        {"unseen", nullptr},
-        {"splits", json::array()},
-        {"splits_mean", nullptr}};
+    json study = {{"format", "tactile-study-1"},
+                  {"title", fmt::format("The paper's study on {} runs ({})", dataset_->simulated() ? "simulated" : "real",
+                                        options_.preset)},
+                  {"simulated", dataset_->simulated()},
+                  {"settings", settings_json()},
+                  {"software", software_json()},
+                  {"machine", machine_json(threads_)},
+                  {"bootstrap",
+                   {{"draws", bootstrap.draws},
+                    {"confidence", bootstrap.confidence},
+                    {"seed", bootstrap.seed},
+                    {"trainings", words_on_seeds()}}},
+                  {"steps", json::array()},
+                  {"dataset",
+                   {{"file", from_study(dataset_file())},
+                    {"manifest_hash", dataset_->manifest_hash()},
+                    {"samples", dataset_->samples().size()},
+                    {"tick_ms", in_ms(dataset_->sampling().tick)},
+                    {"guard_ms", in_ms(dataset_->sampling().guard)}}},
+                  {"runs", {{"train", names_of(*dataset_, runs_.train)}}},
+                  {"histories", histories_json()},
+                  {"choice", choice_json()},
+                  {"paper_way", paper_way_json()},
+                  {"evaluations", evaluations_json()},
+                  {"full_runs", json::array({json{{"run", full_run_},
+                                                  {"model", models_.at(history_).front().name()},
+                                                  {"th_ms", in_ms(history_)},
+                                                  {"csv", from_study(full_run_file_)}}})},
+                  {"unseen", nullptr},
+                  {"splits", json::array()},
+                  {"splits_mean", nullptr}};
     for (const StepRecord& record : runner_.records()) {
       study["steps"].push_back({{"name", record.name},
                                 {"command", record.command.empty() ? json() : json(record.command)},

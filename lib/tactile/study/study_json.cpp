@@ -4,8 +4,12 @@
 
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "tactile/core/json.hpp"
+#include "tactile/core/machine.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/model/library.hpp"
 
 namespace tactile {
 namespace {
@@ -28,6 +32,18 @@ nlohmann::json compared(const Figure& seen, const Figure& held_out, const Figure
 }
 
 }  // namespace
+
+nlohmann::json software_json() {
+  return {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}};
+}
+
+nlohmann::json machine_json(unsigned threads) {
+  return {{"cpu", cpu_name()},
+          {"system", system_name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"memory_bytes", memory_bytes()},
+          {"threads", threads}};
+}
 
 Figure figure_in(const nlohmann::json& json, const std::string& where) {
   return {number_in(json, "value", where).value_or(std::numeric_limits<double>::quiet_NaN()), number_in(json, "low", where),

@@ -14,6 +14,12 @@
 
 namespace tactile {
 
+/// {"name", "version", "revision", "libtorch"}: what measured.
+nlohmann::json software_json();
+
+/// {"cpu", "system", "cores", "memory_bytes", "threads"}: what it measured on, with how many threads.
+nlohmann::json machine_json(unsigned threads);
+
 /// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
 Figure figure_in(const nlohmann::json& json, const std::string& where);
 

@@ -4,12 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
-#include "tactile/core/machine.hpp"
-#include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/model/library.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -85,13 +81,8 @@ json trade_json(const TradeFindings& findings) {
         {"full", options.full},
         {"budget_minutes", options.budget_minutes ? json(*options.budget_minutes) : json()},
         {"levels", json_of(options.levels)}}},
-      {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}}},
-      {"machine",
-       {{"cpu", cpu_name()},
-        {"system", system_name()},
-        {"cores", std::thread::hardware_concurrency()},
-        {"memory_bytes", memory_bytes()},
-        {"threads", findings.threads}}},
+      {"software", software_json()},
+      {"machine", machine_json(findings.threads)},
       {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
       {"dataset",
        {{"file", from_folder(dataset.file(), options.out)},
