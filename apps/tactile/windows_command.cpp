@@ -10,7 +10,6 @@
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/verify_dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -83,16 +82,6 @@ std::string text_of(const DatasetSummary& summary, const std::string& file, cons
   return text;
 }
 
-/// In what a dataset that is there was made with other settings; nothing where there is none.
-std::vector<std::string> differing_from(const std::string& file, const WindowsOptions& options) {
-  if (!std::filesystem::exists(file)) return {};
-  try {
-    return differing_settings(dataset_settings_of(options), dataset_settings_in(Dataset(file).settings()));
-  } catch (const Error&) {
-    return {};
-  }
-}
-
 void verify(const WindowsArguments& args, const std::string& file, const CommonArguments& common) {
   const DatasetCheck check = verify_dataset(args.data, file, common.threads, progress_line(common));
   const bool verified = check.differences.empty();
@@ -134,7 +123,7 @@ void write_windows(const WindowsArguments& args, const CommonArguments& common) 
                                             .seed = args.seed},
                                .mix = args.mix,
                                .include_flagged = args.include_flagged};
-  const std::vector<std::string> differing = differing_from(file, options);
+  const std::vector<std::string> differing = settings_unlike_those_in(file, options);
   const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   print_result(common, json_of(summary, file), text_of(summary, file, differing));

@@ -54,6 +54,14 @@ struct Live {
     }
     detector.take(packet);
   }
+  /// 3 s of packets of 0.5 ms, told of as they come; each `often` another one comes that begins 5 ms late, behind its tick.
+  void play_with_late_packets_each(std::int64_t often) {
+    for (std::int64_t t = 0; t <= 3'000'000; t += 500) {
+      take({t}, base + t);
+      tell_all(base + t);
+      if (t % often == 0 && t > 20'000) take({t - 5'000, t}, base + t), tell_all(base + t);
+    }
+  }
   void tell_all(std::int64_t now) {
     while (detector.tell_due(host_time(now))) {
     }
@@ -94,12 +102,7 @@ TEST(LiveDetector, GoesOnInSilenceUntilNothingIsLeftInTheHistory) {
 
 TEST(LiveDetector, SaysWhereManyEventsComeTooLate) {
   Live live;
-  for (std::int64_t t = 0; t <= 3'000'000; t += 500) {
-    live.take({t}, base + t);
-    live.tell_all(base + t);
-    // Each tenth packet is 5 ms late, behind its tick.
-    if (t % 5'000 == 0 && t > 20'000) live.take({t - 5'000, t}, base + t), live.tell_all(base + t);
-  }
+  live.play_with_late_packets_each(5'000);
   const auto count = std::count_if(live.faults.begin(), live.faults.end(),
                                    [](const DetectionFault& fault) { return fault.kind == "late events"; });
   ASSERT_EQ(count, 1) << "in three seconds";
@@ -109,11 +112,7 @@ TEST(LiveDetector, SaysWhereManyEventsComeTooLate) {
 
 TEST(LiveDetector, SaysNothingOfAFewLateEvents) {
   Live live;
-  for (std::int64_t t = 0; t <= 3'000'000; t += 500) {
-    live.take({t}, base + t);
-    live.tell_all(base + t);
-    if (t % 500'000 == 0 && t > 20'000) live.take({t - 5'000, t}, base + t), live.tell_all(base + t);
-  }
+  live.play_with_late_packets_each(500'000);
   EXPECT_GT(live.detector.counts().late_events, 3U);
   for (const DetectionFault& fault : live.faults) EXPECT_EQ(fault.kind, "long packets") << fault.text;
   EXPECT_FALSE(live.told.at(5).incomplete) << "none was late yet";

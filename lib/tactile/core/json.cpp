@@ -32,9 +32,8 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
 std::string_view without_dashes(std::string_view name) { return name.substr(std::min(name.find_first_not_of('-'), name.size())); }
 
 /// One letter in three at most is another, or one name is a piece of the other.
-bool are_near(std::string_view a, std::string_view b) {
+bool are_near(std::string_view a, std::string_view b, std::size_t edits) {
   const std::size_t longer = std::max(a.size(), b.size()), shorter = std::min(a.size(), b.size());
-  const std::size_t edits = edits_between(a, b);
   if (edits < longer && edits <= std::max<std::size_t>(1, longer / 3)) return true;
   return shorter >= 3 && (a.find(b) != std::string_view::npos || b.find(a) != std::string_view::npos);
 }
@@ -160,7 +159,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   for (const std::string& candidate : names) {
     const std::string_view plain_candidate = without_dashes(candidate);
     const std::size_t edits = edits_between(plain, plain_candidate);
-    if (edits >= fewest || !are_near(plain, plain_candidate)) continue;
+    if (edits >= fewest || !are_near(plain, plain_candidate, edits)) continue;
     fewest = edits;
     nearest = candidate;
   }

@@ -40,8 +40,8 @@ struct LiveDetectorOptions {
   /// Of what is played: no tick is told that comes so long after the first one.
   microseconds play_for = microseconds::max();
   microseconds late_for{500'000};  ///< all events have come too late for so long: the stream is another one
-  /// Ahead of each tick that the gate will not spare, the network is run once for nothing: after a sleep its weights are no
-  /// longer in the cache, and reading them is a third of its time.
+  /// Between two ticks, of which the gate did not spare the first, the network is run once for nothing: its weights would else
+  /// have left the cache until the second one closes. Not while ticks are closed by the host's time.
   bool rehearses = false;
 };
 

@@ -62,22 +62,25 @@ bool StepRunner::knows(const std::string& name) const { return fs::exists(file_o
 
 nlohmann::json StepRunner::inputs_of(const std::string& name) const { return read(name).inputs; }
 
-bool StepRunner::is_done(const Step& step) const {
-  const Known known = read(step.name);
-  if (!known.done || known.key != key_of(step)) return false;
+std::optional<StepRunner::Known> StepRunner::known_as_done(const Step& step) const {
+  Known known = read(step.name);
+  if (!known.done || known.key != key_of(step)) return std::nullopt;
   const nlohmann::json outputs = step.outputs();
-  return !outputs.is_null() && outputs == known.outputs;
+  if (outputs.is_null() || outputs != known.outputs) return std::nullopt;
+  return known;
 }
+
+bool StepRunner::is_done(const Step& step) const { return known_as_done(step).has_value(); }
 
 void StepRunner::tell_of(const Step& step, bool kept) const {
   if (options_.tell) options_.tell(step.words.empty() ? step.name : step.words, kept);
 }
 
 bool StepRunner::find_done(const Step& step) {
-  if (!is_done(step)) return false;
-  Known known = read(step.name);
-  known.record.command = step.command;
-  records_.push_back(std::move(known.record));
+  auto known = known_as_done(step);
+  if (!known) return false;
+  known->record.command = step.command;
+  records_.push_back(std::move(known->record));
   tell_of(step, true);
   return true;
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,7 @@ class StepRunner {
   struct Known;
   std::filesystem::path file_of(const std::string& name) const;
   Known read(const std::string& name) const;
+  std::optional<Known> known_as_done(const Step& step) const;
   bool find_done(const Step& step);
   void begin(const Step& step);
   void tell_of(const Step& step, bool kept) const;

@@ -253,13 +253,7 @@ class Study {
   /// Another study's, or somebody's own, that will be replaced.
   void warn_of_another_dataset(const WindowsOptions& windows) const {
     if (!warn_) return;
-    std::vector<std::string> differing;
-    try {
-      const Dataset there(dataset_file());
-      differing = differing_settings(dataset_settings_of(windows), dataset_settings_in(there.settings()));
-    } catch (const Error&) {
-      return;  // none is there, or none that can be read
-    }
+    const std::vector<std::string> differing = settings_unlike_those_in(dataset_file(), windows);
     if (differing.empty()) return;
     warn_(fmt::format(
         "{} was made with other settings and is made anew with {}; give each study a data folder of its own to keep both",
@@ -546,11 +540,7 @@ class Study {
   // --- results
 
   /// A path as study.json has it: from the study's folder on.
-  std::string from_study(const fs::path& path) const {
-    // Absolute first: what is not there yet would stay as it is, and be told otherwise once it is there.
-    const auto whole = [](const fs::path& any) { return fs::weakly_canonical(fs::absolute(any)); };
-    return whole(path).lexically_relative(whole(options_.out)).generic_string();
-  }
+  std::string from_study(const fs::path& path) const { return from_folder(path, options_.out); }
 
   SeenAndHeldOut compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
     SeenAndHeldOut comparison;
@@ -735,7 +725,7 @@ class Study {
                     {"confidence", bootstrap.confidence},
                     {"seed", bootstrap.seed},
                     {"trainings", words_on_seeds()}}},
-                  {"steps", json::array()},
+                  {"steps", steps_json(runner_.records())},
                   {"dataset",
                    {{"file", from_study(dataset_file())},
                     {"manifest_hash", dataset_->manifest_hash()},
@@ -754,12 +744,6 @@ class Study {
                   {"unseen", nullptr},
                   {"splits", json::array()},
                   {"splits_mean", nullptr}};
-    for (const StepRecord& record : runner_.records()) {
-      study["steps"].push_back({{"name", record.name},
-                                {"command", record.command.empty() ? json() : json(record.command)},
-                                {"seconds", record.seconds},
-                                {"finished_at", record.finished_at}});
-    }
     for (const RunSet& set : sets_) study["runs"][set.name] = set.names;
     study["left_out"] = left_out_of(*dataset_, runs_below(options_.data));
 

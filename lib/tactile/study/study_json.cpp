@@ -45,6 +45,25 @@ nlohmann::json machine_json(unsigned threads) {
           {"threads", threads}};
 }
 
+nlohmann::json steps_json(std::span<const StepRecord> steps) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const StepRecord& step : steps) {
+    json.push_back({{"name", step.name},
+                    {"command", step.command.empty() ? nlohmann::json() : nlohmann::json(step.command)},
+                    {"seconds", step.seconds},
+                    {"finished_at", step.finished_at}});
+  }
+  return json;
+}
+
+std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  // Absolute first: what is not there yet would stay as it is, and be told otherwise once it is there.
+  const auto whole = [](const std::filesystem::path& any) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(any));
+  };
+  return whole(path).lexically_relative(whole(folder)).generic_string();
+}
+
 Figure figure_in(const nlohmann::json& json, const std::string& where) {
   return {number_in(json, "value", where).value_or(std::numeric_limits<double>::quiet_NaN()), number_in(json, "low", where),
           number_in(json, "high", where), member<std::size_t>(json, "n", where)};

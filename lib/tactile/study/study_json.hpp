@@ -5,12 +5,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/study/claims.hpp"
 #include "tactile/study/history_choice.hpp"
+#include "tactile/study/step_runner.hpp"
 
 namespace tactile {
 
@@ -19,6 +21,12 @@ nlohmann::json software_json();
 
 /// {"cpu", "system", "cores", "memory_bytes", "threads"}: what it measured on, with how many threads.
 nlohmann::json machine_json(unsigned threads);
+
+/// {"name", "command", "seconds", "finished_at"} of each; "command" null where there is none.
+nlohmann::json steps_json(std::span<const StepRecord> steps);
+
+/// `path` as counted from a study's folder, whether it is there yet or not.
+std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
 Figure figure_in(const nlohmann::json& json, const std::string& where);

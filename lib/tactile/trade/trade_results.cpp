@@ -51,11 +51,6 @@ json json_of(const TradeLevels& tried) {
 
 }  // namespace
 
-std::string from_folder(const fs::path& path, const fs::path& folder) {
-  const auto whole = [](const fs::path& any) { return fs::weakly_canonical(fs::absolute(any)); };
-  return whole(path).lexically_relative(whole(folder)).generic_string();
-}
-
 json trade_json(const TradeFindings& findings) {
   const TradeOptions& options = findings.options;
   const Dataset& dataset = findings.dataset;
@@ -101,7 +96,7 @@ json trade_json(const TradeFindings& findings) {
       {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
       {"growth", findings.growth},
       {"recommendation", findings.recommendation},
-      {"steps", json::array()}};
+      {"steps", steps_json(findings.steps)}};
   for (const TradePoint& point : findings.points) trade["points"].push_back(point_json(point, options.usual));
   for (const LeftOutPair& pair : left_out_pairs(options.levels)) {
     trade["left_out"].push_back(
@@ -115,12 +110,6 @@ json trade_json(const TradeFindings& findings) {
   }
   for (const NotMeasured& one : findings.not_measured)
     trade["not_measured"].push_back({{"setting", one.setting}, {"why", one.why}});
-  for (const StepRecord& record : findings.steps) {
-    trade["steps"].push_back({{"name", record.name},
-                              {"command", record.command.empty() ? json() : json(record.command)},
-                              {"seconds", record.seconds},
-                              {"finished_at", record.finished_at}});
-  }
   return trade;
 }
 

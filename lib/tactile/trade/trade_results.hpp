@@ -37,7 +37,4 @@ void write_trade(const nlohmann::json& trade, const std::filesystem::path& folde
 /// One row for each setting and set of runs. @param trade  as trade.json has it
 std::string trade_csv(const nlohmann::json& trade);
 
-/// `path` as counted from the folder of the trade.
-std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
-
 }  // namespace tactile

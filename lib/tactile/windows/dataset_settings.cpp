@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include "tactile/core/error.hpp"
+#include "tactile/windows/dataset.hpp"
+
 namespace tactile {
 namespace {
 
@@ -55,6 +58,15 @@ std::vector<std::string> differing_settings(const nlohmann::json& now, const nlo
       differing.push_back(fmt::format("{} {} instead of {}", name_of(key), text_of(key, value), text_of(key, other)));
   }
   return differing;
+}
+
+std::vector<std::string> settings_unlike_those_in(const std::filesystem::path& file, const WindowsOptions& options) {
+  if (!std::filesystem::exists(file)) return {};
+  try {
+    return differing_settings(dataset_settings_of(options), dataset_settings_in(Dataset(file).settings()));
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 }  // namespace tactile
