@@ -2,14 +2,14 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -27,8 +27,8 @@
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
-#include "quantity_text.hpp"
 #include "record_runs.hpp"
+#include "robot_teller.hpp"
 #include "source_arguments.hpp"
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/capture/new_run.hpp"
@@ -38,25 +38,24 @@
 #include "tactile/detect/live_detector.hpp"
 #include "tactile/detect/real_time.hpp"
 #include "tactile/detect/recorded_copy.hpp"
-#include "tactile/detect/robot_bits.hpp"
 #include "tactile/detect/tick_log.hpp"
 #include "tactile/detect/udp_records.hpp"
 #include "tactile/engine/lenet_engine.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/classifier.hpp"
 #include "tactile/report/gnuplot.hpp"
-#include "tactile/robot/robot_inputs.hpp"
+#include "tick_reader.hpp"
 
 namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets ahead of the detector
 constexpr std::size_t waiting_ticks = 16'384;                 // told, and not yet shown or written
-constexpr std::size_t drawn_ticks = 2'000'000;                // more than an hour
 constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
+constexpr std::chrono::milliseconds between_readings{10};
+constexpr std::chrono::milliseconds between_live_readings{50};  // soon enough for a person, and rarely: to wake up costs
 
 struct DetectArguments {
   std::string model, models = "models";
@@ -70,10 +69,9 @@ struct DetectArguments {
   bool gate = false;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
-  std::string ticks, plot, udp, robot;
-  std::optional<int> bit, press_bit, slip_bit;
-  std::optional<double> clear_ms;
-  bool latch = false, no_real_time = false, no_rehearsal = false, awake = false;
+  std::string ticks, plot, udp;
+  RobotArguments robot;
+  bool no_real_time = false, no_rehearsal = false, awake = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
 };
@@ -137,46 +135,6 @@ microseconds tick_within(microseconds history, std::int64_t tick_us, const std::
       below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
 }
 
-/// The bits that were asked for, and what raises each.
-struct BitsAskedFor {
-  std::vector<int> bits;
-  std::vector<RobotBitRule> rules;
-};
-
-BitsAskedFor bits_of(const DetectArguments& args) {
-  BitsAskedFor asked;
-  const auto add = [&asked](const std::optional<int>& bit, const RobotBitRule& rule) {
-    if (!bit) return;
-    asked.bits.push_back(*bit);
-    asked.rules.push_back(rule);
-  };
-  add(args.bit, {.at_press = true, .at_slip = true});
-  add(args.press_bit, {.at_press = true, .at_slip = false});
-  add(args.slip_bit, {.at_press = false, .at_slip = true});
-  // Here, and not by CLI11: each may stand on the command line or in --config's file.
-  if (args.robot.empty()) {
-    const std::array<std::pair<bool, const char*>, 5> of_a_robot{{{args.bit.has_value(), "--bit"},
-                                                                  {args.press_bit.has_value(), "--press-bit"},
-                                                                  {args.slip_bit.has_value(), "--slip-bit"},
-                                                                  {args.latch, "--latch"},
-                                                                  {args.clear_ms.has_value(), "--clear-ms"}}};
-    for (const auto& [given, option] : of_a_robot) {
-      if (!given) continue;
-      throw Error(fmt::format("{}: there is no robot to tell, --robot is missing; expected --robot HOST beside it{}", option,
-                              asked.bits.empty() ? ", and --bit, --press-bit or --slip-bit with a register from 64 to 127" : ""));
-    }
-  }
-  if (asked.bits.empty() && !args.robot.empty())
-    throw Error("--robot: there is no bit to tell it; expected --bit, --press-bit or --slip-bit with a register from 64 to 127");
-  if (args.latch && args.clear_ms) throw Error("--latch: does not go with --clear-ms; expected one of the two");
-  for (std::size_t i = 0; i < asked.bits.size(); ++i) {
-    if (std::find(asked.bits.begin(), asked.bits.begin() + static_cast<std::ptrdiff_t>(i), asked.bits[i]) !=
-        asked.bits.begin() + static_cast<std::ptrdiff_t>(i))
-      throw Error(fmt::format("--bit: register {} stands for two things; expected another one for each", asked.bits[i]));
-  }
-  return asked;
-}
-
 /// A fault from whatever thread finds it: said, counted, and the first ones kept.
 class Faults {
  public:
@@ -199,137 +157,6 @@ class Faults {
   mutable std::mutex guard_;
   std::map<std::string, std::uint64_t> kinds_;
   std::vector<DetectionFault> first_;
-};
-
-/// Tells the robot, and how long that took.
-class RobotTeller {
- public:
-  RobotTeller(const DetectArguments& args, const BitsAskedFor& asked, Faults& faults, bool real_time)
-      : bits_(asked.rules, {.never = args.latch, .hold = microseconds{std::llround(1000 * args.clear_ms.value_or(0))}}) {
-    const NetworkAddress address = robot_address(args.robot);
-    RobotInputsOptions options{.host = address.host, .port = address.port, .bits = asked.bits};
-    options.log = [&faults](const std::string& text) { faults.add({"robot", text, host_now()}); };
-    if (real_time) options.prepare = [] { go_ahead_of_others(robot_priority); };
-    inputs_ = std::make_unique<RobotInputs>(std::move(options));
-  }
-
-  void tell(const ToldTick& tick) {
-    const std::uint64_t high = bits_.next(tick.verdict.t, tick.verdict.verdict);
-    const bool rises = (high & ~high_) != 0;
-    if (high == high_) return;
-    high_ = high;
-    if (!rises) return inputs_->set(high);
-    ++raised_;
-    inputs_->set(high, [this, event = tick.last_arrival.value_or(tick.due.closed)] {
-      const std::scoped_lock lock(guard_);
-      from_event_.add(host_now() - event);
-    });
-  }
-  void forget() {
-    const std::uint64_t high = bits_.forget();
-    if (std::exchange(high_, high) != high) inputs_->set(high);
-  }
-  ToldToRobot summary() const {
-    const std::scoped_lock lock(guard_);
-    return {inputs_->state(), raised_, from_event_};
-  }
-
- private:
-  RobotBits bits_;
-  std::uint64_t high_ = 0, raised_ = 0;
-  mutable std::mutex guard_;
-  DurationHistogram from_event_;
-  std::unique_ptr<RobotInputs> inputs_;  ///< its thread ends first
-};
-
-/// What is shown, written and kept of the ticks, on a thread that may take its time.
-class TickReader {
- public:
-  TickReader(const DetectArguments& args, LiveLine& line, bool prints, DetectSummary& summary)
-      : line_(line), prints_(prints), keeps_(!args.plot.empty()), path_(args.ticks), summary_(summary) {
-    if (path_.empty()) return;
-    file_.open(path_, std::ios::binary | std::ios::trunc);
-    file_ << "t_us,p_none,p_press,p_slip,verdict,said,events,gated,closed,skipped,beginning,incomplete\n";
-    check_file();
-  }
-
-  void read(TickLog& log) {
-    log.take(ticks_);
-    for (const ToldTick& tick : ticks_) read(tick);
-    if (!path_.empty() && !ticks_.empty()) check_file();
-    if (!ticks_.empty()) newest_ = ticks_.back();
-    draw();
-  }
-  void end() {
-    if (path_.empty()) return;
-    file_.close();
-    check_file();
-  }
-  std::uint64_t not_kept() const { return not_kept_; }
-  const std::vector<ToldTick>& kept() const { return kept_; }
-
- private:
-  void check_file() const {
-    if (!file_) throw Error(path_ + ": cannot be written; expected a place with room");
-  }
-
-  void read(const ToldTick& tick) {
-    const TickVerdict& verdict = tick.verdict;
-    const auto touch = static_cast<std::size_t>(verdict.verdict);
-    ++summary_.verdicts[touch];
-    skipped_ += tick.due.skipped;
-    if (!summary_.first_tick) summary_.first_tick = verdict.t;
-    summary_.last_tick = verdict.t;
-    const bool goes_on = last_ == verdict.verdict && beginning_ == tick.beginning;
-    if (verdict.verdict != Touch::none && !goes_on) begin_episode(tick);
-    if (verdict.verdict != Touch::none && goes_on && episode_is_kept_) summary_.first_episodes.back().last = verdict.t;
-    last_ = verdict.verdict;
-    beginning_ = tick.beginning;
-    if (keeps_) kept_.size() < drawn_ticks ? kept_.push_back(tick) : void(++not_kept_);
-    if (path_.empty()) return;
-    const Probabilities& p = verdict.probabilities;
-    file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
-                         name_of(verdict.verdict), name_of(verdict.said), verdict.events, verdict.gated ? 1 : 0,
-                         tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
-  }
-
-  void begin_episode(const ToldTick& tick) {
-    const Touch touch = tick.verdict.verdict;
-    ++summary_.episodes[static_cast<std::size_t>(touch)];
-    episode_is_kept_ = summary_.first_episodes.size() < most_episodes_told;
-    if (episode_is_kept_) summary_.first_episodes.push_back({touch, tick.verdict.t, tick.verdict.t});
-    if (!prints_) return;
-    line_.clear();
-    const double seconds = 1e-6 * static_cast<double>(us_of(tick.verdict.t));
-    const std::string text = fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
-                                         static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)]));
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
-  }
-
-  void draw() {
-    const SteadyClock::time_point now = SteadyClock::now();
-    if (!line_.draws() || !newest_ || now - drawn_ < 250ms) return;
-    drawn_ = now;
-    const TickVerdict& verdict = newest_->verdict;
-    const double seconds = std::chrono::duration<double>(now - begun_).count();
-    line_.draw(fmt::format("{}  {:<5} {:.2f}  {} events in t_h  {}  {} skipped", clock_text(seconds), name_of(verdict.verdict),
-                           static_cast<double>(verdict.probabilities[static_cast<std::size_t>(verdict.said)]), verdict.events,
-                           counted(newest_->number + 1, "tick"), skipped_));
-  }
-
-  LiveLine& line_;
-  const bool prints_, keeps_;
-  const std::string path_;
-  DetectSummary& summary_;
-  std::ofstream file_;
-  std::vector<ToldTick> ticks_, kept_;
-  std::optional<ToldTick> newest_;
-  std::uint64_t skipped_ = 0, not_kept_ = 0;
-  Touch last_ = Touch::none;
-  std::uint32_t beginning_ = 0;
-  bool episode_is_kept_ = false;
-  SteadyClock::time_point begun_ = SteadyClock::now(), drawn_{};
 };
 
 double cpu_seconds() {
@@ -356,7 +183,7 @@ Recording begin_recording(const DetectArguments& args, CameraSource& source, boo
     bool simulated() const override { return copy->simulated(); }
     bool live() const override { return copy->live(); }
     nlohmann::json camera() const override { return copy->camera(); }
-    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
       return copy->receive(packet, patience);
     }
     SourceDrops drops() const override { return copy->drops(); }
@@ -384,7 +211,7 @@ Recording begin_recording(const DetectArguments& args, CameraSource& source, boo
 void detect(DetectArguments args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said
-  const BitsAskedFor asked = bits_of(args);
+  const RobotBitsAskedFor asked = bits_asked_for(args.robot);
   if (!args.plot.empty()) check_is_picture(args.plot);
   std::optional<NetworkAddress> udp_address;
   if (!args.udp.empty()) {
@@ -440,18 +267,26 @@ void detect(DetectArguments args, const CommonArguments& common) {
 
   std::unique_ptr<UdpRecords> udp;
   if (udp_address) udp = std::make_unique<UdpRecords>(*udp_address);
+  const TellFault tell_fault = [&faults](const DetectionFault& fault) { faults.add(fault); };
   std::unique_ptr<RobotTeller> robot;
-  if (!args.robot.empty()) robot = std::make_unique<RobotTeller>(args, asked, faults, real_time);
+  if (!args.robot.host.empty()) {
+    std::function<void()> prepare;
+    if (real_time) prepare = [] { go_ahead_of_others(robot_priority); };
+    robot = std::make_unique<RobotTeller>(args.robot, asked, tell_fault, std::move(prepare));
+  }
 
   TickLog log(waiting_ticks, plays);
-  TickReader reader(args, line, !common.json, summary);
+  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line, summary);
   std::atomic<bool> is_over{false}, stops{false};
   const auto tell = [&](const ToldTick& tick) {
-    if (udp) udp->send(tick);
+    if (udp && !udp->send(tick) && udp->failed() == 1)
+      faults.add({"udp",
+                  fmt::format("--udp {}: a record could not be sent ({}); expected a program that listens there", args.udp,
+                              std::strerror(errno)),
+                  host_now()});
     if (robot) robot->tell(tick);
     log.add(tick);
   };
-  const TellFault tell_fault = [&faults](const DetectionFault& fault) { faults.add(fault); };
   const auto detector = std::make_unique<LiveDetector>(std::move(tick_detector), options, tell, tell_fault, [&robot] {
     if (robot) robot->forget();
   });
@@ -462,6 +297,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   PacketQueue queue(waiting_bytes);
   EventFeedOptions feed_options;
   feed_options.waits = plays;
+  // What is recorded at the same time is copied ahead of a tick, and not by who tells it.
+  feed_options.receives_ahead = plays || recording || !source->tells_arrivals();
   feed_options.fault = tell_fault;
   feed_options.wakes = [&detector](const CameraPacket& packet) { return detector->awaits(packet.events); };
   if (args.from.starts_with("tcp:") || args.from.starts_with("unix:") || args.from.starts_with("camera"))
@@ -497,8 +334,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   std::thread working([&] {
     if (real_time) hurry(detector_priority);
     try {
-      detector->run(
-          queue, [&] { return stops.load(); }, [&feed] { return feed.lost_events(); });
+      detector->run(feed, [&] { return stops.load(); });
     } catch (...) {
       failure = std::current_exception();
     }
@@ -517,7 +353,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     const bool time_is_up = !plays && args.duration_s > 0 && host_now() - begun >= duration;
     if (time_is_up) summary.ended = "duration";
     if (was_interrupted || time_is_up) break;
-    std::this_thread::sleep_for(10ms);
+    std::this_thread::sleep_for(plays ? between_readings : between_live_readings);
   }
   stops = true;
   log.close();
@@ -613,13 +449,15 @@ void add_detect_command(CLI::App& app) {
       ->check(in_range(0.0, 1e9))
       ->type_name("S")
       ->capture_default_str();
-  command->add_option("--robot", args->robot, "UR controller to tell")->type_name("HOST[:PORT]");
+  command->add_option("--robot", args->robot.host, "UR controller to tell")->type_name("HOST[:PORT]");
   const CLI::Validator is_bit = in_range(64, 127);
-  command->add_option("--bit", args->bit, "Its input bit register that is high at press and slip")->check(is_bit)->type_name("N");
-  command->add_option("--press-bit", args->press_bit, "Likewise, at press alone")->check(is_bit)->type_name("N");
-  command->add_option("--slip-bit", args->slip_bit, "Likewise, at slip alone")->check(is_bit)->type_name("N");
-  CLI::Option* latch = command->add_flag("--latch", args->latch, "A bit that rose stays high until the end");
-  command->add_option("--clear-ms", args->clear_ms, "A bit falls so long after the last tick that raised it [ms]")
+  command->add_option("--bit", args->robot.bit, "Its input bit register that is high at press and slip")
+      ->check(is_bit)
+      ->type_name("N");
+  command->add_option("--press-bit", args->robot.press_bit, "Likewise, at press alone")->check(is_bit)->type_name("N");
+  command->add_option("--slip-bit", args->robot.slip_bit, "Likewise, at slip alone")->check(is_bit)->type_name("N");
+  CLI::Option* latch = command->add_flag("--latch", args->robot.latch, "A bit that rose stays high until the end");
+  command->add_option("--clear-ms", args->robot.clear_ms, "A bit falls so long after the last tick that raised it [ms]")
       ->check(in_range(0.0, 1e6))
       ->excludes(latch)
       ->default_str("0");

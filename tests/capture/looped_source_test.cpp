@@ -26,7 +26,7 @@ class ShortSource final : public CameraSource {
     drops.events = 2;
     return drops;
   }
-  CameraSource::Received receive(CameraPacket& packet, std::chrono::milliseconds /*patience*/) override {
+  CameraSource::Received receive(CameraPacket& packet, std::chrono::microseconds /*patience*/) override {
     packet.clear();
     if (next_ > events_.size()) return Received::ended;
     if (next_ < events_.size()) {
@@ -75,7 +75,7 @@ TEST(LoopedSource, EndsWhereARoundBringsNothing) {
     std::span<const Stream> streams() const override { return {}; }
     nlohmann::json camera() const override { return nlohmann::json::object(); }
     SourceDrops drops() const override { return {}; }
-    CameraSource::Received receive(CameraPacket& /*packet*/, std::chrono::milliseconds /*patience*/) override {
+    CameraSource::Received receive(CameraPacket& /*packet*/, std::chrono::microseconds /*patience*/) override {
       return Received::ended;
     }
   };

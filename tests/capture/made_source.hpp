@@ -27,7 +27,9 @@ class MadeSource : public CameraSource {
   std::span<const Stream> streams() const override { return streams_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return {{"source", streams_.front().source}, {"readout_mode", "made"}}; }
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override { return step_(packet, patience); }
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
+    return step_(packet, std::chrono::ceil<std::chrono::milliseconds>(patience));
+  }
   SourceDrops drops() const override { return lost; }
 
   static Received silent_for(std::chrono::milliseconds patience) {

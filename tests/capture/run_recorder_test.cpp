@@ -333,7 +333,7 @@ TEST_F(RunRecorderTest, CountsWhatTheSourceLostDuringTheRunOnly) {
   class Losing : public MadeSource {
    public:
     using MadeSource::MadeSource;
-    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
       lost.packets += 2;
       lost.events += 5;
       return MadeSource::receive(packet, patience);
@@ -352,7 +352,7 @@ TEST_F(RunRecorderTest, CountsWhatTheSourceLostThoughNothingGoodFollows) {
   class Broken : public MadeSource {
    public:
     using MadeSource::MadeSource;
-    Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+    Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
       if (lost.packets == 0)
         lost = {.packets = 7, .events = 5, .others = 4, .back_in_time = {.packets = 1, .events = 2, .others = 3}};
       return MadeSource::receive(packet, patience);

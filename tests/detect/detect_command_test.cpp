@@ -336,7 +336,8 @@ TEST(DetectCommand, TellsThroughASilenceWhatEvalTells) {
     offline.emplace_back(std::to_string(us_of(t)), std::to_string(events));
   });
   ASSERT_GT(offline.size(), 30'000U);
-  const auto result = run_tactile("detect --quiet --model small --speed 0 --ticks minute.csv --from file:" + file.string(), folder);
+  const auto result =
+      run_tactile("detect --quiet --model small --speed 0 --ticks minute.csv --from file:" + file.string(), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::vector<Row> told = rows_of(folder / "minute.csv");
   ASSERT_EQ(told.size(), offline.size());
@@ -372,7 +373,8 @@ TEST(DetectCommand, SaysWhatIsWrong) {
   };
   expect_error("--from file:data/fan/02 --bit 64", "there is no robot to tell");
   expect_error("--from file:data/fan/02 --slip-bit 64", "--slip-bit: there is no robot to tell, --robot is missing");
-  expect_error("--from file:data/fan/02 --latch", "--latch: there is no robot to tell, --robot is missing; expected --robot HOST");
+  expect_error("--from file:data/fan/02 --latch",
+               "--latch: there is no robot to tell, --robot is missing; expected --robot HOST");
   expect_error("--from file:data/fan/02 --clear-ms 5", "--clear-ms: there is no robot to tell, --robot is missing");
   expect_error("--from file:data/fan/02 --latch --clear-ms 5 --robot 127.0.0.1", "expected one of the two");
   expect_error("--from file:data/fan/02 --tick-us 3000", "expected a tick such as 2500 or 4000");

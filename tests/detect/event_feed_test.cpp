@@ -2,14 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <deque>
 #include <mutex>
+#include <thread>
 
 #include "support/comes_true.hpp"
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
 #include "tactile/detect/recorded_copy.hpp"
 #include "tactile/events/recording_writer.hpp"
+#include "tactile/network/dv_stream_server.hpp"
 
 namespace tactile {
 namespace {
@@ -25,7 +30,7 @@ class MadeSource final : public CameraSource {
   std::string name() const override { return "made"; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
   nlohmann::json camera() const override { return nlohmann::json::object(); }
-  Received receive(CameraPacket& packet, std::chrono::milliseconds) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds) override {
     if (times_.empty()) {
       if (!breaks_.empty()) throw Error(breaks_);
       return Received::ended;
@@ -69,33 +74,40 @@ struct Taken {
   std::vector<std::int64_t> times;
 };
 
-std::vector<Taken> all_of(PacketQueue& queue) {
+std::vector<Taken> all_of(EventFeed& feed) {
   std::vector<Taken> taken;
   PacketQueue::Packet packet;
-  while (queue.pop(packet, std::chrono::seconds(60)) && !packet.empty()) {
+  while (feed.next(packet, std::chrono::seconds(60), {}) && !packet.empty()) {
     Taken& one = taken.emplace_back(Taken{packet.front().source_index, {}});
     for (const Event& event : packet.front().elements.events) one.times.push_back(us_of(event.t));
-    queue.give_back(std::exchange(packet, {}));
+    feed.give_back(std::exchange(packet, {}));
   }
   return taken;
 }
 
-TEST(EventFeed, BringsWhatASourceSendsAndEndsWithIt) {
+/// Received ahead by a thread of the feed's own, or by whoever takes the packets.
+class EventFeedBothWays : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(ReceivedBy, EventFeedBothWays, testing::Values(true, false),
+                         [](const auto& instance) { return instance.param ? "AThreadOfItsOwn" : "WhoeverTakes"; });
+
+TEST_P(EventFeedBothWays, BringsWhatASourceSendsAndEndsWithIt) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
-  EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2, 3}), queue, {.fault = faults.tell()});
+  EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2, 3}), queue,
+                 {.receives_ahead = GetParam(), .fault = faults.tell()});
   feed.start();
-  EXPECT_EQ(all_of(queue).size(), 3U);
+  EXPECT_EQ(all_of(feed).size(), 3U);
   EXPECT_EQ(feed.error(), "");
   EXPECT_EQ(faults.kinds(), "");
 }
 
-TEST(EventFeed, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
+TEST_P(EventFeedBothWays, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
   constexpr std::int64_t end = std::int64_t{1} << 31;
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   int opened = 0;
   EventFeedOptions options;
+  options.receives_ahead = GetParam();
   options.fault = faults.tell();
   options.waits = true;
   options.reconnect = std::chrono::seconds(60);
@@ -106,42 +118,48 @@ TEST(EventFeed, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
   };
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{end - 1'000, end - 500, 0, 500}), queue, options);
   feed.start();
+  std::vector<Taken> taken;
+  std::thread taking([&] { taken = all_of(feed); });
   EXPECT_TRUE(comes_true([&] { return faults.kinds().find("closed") != std::string::npos; })) << faults.kinds();
   feed.stop();
-  const std::vector<Taken> taken = all_of(queue);
+  taking.join();
   EXPECT_EQ(faults.kinds(), "broken back closed ");
   EXPECT_NE(faults.all[0].text.find("its time went back by 2147.483 s"), std::string::npos) << faults.all[0].text;
   ASSERT_GE(taken.size(), 5U);
   EXPECT_EQ(taken[1].times, (std::vector<std::int64_t>{end - 500}));
   EXPECT_EQ(taken[2].source_index, 1U) << "an empty packet: the source is gone";
   EXPECT_TRUE(taken[2].times.empty());
-  EXPECT_EQ(taken[3].source_index, 2U);
-  EXPECT_EQ(taken[3].times, (std::vector<std::int64_t>{500}));
+  // Whoever receives himself is told by another empty packet that it is back.
+  const auto back = std::find_if(taken.begin() + 3, taken.end(), [](const Taken& one) { return !one.times.empty(); });
+  ASSERT_NE(back, taken.end());
+  EXPECT_EQ(back->source_index, 2U);
+  EXPECT_EQ(back->times, (std::vector<std::int64_t>{500}));
   EXPECT_EQ(feed.reopened(), 1U);
 }
 
-TEST(EventFeed, SaysWhyASourceIsGoneThatCannotBeOpenedAgain) {
+TEST_P(EventFeedBothWays, SaysWhyASourceIsGoneThatCannotBeOpenedAgain) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: garbage; expected events"), queue,
-                 {.fault = faults.tell()});
+                 {.receives_ahead = GetParam(), .fault = faults.tell()});
   feed.start();
-  all_of(queue);
+  all_of(feed);
   EXPECT_TRUE(comes_true([&] { return feed.error() == "made: garbage; expected events"; }));
   EXPECT_FALSE(feed.gave_up_after()) << "nothing was tried";
   EXPECT_EQ(faults.kinds(), "broken ");
 }
 
-TEST(EventFeed, GivesUpAfterAWhile) {
+TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeedOptions options;
+  options.receives_ahead = GetParam();
   options.fault = faults.tell();
   options.reconnect = std::chrono::milliseconds(120);
   options.open = []() -> std::unique_ptr<CameraSource> { throw Error("nobody is there"); };
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);
   feed.start();
-  all_of(queue);
+  all_of(feed);
   EXPECT_TRUE(comes_true([&] { return feed.error() == "made: broke"; }));
   EXPECT_EQ(faults.kinds(), "broken gave up ");
   EXPECT_NE(faults.all.back().text.find("(nobody is there)"), std::string::npos) << faults.all.back().text;
@@ -156,7 +174,7 @@ TEST(EventFeed, CountsWhatFindsNoRoom) {
   EventFeed feed(std::make_unique<MadeSource>(times), queue, {});
   feed.start();
   EXPECT_TRUE(comes_true([&] { return !queue.is_open(); }));
-  EXPECT_EQ(feed.lost_events() + all_of(queue).size(), 50U);
+  EXPECT_EQ(feed.lost_events() + all_of(feed).size(), 50U);
   EXPECT_GT(feed.lost_events(), 0U);
 }
 
@@ -166,8 +184,50 @@ TEST(EventFeed, WaitsForRoomWhereItShall) {
   for (std::int64_t t = 0; t < 50; ++t) times.push_back(t);
   EventFeed feed(std::make_unique<MadeSource>(times), queue, {.waits = true});
   feed.start();
-  EXPECT_EQ(all_of(queue).size(), 50U);
+  EXPECT_EQ(all_of(feed).size(), 50U);
   EXPECT_EQ(feed.lost_events(), 0U);
+}
+
+TEST(EventFeed, LetsWhoeverTakesRestAheadOfWaiting) {
+  PacketQueue queue(std::size_t{1} << 20);
+  EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}), queue, {.receives_ahead = false});
+  feed.start();
+  PacketQueue::Packet packet;
+  const HostTime begun = host_now();
+  ASSERT_TRUE(feed.next(packet, 1s, 20ms));
+  EXPECT_GE(host_now() - begun, 20ms) << "the packet was there all the time";
+  ASSERT_FALSE(packet.empty());
+  EXPECT_GE(packet.front().arrived, begun + 20ms) << "for lack of anything better, when it was received";
+}
+
+TEST(EventFeed, KnowsWhenPacketsArrivedHoweverLateTheyAreTaken) {
+  NetworkAddress any_port;
+  any_port.host = "127.0.0.1";
+  DvStreamServer server(any_port, event_stream_declaration({50, 50}, "MADE"));
+  std::atomic<bool> is_over{false};
+  std::thread sending([&] {
+    Event event;
+    for (std::int64_t t = 0; !is_over; t += 1'000) {
+      event.t = camera_time(t);
+      server.send(std::span(&event, 1));
+      std::this_thread::sleep_for(1ms);
+    }
+  });
+  PacketQueue queue(std::size_t{1} << 20);
+  std::unique_ptr<CameraSource> source = open_camera_source(server.address().text());
+  EXPECT_TRUE(source->tells_arrivals());
+  EventFeed feed(std::move(source), queue, {.receives_ahead = false});
+  feed.start();
+  PacketQueue::Packet packet;
+  // The system may take a while until it notes when bytes arrive.
+  EXPECT_TRUE(comes_true([&] {
+    if (!feed.next(packet, 1s, 50ms) || packet.empty()) return false;
+    const bool is_known = host_now() - packet.front().arrived >= 20ms;
+    feed.give_back(std::exchange(packet, {}));
+    return is_known;
+  }));
+  is_over = true;
+  sending.join();
 }
 
 TEST(RecordedCopy, EndsWhereTheCamerasClockBeginsAnew) {

@@ -6,12 +6,15 @@
 #include <functional>
 #include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "network/scripted_server.hpp"
+#include "support/comes_true.hpp"
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
 
 namespace tactile::test {
 namespace {
@@ -44,12 +47,39 @@ TEST(Connection, CarriesBytesBothWaysAndTellsWhenTheServerCloses) {
   EXPECT_EQ(heard, "hello");
 }
 
-TEST(Connection, ReachesAUnixSocket) {
+TEST(Connection, ReachesAUnixSocketWhichDoesNotTellWhenBytesCame) {
   const TemporaryFolder folder;
   const ScriptedServer server([](ScriptedServer::Socket& client) { send_all(client, "from a file"); },
                               asio::local::stream_protocol::endpoint((folder / "socket").string()));
   Connection connection(server.address(), 10s);
   EXPECT_EQ(all_of(connection), "from a file");
+  EXPECT_FALSE(connection.tells_arrivals());
+  EXPECT_FALSE(connection.arrived());
+}
+
+TEST(Connection, TellsWhenBytesCameHoweverLateTheyAreRead) {
+  const ScriptedServer server([](ScriptedServer::Socket& client) {
+    std::string asked(1, ' ');
+    std::error_code error;
+    while (asio::read(client, asio::buffer(asked), error) == 1) send_all(client, "come");
+  });
+  Connection connection(server.address(), 10s);
+  EXPECT_TRUE(connection.tells_arrivals());
+  std::array<std::byte, 10> bytes{};
+  HostTime earliest{};
+  // It may take the system a moment until it notes when bytes come.
+  EXPECT_TRUE(comes_true([&] {
+    connection.send(bytes_in("?"), 10s);
+    std::this_thread::sleep_for(50ms);
+    if (connection.receive(bytes, 10s) != std::optional<std::size_t>(4)) return false;
+    const HostTime now = host_now();
+    const std::optional<HostTime> arrived = connection.arrived();
+    if (!arrived) return false;
+    EXPECT_GE(*arrived, earliest);
+    EXPECT_LE(*arrived, now);
+    earliest = *arrived;
+    return now - *arrived > 25ms;
+  }));
 }
 
 TEST(Connection, ResolvesANameAndTriesEveryAddressOfIt) {

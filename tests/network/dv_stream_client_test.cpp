@@ -84,6 +84,34 @@ TEST(DvStreamClient, ReadsHeaderAndPacketsHoweverTheyAreCut) {
   }
 }
 
+TEST(DvStreamClient, ReadsPacketsSmallAndLargeThatComeTogether) {
+  std::string bytes = event_stream_start();
+  std::vector<Event> sent;
+  std::size_t packets = 0;
+  for (const std::size_t count : {1U, 1U, 20U, 1'000U, 1'021U, 1'022U, 1'023U, 1U, 5'000U, 3U, 2'047U, 1U, 1U}) {
+    std::vector<Event> part;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto k = static_cast<int>(sent.size() + i);
+      part.push_back(event(k, k % 640, 7, k % 2));
+    }
+    bytes += packet(0, event_payload(part));
+    sent.insert(sent.end(), part.begin(), part.end());
+    ++packets;
+  }
+  const StallingServer server(bytes);
+  DvStreamClient client(server.address(), 10s);
+  std::vector<Event> got;
+  while (packets > 0 && client.receive(10s) == Received::packet) {
+    got.insert(got.end(), client.events().begin(), client.events().end());
+    --packets;
+  }
+  EXPECT_EQ(packets, 0U);
+  EXPECT_EQ(got, sent);
+  EXPECT_FALSE(client.more_came()) << "of the last one";
+  EXPECT_EQ(client.receive(0ms), Received::nothing) << "nothing is left, nor waited for";
+  EXPECT_EQ(client.bytes_received(), bytes.size());
+}
+
 TEST(DvStreamClient, ReadsEveryKindOfFrame) {
   const std::string payload = event_payload(two_events);
   for (const std::string& sent :

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
@@ -23,12 +24,16 @@ struct CameraPacket {
   std::vector<ImuSample> imu;
   std::vector<Trigger> triggers;
   std::optional<Frame> frame;
+  std::optional<HostTime> arrived = {};  ///< at this machine, where the source tells that; else when it was received
+  bool more_came = false;                ///< with it: `arrived` is when that came, and this packet before
 
   void clear() {
     events.clear();
     imu.clear();
     triggers.clear();
     frame.reset();
+    arrived.reset();
+    more_came = false;
   }
   bool empty() const { return events.empty() && imu.empty() && triggers.empty() && !frame; }
 };
@@ -84,12 +89,15 @@ class CameraSource {
   /// For run.json's "camera": source, readout_mode, biases and whatever else is known.
   virtual nlohmann::json camera() const = 0;
 
+  /// Whether packets know when they arrived, however late they are asked for: who receives them may do something else meanwhile.
+  virtual bool tells_arrivals() const { return false; }
+
   /// What a person should know ahead of the first packet, such as what a recording lacks, in one line; mostly nothing.
   virtual std::string remark() const { return {}; }
 
   /// Waits up to `patience` for the next elements and puts them into `packet`. `ended`: nothing will come any more. Silence is
   /// legal. @throws Error  if the source is gone or sends what cannot be
-  virtual Received receive(CameraPacket& packet, std::chrono::milliseconds patience) = 0;
+  virtual Received receive(CameraPacket& packet, std::chrono::microseconds patience) = 0;
 
   virtual SourceDrops drops() const = 0;
 

@@ -135,7 +135,7 @@ class FileSource final : public CameraSource {
 
   std::string remark() const override { return remark_; }
 
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     if (!pace_.has_begun()) pace_.begin(first_.value_or(CameraTime{}));
     while (next_.empty()) {
       if (!read_next()) return Received::ended;

@@ -178,7 +178,7 @@ class LibcaerCamera final : public CameraSource {
     return json;
   }
 
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     const auto until = std::chrono::steady_clock::now() + patience;
     packet.clear();
     for (;;) {

@@ -23,7 +23,7 @@ class LoopedSource final : public CameraSource {
     return drops += round_->drops();
   }
 
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     Received received = round_->receive(packet, patience);
     if (received == Received::ended) {
       if (!first_) return Received::ended;

@@ -14,13 +14,14 @@ class NetworkSource final : public CameraSource {
   std::string name() const override { return name_; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
   bool simulated() const override { return says_simulated(streams()); }
+  bool tells_arrivals() const override { return client_.tells_arrivals(); }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
     json["stream"] = client_.address().text();
     return json;
   }
 
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     switch (client_.receive(patience)) {
       case DvStreamClient::Received::closed:
         return Received::ended;
@@ -36,6 +37,8 @@ class NetworkSource final : public CameraSource {
     packet.imu.assign(client_.imu().begin(), client_.imu().end());
     packet.triggers.assign(client_.triggers().begin(), client_.triggers().end());
     packet.frame = client_.frame();
+    packet.arrived = client_.arrived();
+    packet.more_came = client_.more_came();
     times_.keep(packet, name_, backward_);
     return Received::packet;
   }

@@ -20,7 +20,7 @@ void Pace::begin(CameraTime first) {
   begun_ = std::chrono::steady_clock::now();
 }
 
-bool Pace::wait_for(CameraTime t, std::chrono::milliseconds patience) const {
+bool Pace::wait_for(CameraTime t, std::chrono::microseconds patience) const {
   if (speed_ == 0 || !begun_) return true;
   // Ten years stand for ever: a recording's times may lie anywhere, and a sum must not overflow.
   const double after_s = std::clamp(1e-6 * static_cast<double>(between(first_, t).count()) / speed_, 0.0, 3e8);

@@ -19,7 +19,7 @@ class Pace {
   void reset() { begun_.reset(); }
 
   /// Waits until `t` is due, at most `patience`; false if it is not due by then.
-  bool wait_for(CameraTime t, std::chrono::milliseconds patience) const;
+  bool wait_for(CameraTime t, std::chrono::microseconds patience) const;
 
  private:
   double speed_;

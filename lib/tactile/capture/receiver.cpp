@@ -135,7 +135,7 @@ void Receiver::receive_all() {
 
 void Receiver::hand_over(PacketQueue::Packet& packet) {
   packet.front().source_index = index_;
-  packet.front().arrived = host_now();
+  packet.front().arrived = packet.front().elements.arrived.value_or(host_now());
   const LostElements count = count_of(packet.front().elements);
   const bool taken = queue_.push(packet, !live_);
   if (taken) packet = queue_.take();

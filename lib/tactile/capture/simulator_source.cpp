@@ -89,7 +89,7 @@ class SimulatorSource final : public CameraSource {
     pace_.reset();
   }
 
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override {
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     while (next_.events.empty() && next_.imu.empty()) {
       if (scene_ && !scene_->film.ended()) {
         film_next();

@@ -38,7 +38,7 @@ EventFeed::EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, E
 EventFeed::~EventFeed() { stop(); }
 
 void EventFeed::start() {
-  thread_ = std::thread([this] { receive_all(); });
+  thread_ = std::thread([this] { options_.receives_ahead ? receive_all() : open_when_gone(); });
 }
 
 void EventFeed::stop() {
@@ -78,44 +78,116 @@ void EventFeed::receive_all() {
     const std::scoped_lock lock(guard_);
     return stops_;
   };
-  while (!stops() && receive_one()) {
+  for (bool goes_on = true; goes_on && !stops();) {
+    switch (receive(source_patience)) {
+      case Outcome::packet:
+        hand_over();
+        break;
+      case Outcome::nothing:
+        break;
+      case Outcome::gone:
+        if (queue_.push(packet_, true)) packet_ = queue_.take();
+        goes_on = open_again();
+        break;
+      case Outcome::over:
+        goes_on = false;
+    }
   }
   queue_.close();
 }
 
-/// False once there is nothing more to receive.
-bool EventFeed::receive_one() {
+/// Opening takes long, and verdicts go on meanwhile.
+void EventFeed::open_when_gone() {
+  for (;;) {
+    {
+      std::unique_lock lock(guard_);
+      wake_.wait(lock, [this] { return stops_ || opens_; });
+      if (stops_) return;
+      opens_ = false;
+    }
+    if (!open_again()) return queue_.close();
+    PacketQueue::Packet back = queue_.take();
+    mark(back.front());
+    queue_.push(back, true);
+  }
+}
+
+bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) {
+  if (options_.receives_ahead) return queue_.pop(packet, patience);
+  if (is_gone_) {
+    const bool goes_on = queue_.pop(packet, patience);
+    is_gone_ = packet.empty();
+    return goes_on;
+  }
+  if (!queue_.is_open()) return false;
+  if (packet_.empty()) packet_ = queue_.take();
+  if (rest > microseconds{0}) std::this_thread::sleep_for(rest);
+  switch (receive(patience - rest)) {
+    case Outcome::packet:
+      packet = std::exchange(packet_, {});
+      break;
+    case Outcome::nothing:
+      break;
+    case Outcome::gone: {
+      packet = std::exchange(packet_, {});
+      is_gone_ = true;
+      const std::scoped_lock lock(guard_);
+      opens_ = true;
+      wake_.notify_all();
+      break;
+    }
+    case Outcome::over:
+      queue_.close();
+      return false;
+  }
+  return true;
+}
+
+/// Into `packet_`, which is empty and of the next `source_index` where the source is gone.
+EventFeed::Outcome EventFeed::receive(microseconds patience) {
   CameraPacket& elements = packet_.front().elements;
   elements.clear();
   const auto keep_drops = [this] {  // why the source is gone says it all
     const std::scoped_lock lock(guard_);
     drops_ = source_->drops();
   };
+  Outcome outcome = Outcome::nothing;
   try {
-    switch (source_->receive(elements, source_patience)) {
+    switch (source_->receive(elements, patience)) {
       case CameraSource::Received::packet:
-        hand_over();
+        note_arrival();
+        if (options_.see) options_.see(elements);
+        // One of another stream tells no verdict.
+        if (!elements.events.empty() || elements.empty()) outcome = Outcome::packet;
         break;
       case CameraSource::Received::nothing:
         break;
       case CameraSource::Received::ended:
         keep_drops();
-        return open_again("has closed", false);
+        return leave("has closed", false);
     }
   } catch (const Error& e) {
     keep_drops();
-    return open_again(e.what(), true);
+    return leave(e.what(), true);
   }
   note_drops();
-  return true;
+  return outcome;
+}
+
+/// Makes it the empty packet that tells of another `source_index`.
+void EventFeed::mark(QueuedPacket& packet) const {
+  packet.elements.clear();
+  packet.source_index = index_;
+  packet.arrived = host_now();
+}
+
+void EventFeed::note_arrival() {
+  packet_.front().source_index = index_;
+  packet_.front().arrived = packet_.front().elements.arrived.value_or(host_now());
 }
 
 void EventFeed::hand_over() {
-  packet_.front().source_index = index_;
-  packet_.front().arrived = host_now();
-  if (options_.see) options_.see(packet_.front().elements);
   const CameraPacket& elements = packet_.front().elements;
-  if (elements.events.empty() && !elements.empty()) return;  // of another stream, which tells no verdict
   const std::uint64_t events = elements.events.size();
   const bool wakes = !options_.wakes || options_.wakes(elements);
   if (queue_.push(packet_, options_.waits, wakes)) {
@@ -143,35 +215,35 @@ void EventFeed::note_drops() {
                              name_, all.packets, all.events));
 }
 
-/// Why the source is gone is said once, and that it is back or given up.
-bool EventFeed::open_again(const std::string& why, bool broke) {
+/// Why the source is gone is said once.
+EventFeed::Outcome EventFeed::leave(const std::string& why, bool broke) {
   const bool tries = options_.open && options_.reconnect > milliseconds(0);
   if (broke || tries)
     say(broke ? "broken" : "closed",
         fmt::format("{}{}{}", broke ? "" : name_ + ": ", why, tries ? "; trying to open it again" : ""));
+  const std::scoped_lock lock(guard_);
   if (!tries) {
-    const std::scoped_lock lock(guard_);
     if (broke) error_ = why;
-    return false;
+    return Outcome::over;
   }
-  {
-    const std::scoped_lock lock(guard_);
-    drops_of_earlier_ += std::exchange(drops_, {});
-  }
+  drops_of_earlier_ += std::exchange(drops_, {});
   drops_known_ = 0;
-  // What was known of the stream is not to be mixed with what comes.
-  ++index_;
-  packet_.front().elements.clear();
-  packet_.front().source_index = index_;
-  packet_.front().arrived = host_now();
-  if (queue_.push(packet_, true)) packet_ = queue_.take();
-  const HostTime gone = host_now();
+  why_gone_ = why, broke_ = broke, gone_at_ = host_now();
+  ++index_;  // what was known of the stream is not to be mixed with what comes
+  mark(packet_.front());
+  return Outcome::gone;
+}
+
+/// That the source is back, or given up, is said once.
+bool EventFeed::open_again() {
   std::string last_reason;
-  for (milliseconds pause = first_pause; host_now() - gone < options_.reconnect; pause = std::min(2 * pause, longest_pause)) {
+  milliseconds pause = first_pause;
+  do {
     {
       std::unique_lock lock(guard_);
       if (wake_.wait_for(lock, pause, [this] { return stops_; })) return false;
     }
+    pause = std::min(2 * pause, longest_pause);
     try {
       std::unique_ptr<CameraSource> again = options_.open();
       if (*events_of(*again).size != sensor_) throw Error(name_ + ": is another sensor now; expected one of the same size");
@@ -181,15 +253,15 @@ bool EventFeed::open_again(const std::string& why, bool broke) {
       continue;
     }
     ++index_, ++reopened_;
-    say("back", fmt::format("{}: is back after {:.1f} s", name_, 1e-6 * static_cast<double>((host_now() - gone).count())));
+    say("back", fmt::format("{}: is back after {:.1f} s", name_, 1e-6 * static_cast<double>((host_now() - gone_at_).count())));
     return true;
-  }
-  const microseconds tried = host_now() - gone;
+  } while (host_now() - gone_at_ < options_.reconnect);
+  const microseconds tried = host_now() - gone_at_;
   say("gave up", fmt::format("{}: gave up after {:.1f} s{}; expected it to be there again within --reconnect", name_,
                              1e-6 * static_cast<double>(tried.count()), last_reason.empty() ? "" : " (" + last_reason + ")"));
   const std::scoped_lock lock(guard_);
   gave_up_after_ = tried;
-  if (broke) error_ = why;
+  if (broke_) error_ = why_gone_;
   return false;
 }
 

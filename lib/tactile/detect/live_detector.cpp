@@ -16,7 +16,9 @@ using std::chrono::nanoseconds;
 constexpr std::size_t chunk = 8192;  // events of what is played, counted ahead of their tick at the most
 constexpr microseconds longest_wait{20'000};
 constexpr microseconds late_window{1'000'000}, between_tellings_of_late{10'000'000};
-constexpr std::size_t few_events = 128;  // counted in some microseconds
+constexpr std::size_t few_events = 128;           // counted in some microseconds
+constexpr std::uint64_t few_events_a_tick = 256;  // likewise
+constexpr microseconds waiting_period{250'000};
 
 double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
 
@@ -36,7 +38,8 @@ void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTim
   detector_.restart();
   clock_.restart();
   ++counts_.beginnings;
-  last_arrival_.reset(), late_since_.reset(), hole_until_.reset(), rehearsal_.reset();
+  last_arrival_.reset(), last_seen_.reset(), late_since_.reset(), hole_until_.reset(), rehearsal_.reset();
+  least_waiting_ = {}, events_since_tick_ = 0;
   is_silent_ = lost_pending_ = false;
   if (forget_) forget_();
   if (!text.empty()) fault_({kind, text, at});
@@ -49,13 +52,16 @@ void LiveDetector::take(const QueuedPacket& packet) {
     // What arrived ahead of the change is told of first.
     while (!plays() && tell_due(at)) {
     }
-    begin_anew("", "", at);  // who changed the stream has said why
+    if (last_arrival_) begin_anew("", "", at);  // who changed the stream has said why
   }
   stream_ = packet.source_index;
   if (events.empty()) return;
-  if (is_silent_) fault_({"silence", fmt::format("events again after {:.1f} s", seconds_of(at - *last_arrival_)), at});
+  if (is_silent_) fault_({"events again", fmt::format("events again after {:.1f} s", seconds_of(at - *last_arrival_)), at});
   is_silent_ = false;
   ++counts_.packets;
+  events_since_tick_ += events.size();
+  if (events_since_tick_ > few_events_a_tick || !packet.elements.arrived) least_waiting_ = {};
+  if (packet.elements.more_came) together_ = at;
   plays() ? take_played(events, at) : take_live(events, at);
   last_arrival_ = at;
 }
@@ -81,8 +87,8 @@ void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
 
 void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   const CameraTime first = events.front().t, last = events.back().t;
-  if (last_arrival_ && clock_.last_event()) {
-    const microseconds gap = between(*clock_.last_event(), first), passed = at - *last_arrival_;
+  if (last_arrival_ && last_seen_) {
+    const microseconds gap = between(*last_seen_, first), passed = at - *last_arrival_;
     if (gap > passed + options_.jump) {
       begin_anew("jump",
                  fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - passed)),
@@ -97,6 +103,7 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
                         1e3 * seconds_of(between(first, last)), 1e3 * seconds_of(options_.clock.tick)),
             at});
   }
+  last_seen_ = last;
   const std::size_t late = clock_.too_late(events);
   counts_.late_events += late;
   note_late(events, late, at);
@@ -121,6 +128,7 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
 
 /// A few that are late tell nothing; a share that matters is told of, at most every ten seconds.
 void LiveDetector::note_late(std::span<const Event> events, std::size_t late, HostTime at) {
+  if (late > 0 && clock_.last_told()) latest_ = std::max(latest_, between(events.front().t, *clock_.last_told()));
   if (late > 0) hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), after(events[late - 1].t, 1us));
   if (late_window_ == HostTime{}) late_window_ = at;
   window_events_ += events.size();
@@ -128,15 +136,18 @@ void LiveDetector::note_late(std::span<const Event> events, std::size_t late, Ho
   if (at - late_window_ < late_window) return;
   if (100 * window_late_ > window_events_ && (!told_of_late_ || at - *told_of_late_ >= between_tellings_of_late)) {
     told_of_late_ = at;
-    fault_(
-        {"late events",
-         fmt::format("{} of {} events within {:.1f} s came when their tick had been told, and are left out: verdicts lack them; "
-                     "expected a source that sends in time, or a slack of more than {:.1f} ms (--slack-us)",
-                     window_late_, window_events_, seconds_of(at - late_window_), 1e3 * seconds_of(options_.clock.slack)),
-         at});
+    fault_({"late events",
+            fmt::format(
+                "{} of {} events within {:.1f} s came when their tick had been told, up to {:.1f} ms before, and are left out: "
+                "verdicts lack them; expected a source that sends in time, or a slack of as much more than {:.1f} ms "
+                "(--slack-us)",
+                window_late_, window_events_, seconds_of(at - late_window_), 1e3 * seconds_of(latest_),
+                1e3 * seconds_of(options_.clock.slack)),
+            at});
   }
   late_window_ = at;
   window_events_ = window_late_ = 0;
+  latest_ = {};
 }
 
 void LiveDetector::note_lost(std::uint64_t events_so_far) {
@@ -148,12 +159,12 @@ void LiveDetector::note_lost(std::uint64_t events_so_far) {
   lost_pending_ = true;
 }
 
-bool LiveDetector::tell_due(HostTime now) {
+bool LiveDetector::tell_due(HostTime now, HostTime taken_until) {
   if (over_) return false;
-  std::optional<DueTick> due = clock_.next(now);
+  std::optional<DueTick> due = clock_.next(taken_until);
   if (!due) return false;
   if (!plays() && now - due->closed > options_.clock.tick) {
-    if (const auto newest = clock_.newest(now)) due = newest;
+    if (const auto newest = clock_.newest(taken_until)) due = newest;
   }
   tell(*due, now);
   return true;
@@ -175,8 +186,11 @@ void LiveDetector::tell(const DueTick& due, HostTime now) {
   counts_.incomplete += told.incomplete ? 1 : 0;
   TickTimes times{.waiting = {}, .queued = {}, .rendering = cost.rendering, .network = cost.network};
   if (!plays()) {
-    times.waiting = due.closed - clock_.line().host_of(due.t);
+    const microseconds waited = due.closed - clock_.line().host_of(due.t);
+    times.waiting = waited;
     times.queued = told.begun - due.closed;
+    if (due.by_events && due.closed != together_) least_waiting_.add(waited, due.closed);
+    events_since_tick_ = 0;
   }
   const Clock::time_point said = Clock::now();
   tell_(told);
@@ -203,11 +217,32 @@ void LiveDetector::rehearse(HostTime now) {
   rehearsal_.reset();
 }
 
+/// Whether the next tick is closed by an event, and not so late yet that it may have to be skipped.
+bool LiveDetector::is_closed_in_time(HostTime now) const {
+  const auto due = clock_.next(now);
+  return due && due->by_events && now - due->closed <= options_.clock.tick;
+}
+
 HostTime LiveDetector::wakes_at(HostTime now) const {
   if (clock_.next(now)) return now;
   HostTime latest = now + longest_wait;
   if (rehearsal_ && rehearsal_->from > now) latest = std::min(latest, rehearsal_->from);
   return std::min(latest, clock_.next_by_host().value_or(latest));
+}
+
+void LiveDetector::LeastWaiting::add(microseconds waiting, HostTime at) {
+  if (!this_period || at - period_begin >= waiting_period) {
+    last_period = at - period_begin < 2 * waiting_period ? this_period : std::nullopt;
+    this_period = waiting, period_begin = at;
+  }
+  this_period = std::min(*this_period, waiting);
+}
+
+HostTime LiveDetector::rests_until(HostTime now) const {
+  const auto next = clock_.next_tick();
+  const auto& [begin, last, current] = least_waiting_;
+  if (plays() || !next || !last || !current || now - begin > 2 * waiting_period) return now;
+  return std::max(now, clock_.line().host_of(*next) + std::min(*last, *current));
 }
 
 void LiveDetector::look_for_silence(HostTime now) {
@@ -219,28 +254,47 @@ void LiveDetector::look_for_silence(HostTime now) {
           now});
 }
 
+void LiveDetector::look_for_stop(HostTime due, HostTime now) {
+  if (plays() || !last_arrival_ || now - due < options_.stopped_for) return;
+  begin_anew("stopped",
+             fmt::format("the detector itself did nothing for {:.1f} s: it was stopped, or the machine did something else; the "
+                         "history begins anew",
+                         seconds_of(now - due)),
+             now);
+}
+
 bool LiveDetector::awaits(std::span<const Event> events) const {
   return events.size() > few_events || events.empty() || events.back().t >= awaited_.load(std::memory_order_relaxed);
 }
 
-void LiveDetector::run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far) {
+void LiveDetector::run(PacketSupply& supply, const std::function<bool()>& stop) {
   PacketQueue::Packet packet;
+  HostTime taken_until{};  // as good as never
   stop_ = stop;
   for (bool open = true; open && !stop() && !over_;) {
     // An earlier one only wakes this too often. A stream that begins anew says so by an empty packet, which is always awaited.
     awaited_.store(plays() ? CameraTime::min() : clock_.next_tick().value_or(CameraTime::min()), std::memory_order_relaxed);
     const HostTime waited_from = host_now();
-    open = queue.pop(packet, std::max(microseconds{0}, wakes_at(waited_from) - waited_from));
+    const HostTime wakes = std::max(waited_from, wakes_at(waited_from));
+    open = supply.next(packet, wakes - waited_from, std::min(wakes, rests_until(waited_from)) - waited_from);
     const HostTime begun = host_now();
+    HostTime now = begun;
+    look_for_stop(wakes, begun);
+    if (packet.empty()) taken_until = std::min(now, wakes);
     while (!packet.empty()) {
-      note_lost(lost_so_far());
+      note_lost(supply.lost_events());
       take(packet.front());
-      queue.give_back(std::exchange(packet, {}));
-      if (host_now() - begun < options_.clock.tick) queue.pop(packet, microseconds{0});  // all that waits, but not for ever
+      if (!packet.front().elements.more_came) taken_until = std::max(taken_until, packet.front().arrived);
+      supply.give_back(std::exchange(packet, {}));
+      now = host_now();
+      // All that waits, but not for ever, nor while a tick waits whose events are all here.
+      if (now - begun >= options_.clock.tick || is_closed_in_time(now)) break;
+      supply.next(packet, {}, {});
+      if (packet.empty()) taken_until = now;
     }
-    const HostTime now = host_now();
-    if (!tell_due(now)) rehearse(now);
-    look_for_silence(now);
+    if (!tell_due(now, taken_until)) rehearse(now);
+    look_for_silence(taken_until);
+    look_for_stop(now, host_now());
   }
   while (!stop() && tell_due(host_now())) {
   }

@@ -8,6 +8,7 @@
 
 #include "tactile/capture/packet_queue.hpp"
 #include "tactile/detect/deadline_monitor.hpp"
+#include "tactile/detect/packet_supply.hpp"
 #include "tactile/detect/tick_clock.hpp"
 #include "tactile/detect/tick_detector.hpp"
 
@@ -15,8 +16,8 @@ namespace tactile {
 
 /// What went wrong on the way of the events or the verdicts, and what was done.
 struct DetectionFault {
-  std::string kind;  ///< "closed", "broken", "back", "gave up", "unsound", "jump", "silence", "late", "late events", "long
-                     ///< packets", "lost", "robot", "recording"
+  std::string kind;  ///< "closed", "broken", "back", "gave up", "unsound", "jump", "silence", "events again", "stopped", "late",
+                     ///< "late events", "long packets", "lost", "robot", "udp", "recording"
   std::string text;  ///< a sentence
   HostTime at{};
 };
@@ -39,7 +40,8 @@ struct LiveDetectorOptions {
   microseconds jump{1'000'000};     ///< the camera's time is so far ahead of the host's: it jumped
   /// Of what is played: no tick is told that comes so long after the first one.
   microseconds play_for = microseconds::max();
-  microseconds late_for{500'000};  ///< all events have come too late for so long: the stream is another one
+  microseconds late_for{500'000};     ///< all events have come too late for so long: the stream is another one
+  microseconds stopped_for{500'000};  ///< so long nothing was done that should have been: the detector itself was stopped
   /// Between two ticks, of which the gate did not spare the first, the network is run once for nothing: its weights would else
   /// have left the cache until the second one closes. Not while ticks are closed by the host's time.
   bool rehearses = false;
@@ -71,9 +73,18 @@ class LiveDetector {
   /// @throws Error  if events lie outside the sensor or go back in time, or if what is played has come to over `most_ticks`
   void take(const QueuedPacket& packet);
 
-  bool tell_due(HostTime now);            ///< the next tick that is due, or the newest; false if none is
-  HostTime wakes_at(HostTime now) const;  ///< when there is something to do if nothing comes
+  /// The next tick that is due, or the newest; false if none is.
+  /// @param taken_until  what arrived until then has been taken, later packets may wait: the host's time closes no tick behind it
+  bool tell_due(HostTime now, HostTime taken_until);
+  bool tell_due(HostTime now) { return tell_due(now, now); }  ///< all that arrived has been taken
+  HostTime wakes_at(HostTime now) const;                      ///< when there is something to do if nothing comes
+  /// Until when packets of a quiet stream may lie: the packet that closes the next tick has not come earlier for a while, and to
+  /// count what comes ahead of it takes nothing. One that does come earlier is seen so much later, once. `now` of a busy stream,
+  /// or one that is not known for long.
+  HostTime rests_until(HostTime now) const;
   void look_for_silence(HostTime now);
+  /// Begins anew where much should have been done by `due`, and was not until `now`: what waits is of another time.
+  void look_for_stop(HostTime due, HostTime now);
   void rehearse(HostTime now);                  ///< if it is time, and enough is left until the next tick closes
   void note_lost(std::uint64_t events_so_far);  ///< what the queue had no room for, all in all
 
@@ -82,14 +93,15 @@ class LiveDetector {
   /// is most of what a quiet scene takes. On any thread.
   bool awaits(std::span<const Event> events) const;
 
-  /// Takes packets until the queue is closed and empty, or `stop` says so, by the host's clock.
-  void run(PacketQueue& queue, const std::function<bool()>& stop, const std::function<std::uint64_t()>& lost_so_far);
+  /// Takes packets until there are no more, or `stop` says so, by the host's clock.
+  void run(PacketSupply& supply, const std::function<bool()>& stop);
 
   const LiveCounts& counts() const { return counts_; }
   const DeadlineMonitor& deadlines() const { return deadlines_; }
   const TickClock& clock() const { return clock_; }
 
  private:
+  bool is_closed_in_time(HostTime now) const;
   void note_late(std::span<const Event> events, std::size_t late, HostTime at);
   bool plays() const { return options_.clock.by_events_alone; }
   void begin_anew(const char* kind, const std::string& text, HostTime at);
@@ -108,6 +120,7 @@ class LiveDetector {
   LiveCounts counts_;
   std::optional<std::size_t> stream_;                   ///< `source_index` of the packets
   std::optional<HostTime> last_arrival_;                ///< of events of this beginning
+  std::optional<CameraTime> last_seen_;                 ///< of them, those that came too late among them
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
@@ -116,11 +129,21 @@ class LiveDetector {
     HostTime from{}, to{};
   };
   std::optional<Rehearsal> rehearsal_;  ///< not yet over
+  /// The least that ticks closed by events have waited, of one or two periods of the host's time.
+  struct LeastWaiting {
+    HostTime period_begin{};
+    std::optional<microseconds> last_period, this_period;
+    void add(microseconds waiting, HostTime at);
+  };
+  LeastWaiting least_waiting_;
+  std::uint64_t events_since_tick_ = 0;
+  HostTime together_{};  ///< the last arrival known only as that of later packets, too
   std::optional<CameraTime> first_played_;
   std::function<bool()> stop_;  ///< while `run` works: one packet of what is played may be followed by hours of ticks
   bool over_ = false;
-  HostTime late_window_{};  ///< since when the next two are counted
+  HostTime late_window_{};  ///< since when the next three are counted
   std::uint64_t window_events_ = 0, window_late_ = 0;
+  microseconds latest_{0};  ///< behind the tick told last
   std::optional<HostTime> told_of_late_;
   bool is_silent_ = false, told_of_long_packets_ = false, lost_pending_ = false;
 };

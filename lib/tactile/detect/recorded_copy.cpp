@@ -34,7 +34,7 @@ void RecordedCopy::put(const CameraPacket& packet) {
 
 void RecordedCopy::end() { queue_.close(); }
 
-CameraSource::Received RecordedCopy::receive(CameraPacket& packet, std::chrono::milliseconds patience) {
+CameraSource::Received RecordedCopy::receive(CameraPacket& packet, std::chrono::microseconds patience) {
   PacketQueue::Packet next;
   if (!queue_.pop(next, patience)) return Received::ended;
   if (next.empty()) return Received::nothing;

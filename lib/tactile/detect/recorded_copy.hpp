@@ -30,7 +30,7 @@ class RecordedCopy final : public CameraSource {
   bool simulated() const override { return simulated_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return camera_; }
-  Received receive(CameraPacket& packet, std::chrono::milliseconds patience) override;
+  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override;
   SourceDrops drops() const override;
   bool begins_again() const override { return false; }
   void begin_run(const RunFolder& run) override { original_.begin_run(run); }

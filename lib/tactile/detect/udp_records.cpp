@@ -80,10 +80,11 @@ UdpRecords::UdpRecords(const NetworkAddress& to) {
 
 UdpRecords::~UdpRecords() { ::close(socket_); }
 
-void UdpRecords::send(const ToldTick& tick) {
+bool UdpRecords::send(const ToldTick& tick) {
   const VerdictRecord record = verdict_record(tick, host_now());
   const bool is_sent = ::send(socket_, record.data(), record.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(record.size());
   ++(is_sent ? sent_ : failed_);
+  return is_sent;
 }
 
 }  // namespace tactile

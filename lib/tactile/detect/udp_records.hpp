@@ -26,7 +26,7 @@ class UdpRecords {
   UdpRecords(const UdpRecords&) = delete;
   UdpRecords& operator=(const UdpRecords&) = delete;
 
-  void send(const ToldTick& tick);
+  bool send(const ToldTick& tick);  ///< false if it is not sent
 
   std::uint64_t sent() const { return sent_; }
   std::uint64_t failed() const { return failed_; }  ///< that nobody listens on this machine counts too

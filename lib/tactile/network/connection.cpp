@@ -6,8 +6,11 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <asio.hpp>
 #include <cerrno>
+#include <cstring>
+#include <ctime>
 #include <exception>
 #include <future>
 #include <string>
@@ -15,10 +18,13 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/host_clock.hpp"
 #include "tactile/network/deadline.hpp"
 
 namespace tactile {
 namespace {
+
+constexpr microseconds clock_rounding{50};  // between what the system and the host's clock say of one instant
 
 using std::chrono::milliseconds;
 using StreamSocket = asio::generic::stream_protocol::socket;
@@ -75,12 +81,31 @@ void watch_the_line(StreamSocket& socket) {
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
 }
 
+bool ask_for_arrival_times(StreamSocket& socket) {
+  const int on = 1;
+  return ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) == 0;
+}
+
+/// How long ago the bytes came that `message` brought, by the system's clock, which may be stepped in between. Nothing if the
+/// system did not say.
+std::optional<microseconds> age_of(msghdr& message) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec came{}, now{};
+    std::memcpy(&came, CMSG_DATA(part), sizeof came);
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    return microseconds{(now.tv_sec - came.tv_sec) * 1'000'000 + (now.tv_nsec - came.tv_nsec) / 1'000};
+  }
+  return std::nullopt;
+}
+
 /// True once the socket is ready for `what`, or has an error to tell; false at the deadline.
 bool wait_for(StreamSocket& socket, short what, SteadyClock::time_point deadline) {
   for (;;) {
-    const milliseconds left = left_until(deadline);
+    const microseconds left = left_until(deadline);
+    const timespec at_most{.tv_sec = left.count() / 1'000'000, .tv_nsec = 1'000 * (left.count() % 1'000'000)};
     pollfd poll{.fd = socket.native_handle(), .events = what, .revents = 0};
-    const int ready = ::poll(&poll, 1, static_cast<int>(left.count()));
+    const int ready = ::ppoll(&poll, 1, &at_most, nullptr);
     if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
     if (left.count() == 0) return false;
   }
@@ -90,15 +115,26 @@ bool would_block(const std::error_code& error) {
   return error == asio::error::would_block || error == asio::error::try_again || error == asio::error::interrupted;
 }
 
+milliseconds whole_milliseconds_until(SteadyClock::time_point deadline) {
+  return std::chrono::ceil<milliseconds>(left_until(deadline));
+}
+
 }  // namespace
 
 struct Connection::State {
   NetworkAddress address;
   asio::io_context context;
   StreamSocket socket{context};
+  bool tells_arrivals = false;
+  std::optional<HostTime> arrived;
+  HostTime empty_at{};  ///< nothing more was there then
 
   void open(milliseconds patience);
   bool connect(const Endpoint& endpoint, milliseconds patience, std::error_code& error);
+  std::optional<std::size_t> read(std::span<std::byte> bytes);
+  [[noreturn]] void break_off(const std::error_code& why) const {
+    throw Error(address.text() + ": the connection broke (" + why.message() + "); expected it to last");
+  }
 };
 
 /// False if there was no answer within `patience`; else `error` tells how it went.
@@ -123,16 +159,18 @@ void Connection::State::open(milliseconds patience) {
   const SteadyClock::time_point deadline = deadline_after(patience);
   const std::vector<Endpoint> endpoints =
       is_unix ? std::vector<Endpoint>{asio::local::stream_protocol::endpoint(address.path.string())}
-              : endpoints_of(address, left_until(deadline));
+              : endpoints_of(address, whole_milliseconds_until(deadline));
   std::string why;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     // An address that does not answer leaves their share to the others.
-    const milliseconds share = left_until(deadline) / static_cast<int>(endpoints.size() - i);
+    const milliseconds share = whole_milliseconds_until(deadline) / static_cast<int>(endpoints.size() - i);
     std::error_code error;
     const bool answered = connect(endpoints[i], share, error);
     if (answered && !error) {
       socket.non_blocking(true);
-      if (!is_unix) watch_the_line(socket);
+      if (is_unix) return;
+      watch_the_line(socket);
+      tells_arrivals = ask_for_arrival_times(socket);
       return;
     }
     why = answered ? error.message() : "no answer within " + seconds_text(patience);
@@ -154,20 +192,47 @@ Connection& Connection::operator=(Connection&&) noexcept = default;
 
 const NetworkAddress& Connection::address() const { return state_->address; }
 
-std::optional<std::size_t> Connection::receive(std::span<std::byte> bytes, milliseconds patience) {
+/// What is there, as `Connection::receive` gives it, and when it came.
+std::optional<std::size_t> Connection::State::read(std::span<std::byte> bytes) {
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> times{};
+  iovec part{.iov_base = bytes.data(), .iov_len = bytes.size()};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = times.data();
+  message.msg_controllen = times.size();
+  const HostTime asked = host_now();
+  const ssize_t got = ::recvmsg(socket.native_handle(), &message, 0);
+  if (got == 0) return std::nullopt;
+  if (got < 0) {
+    const std::error_code error(errno, asio::error::get_system_category());
+    if (!would_block(error)) break_off(error);
+    empty_at = asked;
+    return 0;
+  }
+  const auto age = age_of(message);
+  const HostTime now = host_now();  // behind the age: whatever stops us in between may make the bytes late, but not early
+  const HostTime earliest = std::min(std::max(empty_at, arrived.value_or(empty_at)), now);
+  arrived.reset();
+  // Bytes older than the last look at the socket: the system's clock was stepped.
+  if (age && now - *age >= earliest - clock_rounding) arrived = std::clamp(now - *age, earliest, now);
+  if (static_cast<std::size_t>(got) < bytes.size()) empty_at = asked;
+  return static_cast<std::size_t>(got);
+}
+
+std::optional<std::size_t> Connection::receive(std::span<std::byte> bytes, microseconds patience) {
   if (bytes.empty()) return 0;
-  const SteadyClock::time_point deadline = deadline_after(patience);
+  std::optional<SteadyClock::time_point> deadline;
   for (;;) {
-    std::error_code error;
-    const std::size_t got = state_->socket.read_some(asio::buffer(bytes.data(), bytes.size()), error);
-    if (!error) return got;
-    if (error == asio::error::eof) return std::nullopt;
-    if (!would_block(error)) {
-      throw Error(state_->address.text() + ": the connection broke (" + error.message() + "); expected it to last");
-    }
-    if (!wait_for(state_->socket, POLLIN, deadline)) return 0;
+    const auto got = state_->read(bytes);
+    if (got != std::size_t{0} || patience <= microseconds{0}) return got;
+    if (!deadline) deadline = deadline_after(patience);
+    if (!wait_for(state_->socket, POLLIN, *deadline)) return 0;
   }
 }
+
+std::optional<HostTime> Connection::arrived() const { return state_->arrived; }
+bool Connection::tells_arrivals() const { return state_->tells_arrivals; }
 
 void Connection::send(std::span<const std::byte> bytes, milliseconds patience) {
   const SteadyClock::time_point deadline = deadline_after(patience);
@@ -178,9 +243,7 @@ void Connection::send(std::span<const std::byte> bytes, milliseconds patience) {
       bytes = bytes.subspan(put);
       continue;
     }
-    if (!would_block(error)) {
-      throw Error(state_->address.text() + ": the connection broke (" + error.message() + "); expected it to last");
-    }
+    if (!would_block(error)) state_->break_off(error);
     if (!wait_for(state_->socket, POLLOUT, deadline)) {
       throw Error(state_->address.text() + ": the server took nothing for " + seconds_text(patience) +
                   "; expected it to read what it is sent");

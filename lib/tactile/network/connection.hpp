@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "tactile/core/time.hpp"
 #include "tactile/network/network_address.hpp"
 
 namespace tactile {
@@ -22,7 +23,12 @@ class Connection {
 
   /// Waits up to `patience` for bytes and puts them at the front of `bytes`; returns how many, 0 if none came, nothing once the
   /// server has closed. @throws Error if the connection broke
-  std::optional<std::size_t> receive(std::span<std::byte> bytes, std::chrono::milliseconds patience);
+  std::optional<std::size_t> receive(std::span<std::byte> bytes, std::chrono::microseconds patience);
+
+  /// When the last of the bytes last received came to this machine, however late they were asked for: by the system's network
+  /// code, over TCP alone, which may hold what comes behind them for one with them. Nothing where the system does not tell.
+  std::optional<HostTime> arrived() const;
+  bool tells_arrivals() const;  ///< as a rule; it may take the system a moment until it does
 
   /// @throws Error  if the connection broke, or the server did not take all of it within `patience`
   void send(std::span<const std::byte> bytes, std::chrono::milliseconds patience);

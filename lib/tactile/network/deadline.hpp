@@ -9,15 +9,15 @@ namespace tactile {
 using SteadyClock = std::chrono::steady_clock;
 
 /// `patience` from now; at most a day, for more could run over the clock's end.
-inline SteadyClock::time_point deadline_after(std::chrono::milliseconds patience) {
-  using std::chrono::milliseconds;
-  return SteadyClock::now() + std::clamp<milliseconds>(patience, milliseconds(0), std::chrono::hours(24));
+inline SteadyClock::time_point deadline_after(std::chrono::microseconds patience) {
+  using std::chrono::microseconds;
+  return SteadyClock::now() + std::clamp<microseconds>(patience, microseconds(0), std::chrono::hours(24));
 }
 
 /// What is left until `deadline`, rounded up, so that a wait of it never ends too early; 0 from then on.
-inline std::chrono::milliseconds left_until(SteadyClock::time_point deadline) {
-  using std::chrono::milliseconds;
-  return std::max(std::chrono::ceil<milliseconds>(deadline - SteadyClock::now()), milliseconds(0));
+inline std::chrono::microseconds left_until(SteadyClock::time_point deadline) {
+  using std::chrono::microseconds;
+  return std::max(std::chrono::ceil<microseconds>(deadline - SteadyClock::now()), microseconds(0));
 }
 
 /// "5 s", "0.300 s"

@@ -1,6 +1,8 @@
 #include "tactile/network/dv_stream_client.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "tactile/core/error.hpp"
 #include "tactile/network/connection.hpp"
@@ -11,6 +13,13 @@ namespace tactile {
 
 using std::chrono::milliseconds;
 
+namespace {
+
+constexpr std::size_t small_room = std::size_t{16} << 10;  // [B]: of smaller packets several are received at once
+constexpr milliseconds longest_reading{1};                 // of what is there, without any patience
+
+}  // namespace
+
 struct DvStreamClient::State {
   State(const NetworkAddress& address, milliseconds connecting)
       : connection(address, connecting), parser(address.text()), patience(connecting) {}
@@ -20,29 +29,47 @@ struct DvStreamClient::State {
   milliseconds patience;  ///< for the header, and for the rest of a packet that has begun
   SteadyClock::time_point heard = SteadyClock::now();
   std::uint64_t bytes = 0;
+  std::array<std::byte, small_room> ahead{};  ///< received ahead of what was asked for
+  std::span<std::byte> unread;                ///< of it
+  bool more_came = false;                     ///< behind the packet last received
 
   void read_header();
-  Received receive(milliseconds waiting);
+  Received receive(microseconds waiting);
+  std::optional<std::size_t> fill(std::span<std::byte> room, microseconds waiting);
 };
+
+/// As `Connection::receive`. A small room, as that of a packet's header, is not worth a call of its own.
+std::optional<std::size_t> DvStreamClient::State::fill(std::span<std::byte> room, microseconds waiting) {
+  if (unread.empty()) {
+    const bool takes_more = room.size() < small_room;
+    const auto got = connection.receive(takes_more ? std::span(ahead) : room, waiting);
+    if (got) bytes += *got;
+    if (!takes_more || !got) return got;
+    unread = std::span(ahead).first(*got);
+  }
+  const std::size_t count = std::min(unread.size(), room.size());
+  std::memcpy(room.data(), unread.data(), count);
+  unread = unread.subspan(count);
+  return count;
+}
 
 void DvStreamClient::State::read_header() {
   const SteadyClock::time_point deadline = deadline_after(patience);
   while (!parser.has_header()) {
-    const auto got = connection.receive(parser.room(), left_until(deadline));
+    const auto got = fill(parser.room(), left_until(deadline));
     if (!got) parser.end();
     if (*got == 0) {
       throw Error(connection.address().text() + ": sent no whole header within " + seconds_text(patience) +
                   "; expected a stream of DV 1.6 or newer, dv-processing or tactile serve");
     }
-    bytes += *got;
     parser.received(*got);
   }
 }
 
-DvStreamClient::Received DvStreamClient::State::receive(milliseconds waiting) {
+DvStreamClient::Received DvStreamClient::State::receive(microseconds waiting) {
   const SteadyClock::time_point deadline = deadline_after(waiting);
   for (;;) {
-    const auto got = connection.receive(parser.room(), left_until(deadline));
+    const auto got = fill(parser.room(), left_until(deadline));
     if (!got) {
       parser.end();
       return Received::closed;
@@ -54,9 +81,12 @@ DvStreamClient::Received DvStreamClient::State::receive(milliseconds waiting) {
                   "; expected the rest of it");
     }
     heard = now;
-    bytes += *got;
-    if (parser.received(*got)) return Received::packet;
-    if (now >= deadline) return Received::nothing;
+    if (parser.received(*got)) {
+      more_came = !unread.empty() || !parser.is_between_packets();
+      return Received::packet;
+    }
+    // Amid a packet what is there is read to its end, so that nothing is said to be there only if that is so.
+    if (now >= deadline + longest_reading && unread.empty() && parser.is_between_packets()) return Received::nothing;
   }
 }
 
@@ -71,13 +101,16 @@ DvStreamClient& DvStreamClient::operator=(DvStreamClient&&) noexcept = default;
 const NetworkAddress& DvStreamClient::address() const { return state_->connection.address(); }
 const Stream& DvStreamClient::stream() const { return state_->parser.stream(); }
 Compression DvStreamClient::compression() const { return state_->parser.compression(); }
-DvStreamClient::Received DvStreamClient::receive(milliseconds patience) { return state_->receive(patience); }
+DvStreamClient::Received DvStreamClient::receive(microseconds patience) { return state_->receive(patience); }
 
 std::span<Event> DvStreamClient::events() { return state_->parser.events(); }
 std::span<const ImuSample> DvStreamClient::imu() const { return state_->parser.imu(); }
 std::span<const Trigger> DvStreamClient::triggers() const { return state_->parser.triggers(); }
 const std::optional<Frame>& DvStreamClient::frame() const { return state_->parser.frame(); }
 const DvStreamProblems& DvStreamClient::problems() const { return state_->parser.problems(); }
+std::optional<HostTime> DvStreamClient::arrived() const { return state_->connection.arrived(); }
+bool DvStreamClient::more_came() const { return state_->more_came; }
+bool DvStreamClient::tells_arrivals() const { return state_->connection.tells_arrivals(); }
 std::uint64_t DvStreamClient::bytes_received() const { return state_->bytes; }
 
 }  // namespace tactile

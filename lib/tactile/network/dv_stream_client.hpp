@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
@@ -25,8 +26,9 @@ struct DvStreamProblems {
 /// A client of a DV stream server: DV's network output, dv-processing's `NetworkWriter`, `tactile serve`. One connection carries
 /// one stream. It sends nothing, for servers take any byte for an error.
 ///
-/// Memory: one packet, of at most `dv_packet_limit` bytes as sent and `packet_limit` decompressed; sizes are checked before
-/// anything is allocated. Source: the DV network stream as dv-processing writes it (IOHE header, then packets as in AEDAT4).
+/// Memory: a buffer for small packets that come together, and one packet, of at most `dv_packet_limit` bytes as sent and
+/// `packet_limit` decompressed; sizes are checked before anything is allocated. Source: the DV network stream as dv-processing
+/// writes it (IOHE header, then packets as in AEDAT4).
 class DvStreamClient {
  public:
   /// Connects and reads the header. @throws Error  if that fails within `patience`, or what comes is no DV stream: too old a
@@ -45,13 +47,18 @@ class DvStreamClient {
   /// packets.
   /// @throws Error  if the stream ends inside a packet or stops there for longer than the patience it was opened with, a packet's
   /// size is impossible (there is no way to find the next one), or the connection broke
-  Received receive(std::chrono::milliseconds patience);
+  Received receive(std::chrono::microseconds patience);
 
   // The packet last received; those of another type than the stream's are empty. Valid until the next `receive`.
   std::span<Event> events();
   std::span<const ImuSample> imu() const;
   std::span<const Trigger> triggers() const;
   const std::optional<Frame>& frame() const;
+  /// When its last bytes came to this machine, however late they were asked for. Nothing where the system does not tell: over
+  /// TCP alone it does.
+  std::optional<HostTime> arrived() const;
+  bool more_came() const;       ///< bytes of the next packet were read with it: `arrived` is when those came
+  bool tells_arrivals() const;  ///< as a rule
 
   const DvStreamProblems& problems() const;
   std::uint64_t bytes_received() const;

@@ -317,7 +317,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
   std::copy_if(others.begin(), others.end(), std::back_inserter(numbered), [](const Dot* dot) { return !dot->usual; });
   std::stable_partition(numbered.begin(), numbered.end(), [](const Dot* dot) { return dot->is_one_knob; });
   const std::size_t without_number = numbered.size() - std::min(numbered.size(), most_others);
-  numbered.resize(numbered.size() - without_number);
+  numbered.erase(numbered.end() - static_cast<std::ptrdiff_t>(without_number), numbered.end());
 
   std::string note = "Each circle is a setting, on the reported runs";
   note += !usual.empty() ? "; the usual one is in a diamond." : ".";
