@@ -54,6 +54,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets ahead of the detector
 constexpr std::size_t waiting_ticks = 16'384;                 // told, and not yet shown or written
 constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
+constexpr const char* clock_began_anew = "the camera's clock began anew";
 constexpr std::chrono::milliseconds between_readings{10};
 constexpr std::chrono::milliseconds between_live_readings{50};  // soon enough for a person, and rarely: to wake up costs
 
@@ -308,7 +309,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     feed_options.see = [&, told = false](const CameraPacket& packet) mutable {
       recording->copy->put(packet);
       if (recording->copy->ended_early() && !std::exchange(told, true))
-        faults.add({"recording", "the camera's clock began anew: the recording ends here, verdicts go on", host_now()});
+        faults.add({"recording", std::string(clock_began_anew) + ": the recording ends here, verdicts go on", host_now()});
     };
   }
   std::vector<std::string> refused;
@@ -382,7 +383,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     recording->copy->end();
     // What waits between us and the recorder is still to come to it.
     for (int i = 0; i < 6'000 && recording->recorder->state().ended.empty(); ++i) std::this_thread::sleep_for(10ms);
-    summary.recorded = recording->recorder->end(summary.ended);
+    summary.recorded = recording->recorder->end(recording->copy->ended_early() ? clock_began_anew : summary.ended);
     for (const std::string& error : summary.recorded->errors) line.warn(error);
   }
   summary.counts = detector->counts();
@@ -404,7 +405,9 @@ void detect(DetectArguments args, const CommonArguments& common) {
     draw_told_ticks(reader.kept(), summary.rendering,
                     fmt::format("{}{} as {} sees it", args.from, summary.simulated ? " (simulated)" : "", summary.model), run,
                     args.plot);
-    drawn = fmt::format("\nDrawn in {}\n", args.plot);
+    const bool began_anew = reader.kept().front().beginning != reader.kept().back().beginning;
+    drawn = fmt::format("\nDrawn in {}{}\n", args.plot,
+                        began_anew ? ": the ticks since the stream last began anew; --ticks FILE.csv writes all" : "");
   }
   print_result(common, json_of(summary), (common.json ? "" : "\n") + text_of(summary) + drawn);
   if (failure) std::rethrow_exception(failure);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/run_truth.hpp"
@@ -15,6 +16,7 @@ void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& r
   if (ticks.empty()) throw Error(file.string() + ": there is no tick to draw; expected a stream longer than the history");
   const auto first =
       std::find_if(ticks.begin(), ticks.end(), [&](const ToldTick& tick) { return tick.beginning == ticks.back().beginning; });
+  const std::uint32_t beginnings = first->beginning - ticks.front().beginning;
   PredictionPicture picture;
   picture.title = title;
   const double history_ms = static_cast<double>(rendering.history.count()) / 1000;
@@ -34,6 +36,8 @@ void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& r
   }
   picture.remarks.push_back(fmt::format("History t_h {} ms, a tick every {} ms; {} of {} ticks were skipped.", history_ms,
                                         static_cast<double>(rendering.tick.count()) / 1000, skipped, range.count));
+  if (beginnings > 0)
+    picture.remarks.push_back(fmt::format("The stream began anew {} before; those ticks are not drawn.", counted(beginnings, "time")));
   if (run) {
     const RunTruth truth = read_run_truth(*run);
     picture.has_labels = !truth.labels.empty();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <thread>
@@ -260,6 +261,20 @@ TEST(LiveDetector, BeginsAnewWhereEverythingComesTooLateForLong) {
   ASSERT_GT(live.told.size(), before);
   EXPECT_TRUE(live.told.back().due.by_events) << "on time again";
   EXPECT_EQ(live.told.back().verdict.events, 20U);
+}
+
+TEST(LiveDetector, NamesAStreamThatRunsSlowerThanTheHost) {
+  Live live;
+  for (std::int64_t now = 0; now <= 6'000'000; now += 1'000) live.take({now / 2}, base + now), live.tell_all(base + now);
+  ASSERT_GE(live.faults.size(), 2U);
+  for (std::size_t i = 0; i < live.faults.size(); ++i) {
+    if (live.faults[i].kind != "late") continue;
+    const bool is_first = std::none_of(live.faults.begin(), live.faults.begin() + static_cast<std::ptrdiff_t>(i),
+                                       [](const DetectionFault& fault) { return fault.kind == "late"; });
+    EXPECT_EQ(live.faults[i].text.find("runs slower than ours") == std::string::npos, is_first) << live.faults[i].text;
+  }
+  EXPECT_EQ(live.faults.back().kind, "late");
+  EXPECT_NE(live.faults.back().text.find("runs slower than ours"), std::string::npos) << live.faults.back().text;
 }
 
 TEST(LiveDetector, NeverMixesEventsOfAClockOf31BitsThatBeganAgain) {

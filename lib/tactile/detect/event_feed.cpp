@@ -257,8 +257,11 @@ bool EventFeed::open_again() {
     return true;
   } while (host_now() - gone_at_ < options_.reconnect);
   const microseconds tried = host_now() - gone_at_;
-  say("gave up", fmt::format("{}: gave up after {:.1f} s{}; expected it to be there again within --reconnect", name_,
-                             1e-6 * static_cast<double>(tried.count()), last_reason.empty() ? "" : " (" + last_reason + ")"));
+  const std::string prefix = name_ + ": ";
+  if (last_reason.starts_with(prefix)) last_reason.erase(0, prefix.size());
+  say("gave up", fmt::format("{}gave up after {:.1f} s{}; expected it to be there again within {} s (--reconnect)", prefix,
+                             1e-6 * static_cast<double>(tried.count()), last_reason.empty() ? "" : " (" + last_reason + ")",
+                             1e-3 * static_cast<double>(options_.reconnect.count())));
   const std::scoped_lock lock(guard_);
   gave_up_after_ = tried;
   if (broke_) error_ = why_gone_;

@@ -111,9 +111,13 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   if (in_time.empty()) {
     if (!late_since_) late_since_ = at;
     if (at - *late_since_ < options_.late_for) return;
+    const bool again = last_too_late_ && at - *last_too_late_ < between_tellings_of_late;
+    last_too_late_ = at;
     begin_anew("late",
-               fmt::format("every event came too late for {:.1f} s; the stream's delay has grown, and the history begins anew",
-                           seconds_of(at - *late_since_)),
+               fmt::format("every event came too late for {:.1f} s; the stream's delay {}, and the history begins anew",
+                           seconds_of(at - *late_since_),
+                           again ? "grows on: its time runs slower than ours, as a file's does that is served at a --speed below 1"
+                                 : "has grown"),
                at);
     return;
   }

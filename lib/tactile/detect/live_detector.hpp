@@ -122,6 +122,7 @@ class LiveDetector {
   std::optional<HostTime> last_arrival_;                ///< of events of this beginning
   std::optional<CameraTime> last_seen_;                 ///< of them, those that came too late among them
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
+  std::optional<HostTime> last_too_late_;               ///< when that was told, of any beginning
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
   /// When to rehearse, as the packet that closes the next tick comes a tick after the one that closed the last.
