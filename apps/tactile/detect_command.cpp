@@ -142,10 +142,10 @@ class Faults {
   explicit Faults(LiveLine& line) : line_(line) {}
 
   void add(const DetectionFault& fault) {
-    line_.warn(fault.text);
+    if (!fault.text.empty()) line_.warn(fault.text);
     const std::scoped_lock lock(guard_);
     ++kinds_[fault.kind];
-    if (first_.size() < most_faults_told) first_.push_back(fault);
+    if (first_.size() < most_faults_told && !fault.text.empty()) first_.push_back(fault);
   }
   void tell(DetectSummary& summary) const {
     const std::scoped_lock lock(guard_);
@@ -159,6 +159,14 @@ class Faults {
   std::map<std::string, std::uint64_t> kinds_;
   std::vector<DetectionFault> first_;
 };
+
+std::string message_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
 
 double cpu_seconds() {
   rusage used{};
@@ -372,6 +380,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   const std::string gone = feed.error();
   const bool by_duration = plays && args.duration_s > 0 && summary.first_tick && !was_interrupted && gone.empty() &&
                            summary.last_tick && between(*summary.first_tick, *summary.last_tick) + options.clock.tick >= duration;
+  if (failure) summary.ended = message_of(failure);
+  if (cannot_write) summary.ended = message_of(cannot_write);
   if (was_interrupted) summary.ended = "interrupted";
   if (by_duration) summary.ended = "duration";
   if (summary.ended.empty()) {

@@ -24,8 +24,15 @@ using test::comes_true;
 /// A camera that sends what it is given, then ends or breaks.
 class MadeSource final : public CameraSource {
  public:
+  static inline std::atomic<int> open_ones = 0;
+
   explicit MadeSource(std::vector<std::int64_t> times, std::string breaks = {})
-      : stream_(event_stream_declaration({50, 50}, "MADE")), times_(times.begin(), times.end()), breaks_(std::move(breaks)) {}
+      : stream_(event_stream_declaration({50, 50}, "MADE")), times_(times.begin(), times.end()), breaks_(std::move(breaks)) {
+    ++open_ones;
+  }
+  ~MadeSource() override { --open_ones; }
+  MadeSource(const MadeSource&) = delete;
+  MadeSource& operator=(const MadeSource&) = delete;
 
   std::string name() const override { return "made"; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
@@ -112,6 +119,7 @@ TEST_P(EventFeedBothWays, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
   options.waits = true;
   options.reconnect = std::chrono::seconds(60);
   options.open = [&]() -> std::unique_ptr<CameraSource> {
+    EXPECT_EQ(MadeSource::open_ones, 0) << "a camera opens but once";
     if (++opened == 1) throw Error("nobody is there yet");
     if (opened > 2) throw Error("gone for good");
     return std::make_unique<MadeSource>(std::vector<std::int64_t>{500, 1'000});

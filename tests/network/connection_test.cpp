@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <array>
+#include <cstring>
+#include <filesystem>
 #include <functional>
 #include <future>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -113,6 +119,43 @@ TEST(Connection, RefusesWhereNobodyListensAndNamesTheAddress) {
 TEST(Connection, RefusesAHostThatIsNot) {
   const std::string error = error_of([] { Connection(network_address("tcp://no-such-host.invalid:1"), 20s); });
   EXPECT_NE(error.find("no-such-host.invalid"), std::string::npos) << error;
+}
+
+std::ptrdiff_t open_files() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator());
+}
+
+TEST(Connection, TakesNoFilesThatALocalServerHandsOver) {
+  const TemporaryFolder folder;
+  std::promise<void> sent, seen;
+  const ScriptedServer server(
+      [&](ScriptedServer::Socket& client) {
+        alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(int))> control{};
+        char byte = 'x';
+        iovec part{.iov_base = &byte, .iov_len = 1};
+        msghdr message{};
+        message.msg_iov = &part;
+        message.msg_iovlen = 1;
+        message.msg_control = control.data();
+        message.msg_controllen = control.size();
+        cmsghdr* const header = CMSG_FIRSTHDR(&message);
+        header->cmsg_level = SOL_SOCKET;
+        header->cmsg_type = SCM_RIGHTS;
+        header->cmsg_len = CMSG_LEN(sizeof(int));
+        const int handed_over = STDERR_FILENO;
+        std::memcpy(CMSG_DATA(header), &handed_over, sizeof handed_over);
+        EXPECT_EQ(::sendmsg(client.native_handle(), &message, 0), 1);
+        sent.set_value();
+        seen.get_future().wait();
+      },
+      asio::local::stream_protocol::endpoint((folder / "socket").string()));
+  Connection connection(server.address(), 10s);
+  sent.get_future().wait();
+  const std::ptrdiff_t before = open_files();
+  std::array<std::byte, 8> bytes{};
+  EXPECT_EQ(connection.receive(bytes, 10s), std::size_t{1});
+  EXPECT_EQ(open_files(), before);
+  seen.set_value();
 }
 
 TEST(Connection, RefusesASocketThatIsNot) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <future>
 #include <string>
@@ -294,6 +295,24 @@ TEST(DvStreamClient, EndsItsWaitAlthoughBrokenPacketsNeverEnd) {
   DvStreamClient client(server.address(), 10s);
   EXPECT_EQ(client.receive(50ms), Received::nothing);
   EXPECT_GT(client.problems().broken_packets, 0U);
+}
+
+TEST(DvStreamClient, EndsItsWaitAlthoughEmptyPacketsComeFasterThanTheyAreRead) {
+  std::atomic<bool> is_over{false};
+  const ScriptedServer server([&](ScriptedServer::Socket& client) {
+    std::error_code error;
+    asio::write(client, asio::buffer(event_stream_start()), error);
+    const std::string zeros(std::size_t{4} << 20, '\0');  // each eight of them a packet of nothing
+    while (!error && !is_over) asio::write(client, asio::buffer(zeros), error);
+  });
+  {
+    DvStreamClient client(server.address(), 10s);
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_EQ(client.receive(2ms), Received::nothing);
+      EXPECT_GT(client.problems().broken_packets, 0U);
+    }
+    is_over = true;
+  }
 }
 
 TEST(DvStreamClient, AsksForMemoryByWhatComesNotByWhatIsClaimed) {

@@ -182,8 +182,11 @@ void EventFeed::mark(QueuedPacket& packet) const {
 }
 
 void EventFeed::note_arrival() {
-  packet_.front().source_index = index_;
-  packet_.front().arrived = packet_.front().elements.arrived.value_or(host_now());
+  QueuedPacket& packet = packet_.front();
+  packet.source_index = index_;
+  packet.arrived = packet.elements.arrived.value_or(host_now());
+  // While it was decoded others may have come.
+  if (!options_.receives_ahead && !packet.elements.arrived) packet.elements.more_came = true;
 }
 
 void EventFeed::hand_over() {
@@ -236,6 +239,7 @@ EventFeed::Outcome EventFeed::leave(const std::string& why, bool broke) {
 
 /// That the source is back, or given up, is said once.
 bool EventFeed::open_again() {
+  source_.reset();  // a camera opens but once, and some servers have one client
   std::string last_reason;
   milliseconds pause = first_pause;
   do {

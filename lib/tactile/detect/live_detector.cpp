@@ -20,7 +20,14 @@ constexpr std::size_t few_events = 128;           // counted in some microsecond
 constexpr std::uint64_t few_events_a_tick = 256;  // likewise
 constexpr microseconds waiting_period{250'000};
 
+constexpr microseconds a_year = std::chrono::years{1};
+
 double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
+
+/// From one time of the host to another, within a year: a line may lie at the end of the clock.
+microseconds passed(HostTime begin, HostTime end) {
+  return std::clamp(microseconds{saturating_subtract(us_of(end), us_of(begin))}, -a_year, a_year);
+}
 
 }  // namespace
 
@@ -41,8 +48,9 @@ void LiveDetector::begin_anew(const char* kind, const std::string& text, HostTim
   last_arrival_.reset(), last_seen_.reset(), late_since_.reset(), hole_until_.reset(), rehearsal_.reset();
   least_waiting_ = {}, events_since_tick_ = 0;
   is_silent_ = lost_pending_ = false;
+  catches_up_ = false;
   if (forget_) forget_();
-  if (!text.empty()) fault_({kind, text, at});
+  if (*kind != '\0') fault_({kind, text, at});
 }
 
 void LiveDetector::take(const QueuedPacket& packet) {
@@ -53,9 +61,11 @@ void LiveDetector::take(const QueuedPacket& packet) {
     while (!plays() && tell_due(at)) {
     }
     if (last_arrival_) begin_anew("", "", at);  // who changed the stream has said why
+    catches_up_ = false;
   }
   stream_ = packet.source_index;
   if (events.empty()) return;
+  if (catches_up_) return drop(packet.elements, at);
   if (is_silent_) fault_({"events again", fmt::format("events again after {:.1f} s", seconds_of(at - *last_arrival_)), at});
   is_silent_ = false;
   ++counts_.packets;
@@ -64,6 +74,29 @@ void LiveDetector::take(const QueuedPacket& packet) {
   if (packet.elements.more_came) together_ = at;
   plays() ? take_played(events, at) : take_live(events, at);
   last_arrival_ = at;
+  // Where nothing waits behind it, it is the stream that has become late.
+  if (plays() || !packet.elements.more_came || !clock_.line().is_known() || !clock_.last_event()) return;
+  const microseconds behind = passed(clock_.line().host_of(*clock_.last_event()), at);
+  if (behind >= options_.behind_for) begin_anew_without_what_waits(behind, at);
+}
+
+/// Reading alone is faster than counting: so it is caught up with, where it can be.
+void LiveDetector::begin_anew_without_what_waits(microseconds behind, HostTime at) {
+  std::string text;
+  if (const std::uint64_t times = behind_.to_be_said(at))
+    text = fmt::format("events were read {:.1f} s late{}: more come than can be counted here, or they were held up; those that wait "
+                       "are dropped, and the history begins anew",
+                       seconds_of(behind), times > 1 ? fmt::format(", {} times", times) : "");
+  begin_anew("behind", text, at);
+  catches_up_ = true;
+}
+
+void LiveDetector::drop(const CameraPacket& packet, HostTime at) {
+  counts_.lost_events += packet.events.size();
+  catches_up_ = packet.more_came;
+  if (!catches_up_ || at - *behind_.said < between_tellings_of_late) return;
+  behind_.said = at;
+  fault_({"behind", "there is no catching up: more events come than can be read here, and no verdict is told", at});
 }
 
 void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
@@ -111,14 +144,16 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   if (in_time.empty()) {
     if (!late_since_) late_since_ = at;
     if (at - *late_since_ < options_.late_for) return;
-    const bool again = last_too_late_ && at - *last_too_late_ < between_tellings_of_late;
-    last_too_late_ = at;
-    begin_anew("late",
-               fmt::format("every event came too late for {:.1f} s; the stream's delay {}, and the history begins anew",
-                           seconds_of(at - *late_since_),
-                           again ? "grows on: its time runs slower than ours, as a file's does that is served at a --speed below 1"
-                                 : "has grown"),
-               at);
+    std::string text;
+    if (const std::uint64_t times = too_late_.to_be_said(at)) {
+      text = fmt::format("every event came too late for {:.1f} s; ", seconds_of(at - *late_since_));
+      text += times == 1
+                  ? "the stream's delay has grown, and the history begins anew"
+                  : fmt::format("the stream's delay grows on, and the history began anew {} times: its time runs slower than ours, "
+                                "as of a sender that cannot keep up, or a file served at a --speed below 1",
+                                times);
+    }
+    begin_anew("late", text, at);
     return;
   }
   late_since_.reset();
@@ -128,6 +163,15 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   clock_.arrived(first, last, at);
   const auto next = clock_.next_tick();
   if (next && last < *next) detector_.count_ahead(*next);  // while there is time: once it closes, a robot waits
+}
+
+std::uint64_t LiveDetector::Repeated::to_be_said(HostTime at) {
+  const bool goes_on = last && at - *last < between_tellings_of_late;
+  last = at;
+  unsaid = goes_on ? unsaid + 1 : 1;
+  if (said && at - *said < between_tellings_of_late) return 0;
+  said = at;
+  return std::exchange(unsaid, 0);
 }
 
 /// A few that are late tell nothing; a share that matters is told of, at most every ten seconds.
@@ -155,11 +199,12 @@ void LiveDetector::note_late(std::span<const Event> events, std::size_t late, Ho
 }
 
 void LiveDetector::note_lost(std::uint64_t events_so_far) {
-  if (events_so_far == counts_.lost_events) return;
-  if (counts_.lost_events == 0)
+  if (events_so_far == lost_in_queue_) return;
+  if (lost_in_queue_ == 0)
     fault_({"lost", "events come faster than they can be counted: some are dropped, and verdicts of such histories are marked",
             host_now()});
-  counts_.lost_events = events_so_far;
+  counts_.lost_events += events_so_far - lost_in_queue_;
+  lost_in_queue_ = events_so_far;
   lost_pending_ = true;
 }
 
@@ -190,9 +235,9 @@ void LiveDetector::tell(const DueTick& due, HostTime now) {
   counts_.incomplete += told.incomplete ? 1 : 0;
   TickTimes times{.waiting = {}, .queued = {}, .rendering = cost.rendering, .network = cost.network};
   if (!plays()) {
-    const microseconds waited = due.closed - clock_.line().host_of(due.t);
+    const microseconds waited = passed(clock_.line().host_of(due.t), due.closed);
     times.waiting = waited;
-    times.queued = told.begun - due.closed;
+    times.queued = passed(due.closed, told.begun);
     if (due.by_events && due.closed != together_) least_waiting_.add(waited, due.closed);
     events_since_tick_ = 0;
   }

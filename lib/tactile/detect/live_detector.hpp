@@ -17,8 +17,8 @@ namespace tactile {
 /// What went wrong on the way of the events or the verdicts, and what was done.
 struct DetectionFault {
   std::string kind;  ///< "closed", "broken", "back", "gave up", "unsound", "jump", "silence", "events again", "stopped", "late",
-                     ///< "late events", "long packets", "lost", "robot", "udp", "recording"
-  std::string text;  ///< a sentence
+                     ///< "late events", "behind", "long packets", "lost", "robot", "udp", "recording"
+  std::string text;  ///< a sentence; empty where the like was said a moment ago
   HostTime at{};
 };
 using TellFault = std::function<void(const DetectionFault&)>;
@@ -41,6 +41,7 @@ struct LiveDetectorOptions {
   /// Of what is played: no tick is told that comes so long after the first one.
   microseconds play_for = microseconds::max();
   microseconds late_for{500'000};     ///< all events have come too late for so long: the stream is another one
+  microseconds behind_for{500'000};   ///< what is read came to the host's knowledge so late: it is not kept up with
   microseconds stopped_for{500'000};  ///< so long nothing was done that should have been: the detector itself was stopped
   /// Between two ticks, of which the gate did not spare the first, the network is run once for nothing: its weights would else
   /// have left the cache until the second one closes. Not while ticks are closed by the host's time.
@@ -50,7 +51,7 @@ struct LiveDetectorOptions {
 struct LiveCounts {
   std::uint64_t events = 0;                              ///< counted in some tick or waiting for one
   std::uint64_t late_events = 0;                         ///< of a tick that was told already; left out
-  std::uint64_t lost_events = 0;                         ///< for which there was no room ahead of the detector
+  std::uint64_t lost_events = 0;                         ///< for which there was no room ahead of the detector, or no time
   std::uint64_t packets = 0;                             ///< with events
   std::uint64_t gated = 0, by_host = 0, incomplete = 0;  ///< ticks told
   std::uint64_t rehearsals = 0;
@@ -105,6 +106,8 @@ class LiveDetector {
   void note_late(std::span<const Event> events, std::size_t late, HostTime at);
   bool plays() const { return options_.clock.by_events_alone; }
   void begin_anew(const char* kind, const std::string& text, HostTime at);
+  void begin_anew_without_what_waits(microseconds behind, HostTime at);
+  void drop(const CameraPacket& packet, HostTime at);
   void take_played(std::span<const Event> events, HostTime at);
   void take_live(std::span<const Event> events, HostTime at);
   void tell(const DueTick& due, HostTime now);
@@ -122,8 +125,16 @@ class LiveDetector {
   std::optional<HostTime> last_arrival_;                ///< of events of this beginning
   std::optional<CameraTime> last_seen_;                 ///< of them, those that came too late among them
   std::optional<HostTime> late_since_;                  ///< from when on no event was in time
-  std::optional<HostTime> last_too_late_;               ///< when that was told, of any beginning
+  /// A fault that may come again and again, whichever beginning it ends: said at most every ten seconds.
+  struct Repeated {
+    std::optional<HostTime> last, said;
+    std::uint64_t unsaid = 0;
+    std::uint64_t to_be_said(HostTime at);  ///< how many since it was last said, this one among them; 0: it is not yet to be
+  };
+  Repeated too_late_, behind_;
+  bool catches_up_ = false;  ///< what waits is dropped
   std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
+  std::uint64_t lost_in_queue_ = 0;
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
   /// When to rehearse, as the packet that closes the next tick comes a tick after the one that closed the last.
   struct Rehearsal {

@@ -62,7 +62,8 @@ std::optional<DueTick> TickClock::due(std::int64_t index, HostTime now) const {
     }
   }
   if (closing == arrivals_.end()) return std::nullopt;
-  tick.closed = closing->at;
+  // One that closes it too late for the host's time was read late, not sent late: else the tick were the host's.
+  tick.closed = host_closes() ? std::min(closing->at, closes_at(t)) : closing->at;
   return tick;
 }
 

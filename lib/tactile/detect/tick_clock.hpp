@@ -22,7 +22,7 @@ struct TickClockOptions {
 struct DueTick {
   CameraTime t{};
   std::uint64_t skipped = 0;  ///< ticks between the last one told and this
-  HostTime closed{};          ///< when it could first be told
+  HostTime closed{};          ///< when it could first be told, had all been read at once that had come
   bool by_events = true;      ///< else by the host's time
 };
 

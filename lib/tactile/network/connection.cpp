@@ -199,10 +199,12 @@ std::optional<std::size_t> Connection::State::read(std::span<std::byte> bytes) {
   msghdr message{};
   message.msg_iov = &part;
   message.msg_iovlen = 1;
-  message.msg_control = times.data();
-  message.msg_controllen = times.size();
+  if (tells_arrivals) {  // else room for it is room for files that a local server hands over
+    message.msg_control = times.data();
+    message.msg_controllen = times.size();
+  }
   const HostTime asked = host_now();
-  const ssize_t got = ::recvmsg(socket.native_handle(), &message, 0);
+  const ssize_t got = ::recvmsg(socket.native_handle(), &message, MSG_CMSG_CLOEXEC);
   if (got == 0) return std::nullopt;
   if (got < 0) {
     const std::error_code error(errno, asio::error::get_system_category());

@@ -18,6 +18,11 @@ namespace {
 constexpr std::size_t small_room = std::size_t{16} << 10;  // [B]: of smaller packets several are received at once
 constexpr milliseconds longest_reading{1};                 // of what is there, without any patience
 
+std::uint64_t unusable_packets(const DvStreamParser& parser) {
+  const DvStreamProblems& problems = parser.problems();
+  return problems.broken_packets + problems.mismatched_packets + problems.foreign_packets;
+}
+
 }  // namespace
 
 struct DvStreamClient::State {
@@ -31,6 +36,7 @@ struct DvStreamClient::State {
   std::uint64_t bytes = 0;
   std::array<std::byte, small_room> ahead{};  ///< received ahead of what was asked for
   std::span<std::byte> unread;                ///< of it
+  bool filled_ahead = false;                  ///< the last read: there may be more
   bool more_came = false;                     ///< behind the packet last received
 
   void read_header();
@@ -44,8 +50,10 @@ std::optional<std::size_t> DvStreamClient::State::fill(std::span<std::byte> room
     const bool takes_more = room.size() < small_room;
     const auto got = connection.receive(takes_more ? std::span(ahead) : room, waiting);
     if (got) bytes += *got;
+    filled_ahead = false;
     if (!takes_more || !got) return got;
     unread = std::span(ahead).first(*got);
+    filled_ahead = *got == ahead.size();
   }
   const std::size_t count = std::min(unread.size(), room.size());
   std::memcpy(room.data(), unread.data(), count);
@@ -68,6 +76,7 @@ void DvStreamClient::State::read_header() {
 
 DvStreamClient::Received DvStreamClient::State::receive(microseconds waiting) {
   const SteadyClock::time_point deadline = deadline_after(waiting);
+  const std::uint64_t unusable = unusable_packets(parser);
   for (;;) {
     const auto got = fill(parser.room(), left_until(deadline));
     if (!got) {
@@ -82,11 +91,13 @@ DvStreamClient::Received DvStreamClient::State::receive(microseconds waiting) {
     }
     heard = now;
     if (parser.received(*got)) {
-      more_came = !unread.empty() || !parser.is_between_packets();
+      more_came = !unread.empty() || !parser.is_between_packets() || filled_ahead;
       return Received::packet;
     }
-    // Amid a packet what is there is read to its end, so that nothing is said to be there only if that is so.
-    if (now >= deadline + longest_reading && unread.empty() && parser.is_between_packets()) return Received::nothing;
+    // Amid a packet what is there is read to its end, so that nothing is said to be there only if that is so; but not if it is
+    // nothing that can be used, of which there may be no end.
+    const bool is_at_rest = unread.empty() && parser.is_between_packets();
+    if (now >= deadline + longest_reading && (is_at_rest || unusable_packets(parser) > unusable)) return Received::nothing;
   }
 }
 
