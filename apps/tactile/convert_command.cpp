@@ -253,7 +253,7 @@ void warn(const ConvertArguments& args, const BagImportSummary& summary) {
   say(drops.event_packets, "event packet", "never reached the bag");
   say(drops.broken_messages, "message", "could not be decoded and left nothing in the run");
   say(drops.other_sensor_messages, "message", "of events for a sensor of another size left out");
-  say(drops.robot_states, "robot state", "dropped: no pose, or not later than the one before");
+  say(drops.robot_states, "robot state", "dropped: no pose, not later than the one before, or out of reach of it");
   say(drops.frames, "frame", "dropped: of another size, or not later than the one before");
   say(drops.imu_samples, "IMU sample", "dropped: not later than the one before");
   say(summary.problems.truncated_bytes, "byte",

@@ -10,6 +10,7 @@
 #include "events/recording_contents.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/conversion/imported_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
@@ -149,6 +150,25 @@ TEST_F(ImportedRun, SaysInRunJsonWhereItComesFrom) {
     EXPECT_EQ(file.at("sha256"), sha256_of_file(run / name));
     EXPECT_EQ(file.at("bytes"), fs::file_size(run / name));
   }
+}
+
+TEST(ImportedRobotLog, LeavesOutPosesThatNoArmComesTo) {
+  const test::TemporaryFolder folder;
+  ImportedRobotLog log(folder / "robot.csv", {});
+  const auto pose = [](std::int64_t us, double x, std::array<double, 4> turn = {0, 0, 0, 1}) {
+    return ToolPose{.t = HostTime{microseconds{us}}, .place = {x, 0, 0}, .turn = turn};
+  };
+  const auto add = [&](const ToolPose& one) { return log.add(one, one.t); };
+  EXPECT_FALSE(add(pose(1'000'000, -1e242)));
+  EXPECT_TRUE(add(pose(1'000'000, 0.1)));
+  EXPECT_FALSE(add(pose(1'008'000, 1e5))) << "in 8 ms";
+  EXPECT_FALSE(add(pose(1'000'001, 0.1, {1, 0, 0, 0}))) << "half a turn in a microsecond";
+  EXPECT_TRUE(add(pose(1'016'000, 0.2)));
+  EXPECT_TRUE(add(pose(1'016'001, 1.1))) << "as fast as can be";
+  EXPECT_TRUE(add(pose(1'016'002, 0.2)));
+  log.close();
+  EXPECT_EQ(log.rows(), 4U);
+  EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), 4U);
 }
 
 TEST(ImportBag, ReadsEveryEncodingAndCountsWhatTheSequenceMisses) {

@@ -31,7 +31,7 @@ struct BagImportDrops {
   std::uint64_t event_packets = 0;          ///< missing in the row of EventPackets' numbers
   std::uint64_t broken_messages = 0;        ///< of the topics taken, that could not be decoded
   std::uint64_t other_sensor_messages = 0;  ///< of events for a sensor of another size than the first's
-  std::uint64_t robot_states = 0;           ///< no pose, or not later than the one before
+  std::uint64_t robot_states = 0;           ///< no pose, not later than the one before, or out of reach of it
   std::uint64_t frames = 0;                 ///< of another size, or not later than the one before
   std::uint64_t imu_samples = 0;            ///< not later than the one before
 };

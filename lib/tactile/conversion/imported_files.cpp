@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 
@@ -18,6 +19,23 @@ namespace {
 
 constexpr microseconds sorted_span{20'000};                 // messages of several threads overlap by less
 constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; a faster camera's are sorted over less time
+
+// No arm is so far or so fast, and who reads robot logs refuses more than 1e6 of metres, radians, and those a second.
+constexpr double too_far = 1e6, too_fast = 1e6;
+
+bool is_of_an_arm(const ToolPose& pose) {
+  return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < too_far; });
+}
+
+/// A speed over several steps is no higher than the highest of them.
+bool is_reached(const ToolPose& before, const ToolPose& after) {
+  const double most = too_fast * 1e-6 * static_cast<double>((after.t - before.t).count());
+  const std::array<double, 3> turn = rotation_vector(turn_between(before.turn, after.turn));
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (std::abs(after.place.at(i) - before.place.at(i)) >= most) return false;
+  }
+  return std::hypot(turn[0], turn[1], turn[2]) < most;
+}
 
 std::string robot_log_header(bool has_joints) {
   std::string text = "timestamp";
@@ -99,7 +117,7 @@ void ImportedRobotLog::set(const JointPositions& joints) {
 }
 
 bool ImportedRobotLog::add(const ToolPose& pose, HostTime received) {
-  if (current_ && pose.t <= current_->pose.t) return false;
+  if (!is_of_an_arm(pose) || (current_ && (pose.t <= current_->pose.t || !is_reached(current_->pose, pose)))) return false;
   if (current_) write(*current_, previous_ ? previous_->pose : current_->pose, pose);
   previous_ = current_;
   current_ = Row{pose, received, joints_.value_or(JointPositions{})};

@@ -71,7 +71,7 @@ class ImportedRobotLog {
   ImportedRobotLog(const std::filesystem::path& file, std::optional<JointPositions> joints);
 
   void set(const JointPositions& joints);  ///< of the rows to come; those that it does not name stay where they are
-  /// Whether the row is later than the one before; another is left out.
+  /// Whether the row is later than the one before, and one that an arm could have come to; another is left out.
   bool add(const ToolPose& pose, HostTime received);
   std::uint64_t rows() const { return rows_; }
   void close();
