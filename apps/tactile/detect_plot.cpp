@@ -37,7 +37,8 @@ void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& r
   picture.remarks.push_back(fmt::format("History t_h {} ms, a tick every {} ms; {} of {} ticks were skipped.", history_ms,
                                         static_cast<double>(rendering.tick.count()) / 1000, skipped, range.count));
   if (beginnings > 0)
-    picture.remarks.push_back(fmt::format("The stream began anew {} before; those ticks are not drawn.", counted(beginnings, "time")));
+    picture.remarks.push_back(
+        fmt::format("The stream began anew {} before; those ticks are not drawn.", counted(beginnings, "time")));
   if (run) {
     const RunTruth truth = read_run_truth(*run);
     picture.has_labels = !truth.labels.empty();

@@ -322,7 +322,8 @@ TEST(LiveDetector, DropsWhatWaitsWhereItCannotKeepUp) {
   EXPECT_EQ(live.detector.counts().lost_events, 8'001 - counted) << "dropped, and said how many";
 
   live.take({4'000'500}, base + 5'001'000);  // the last one that waited
-  for (std::int64_t t = 4'001'000; t <= 4'030'000; t += 500) live.take({t}, base + 1'000'500 + t), live.tell_all(base + 1'000'500 + t);
+  for (std::int64_t t = 4'001'000; t <= 4'030'000; t += 500)
+    live.take({t}, base + 1'000'500 + t), live.tell_all(base + 1'000'500 + t);
   ASSERT_GT(live.told.size(), before);
   EXPECT_EQ(live.told[before].verdict.t, camera_time(4'012'000)) << "a whole history of what was not dropped";
   EXPECT_EQ(live.told[before].verdict.events, 20U);

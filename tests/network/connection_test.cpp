@@ -1,7 +1,6 @@
 #include "tactile/network/connection.hpp"
 
 #include <gtest/gtest.h>
-
 #include <sys/socket.h>
 #include <unistd.h>
 

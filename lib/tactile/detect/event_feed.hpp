@@ -51,7 +51,7 @@ class EventFeed final : public PacketSupply {
   void give_back(PacketQueue::Packet packet) override { queue_.give_back(std::move(packet)); }
   std::uint64_t lost_events() const override { return lost_.load(std::memory_order_relaxed); }
 
-  std::string error() const;                   ///< why the source is gone for good; empty where it ended by itself
+  std::string error() const;  ///< why the source is gone for good; empty where it ended by itself
   /// How long it was tried to open the source again before that was given up; nothing if it was not given up.
   std::optional<microseconds> gave_up_after() const;
   SourceDrops drops() const;  ///< of all openings

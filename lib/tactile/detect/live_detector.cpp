@@ -84,9 +84,10 @@ void LiveDetector::take(const QueuedPacket& packet) {
 void LiveDetector::begin_anew_without_what_waits(microseconds behind, HostTime at) {
   std::string text;
   if (const std::uint64_t times = behind_.to_be_said(at))
-    text = fmt::format("events were read {:.1f} s late{}: more come than can be counted here, or they were held up; those that wait "
-                       "are dropped, and the history begins anew",
-                       seconds_of(behind), times > 1 ? fmt::format(", {} times", times) : "");
+    text = fmt::format(
+        "events were read {:.1f} s late{}: more come than can be counted here, or they were held up; those that wait "
+        "are dropped, and the history begins anew",
+        seconds_of(behind), times > 1 ? fmt::format(", {} times", times) : "");
   begin_anew("behind", text, at);
   catches_up_ = true;
 }
@@ -149,9 +150,10 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
       text = fmt::format("every event came too late for {:.1f} s; ", seconds_of(at - *late_since_));
       text += times == 1
                   ? "the stream's delay has grown, and the history begins anew"
-                  : fmt::format("the stream's delay grows on, and the history began anew {} times: its time runs slower than ours, "
-                                "as of a sender that cannot keep up, or a file served at a --speed below 1",
-                                times);
+                  : fmt::format(
+                        "the stream's delay grows on, and the history began anew {} times: its time runs slower than ours, "
+                        "as of a sender that cannot keep up, or a file served at a --speed below 1",
+                        times);
     }
     begin_anew("late", text, at);
     return;

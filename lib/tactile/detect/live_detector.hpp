@@ -121,10 +121,10 @@ class LiveDetector {
   TickClock clock_;
   DeadlineMonitor deadlines_;
   LiveCounts counts_;
-  std::optional<std::size_t> stream_;                   ///< `source_index` of the packets
-  std::optional<HostTime> last_arrival_;                ///< of events of this beginning
-  std::optional<CameraTime> last_seen_;                 ///< of them, those that came too late among them
-  std::optional<HostTime> late_since_;                  ///< from when on no event was in time
+  std::optional<std::size_t> stream_;     ///< `source_index` of the packets
+  std::optional<HostTime> last_arrival_;  ///< of events of this beginning
+  std::optional<CameraTime> last_seen_;   ///< of them, those that came too late among them
+  std::optional<HostTime> late_since_;    ///< from when on no event was in time
   /// A fault that may come again and again, whichever beginning it ends: said at most every ten seconds.
   struct Repeated {
     std::optional<HostTime> last, said;
@@ -132,8 +132,8 @@ class LiveDetector {
     std::uint64_t to_be_said(HostTime at);  ///< how many since it was last said, this one among them; 0: it is not yet to be
   };
   Repeated too_late_, behind_;
-  bool catches_up_ = false;  ///< what waits is dropped
-  std::optional<CameraTime> hole_until_;                ///< histories that begin before it lack events
+  bool catches_up_ = false;               ///< what waits is dropped
+  std::optional<CameraTime> hole_until_;  ///< histories that begin before it lack events
   std::uint64_t lost_in_queue_ = 0;
   std::atomic<CameraTime> awaited_{CameraTime::min()};  ///< events before it close no tick
   /// When to rehearse, as the packet that closes the next tick comes a tick after the one that closed the last.
