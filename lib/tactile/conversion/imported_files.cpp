@@ -11,6 +11,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/robot/robot_log.hpp"
 #include "tactile/video/film_picture.hpp"
 
 namespace tactile {
@@ -20,16 +21,13 @@ namespace {
 constexpr microseconds sorted_span{20'000};                 // messages of several threads overlap by less
 constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; a faster camera's are sorted over less time
 
-// No arm is so far or so fast, and who reads robot logs refuses more than 1e6 of metres, radians, and those a second.
-constexpr double too_far = 1e6, too_fast = 1e6;
-
 bool is_of_an_arm(const ToolPose& pose) {
-  return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < too_far; });
+  return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < beyond_any_arm; });
 }
 
 /// A speed over several steps is no higher than the highest of them.
 bool is_reached(const ToolPose& before, const ToolPose& after) {
-  const double most = too_fast * 1e-6 * static_cast<double>((after.t - before.t).count());
+  const double most = beyond_any_arm * 1e-6 * static_cast<double>((after.t - before.t).count());
   const std::array<double, 3> turn = rotation_vector(turn_between(before.turn, after.turn));
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(after.place.at(i) - before.place.at(i)) >= most) return false;

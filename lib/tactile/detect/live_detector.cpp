@@ -122,11 +122,11 @@ void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
 void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   const CameraTime first = events.front().t, last = events.back().t;
   if (last_arrival_ && last_seen_) {
-    const microseconds gap = between(*last_seen_, first), passed = at - *last_arrival_;
-    if (gap > passed + options_.jump) {
-      begin_anew("jump",
-                 fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - passed)),
-                 at);
+    const microseconds gap = between(*last_seen_, first), of_the_host = at - *last_arrival_;
+    if (gap > of_the_host + options_.jump) {
+      begin_anew(
+          "jump",
+          fmt::format("the camera's time jumped ahead by {:.3f} s; the history begins anew", seconds_of(gap - of_the_host)), at);
     }
   }
   if (!told_of_long_packets_ && between(first, last) > options_.clock.tick) {
@@ -184,8 +184,7 @@ void LiveDetector::note_late(std::span<const Event> events, std::size_t late, Ho
   window_events_ += events.size();
   window_late_ += late;
   if (at - late_window_ < late_window) return;
-  if (100 * window_late_ > window_events_ && (!told_of_late_ || at - *told_of_late_ >= between_tellings_of_late)) {
-    told_of_late_ = at;
+  if (100 * window_late_ > window_events_ && late_events_.to_be_said(at) > 0) {
     fault_({"late events",
             fmt::format(
                 "{} of {} events within {:.1f} s came when their tick had been told, up to {:.1f} ms before, and are left out: "

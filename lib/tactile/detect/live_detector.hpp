@@ -131,7 +131,7 @@ class LiveDetector {
     std::uint64_t unsaid = 0;
     std::uint64_t to_be_said(HostTime at);  ///< how many since it was last said, this one among them; 0: it is not yet to be
   };
-  Repeated too_late_, behind_;
+  Repeated too_late_, behind_, late_events_;
   bool catches_up_ = false;               ///< what waits is dropped
   std::optional<CameraTime> hole_until_;  ///< histories that begin before it lack events
   std::uint64_t lost_in_queue_ = 0;
@@ -156,7 +156,6 @@ class LiveDetector {
   HostTime late_window_{};  ///< since when the next three are counted
   std::uint64_t window_events_ = 0, window_late_ = 0;
   microseconds latest_{0};  ///< behind the tick told last
-  std::optional<HostTime> told_of_late_;
   bool is_silent_ = false, told_of_long_packets_ = false, lost_pending_ = false;
 };
 

@@ -53,17 +53,16 @@ std::optional<DueTick> TickClock::due(std::int64_t index, HostTime now) const {
   DueTick tick{.t = t, .skipped = static_cast<std::uint64_t>(index - next_), .closed = {}, .by_events = true};
   const auto closing =
       std::find_if(arrivals_.begin(), arrivals_.end(), [t](const Arrival& arrival) { return arrival.last >= t; });
-  if (host_closes()) {
-    const HostTime at = closes_at(t);
-    if (at <= now && (closing == arrivals_.end() || at < closing->at)) {
-      tick.closed = at;
-      tick.by_events = false;
-      return tick;
-    }
+  std::optional<HostTime> by_host;
+  if (host_closes()) by_host = closes_at(t);
+  if (by_host && *by_host <= now && (closing == arrivals_.end() || *by_host < closing->at)) {
+    tick.closed = *by_host;
+    tick.by_events = false;
+    return tick;
   }
   if (closing == arrivals_.end()) return std::nullopt;
-  // One that closes it too late for the host's time was read late, not sent late: else the tick were the host's.
-  tick.closed = host_closes() ? std::min(closing->at, closes_at(t)) : closing->at;
+  // Had the event that closes it not waited to be read, the host's time would have closed it.
+  tick.closed = std::min(closing->at, by_host.value_or(closing->at));
   return tick;
 }
 

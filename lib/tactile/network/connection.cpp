@@ -204,7 +204,7 @@ std::optional<std::size_t> Connection::State::read(std::span<std::byte> bytes) {
     message.msg_controllen = times.size();
   }
   const HostTime asked = host_now();
-  const ssize_t got = ::recvmsg(socket.native_handle(), &message, MSG_CMSG_CLOEXEC);
+  const ssize_t got = ::recvmsg(socket.native_handle(), &message, 0);
   if (got == 0) return std::nullopt;
   if (got < 0) {
     const std::error_code error(errno, asio::error::get_system_category());

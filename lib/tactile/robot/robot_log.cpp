@@ -172,10 +172,9 @@ RobotState state_in(const LogTable& table, const Columns& columns) {
   if (std::abs(seconds) > 1e12) table.refuse(columns.time, "controller seconds");
   state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
   for (std::size_t i = 0; i < 6; ++i) {
-    // No arm is so far or so fast; beyond it sums would lose their meaning.
     const auto number_at = [&](std::size_t column) {
       const double value = table.number_at(column);
-      if (std::abs(value) > 1e6) table.refuse(column, "metres and radians");
+      if (std::abs(value) > beyond_any_arm) table.refuse(column, "metres and radians");
       return value;
     };
     if (columns.pose) state.tcp_pose[i] = number_at((*columns.pose)[i]);

@@ -13,6 +13,9 @@
 
 namespace tactile {
 
+/// No arm is so far [m, rad] or so fast [m/s, rad/s]; beyond it sums would lose their meaning.
+inline constexpr double beyond_any_arm = 1e6;
+
 /// One row of a robot log, in RTDE's terms.
 struct RobotState {
   RobotTime t;                                       ///< `timestamp`, controller seconds, rounded to microseconds

@@ -18,7 +18,7 @@ nlohmann::json dataset_settings_in(const nlohmann::json& manifest);
 /// In what settings differ, for people, one each: "seed 2 instead of 1", "history 100 ms instead of 50 ms".
 std::vector<std::string> differing_settings(const nlohmann::json& now, const nlohmann::json& before);
 
-/// The same of what `options` ask for now, and a dataset that lies in `file`; empty where none is there that can be read.
+/// The same between what `options` ask for and a dataset that lies in `file`; empty where none is there that can be read.
 std::vector<std::string> settings_unlike_those_in(const std::filesystem::path& file, const WindowsOptions& options);
 
 }  // namespace tactile
