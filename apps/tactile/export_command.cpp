@@ -80,6 +80,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   auto metadata = weights_metadata(model);
   metadata["model"] = bundle.name();
 
+  const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
   std::optional<WholeFile> onnx, safetensors;
   std::vector<ExportedFile> files;
   const auto written = [&](const std::string& format, const fs::path& file, const WholeFile& whole) {
@@ -89,14 +90,12 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
     auto about = metadata;
     about.erase("format");  // of safetensors alone
     about["weights_sha256"] = model.weights_sha256;
-    remove_leftovers(args.onnx);
-    onnx.emplace(args.onnx);
+    onnx.emplace(args.onnx, if_there);
     write_whole(onnx->path(), onnx_model(lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
     written("onnx", args.onnx, *onnx);
   }
   if (!args.safetensors.empty()) {
-    remove_leftovers(args.safetensors);
-    safetensors.emplace(args.safetensors);
+    safetensors.emplace(args.safetensors, if_there);
     write_weights(safetensors->path(), weights, metadata);
     written("safetensors", args.safetensors, *safetensors);
   }

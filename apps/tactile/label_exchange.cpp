@@ -68,9 +68,12 @@ void check_place(const fs::path& file, const std::vector<RunFolder>& runs) {
   }
 }
 
+bool holds(const FileToWrite& file) {
+  return fs::is_regular_file(file.path) && fs::file_size(file.path) == file.text.size() && read_text(file.path) == file.text;
+}
+
 void check_free(const FileToWrite& file, bool replace) {
-  if (replace || !fs::exists(file.path)) return;
-  if (fs::is_regular_file(file.path) && fs::file_size(file.path) == file.text.size() && read_text(file.path) == file.text) return;
+  if (replace || !fs::exists(file.path) || holds(file)) return;
   throw Error(fmt::format("{}: is there already, perhaps with somebody's edits; expected another name, or --force to replace it",
                           file.path.string()));
 }
@@ -206,7 +209,9 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
     text += fmt::format("{}: their labelling configuration\n", files.back().path.string());
   }
   for (const FileToWrite& file : files) check_free(file, replace);
-  for (const FileToWrite& file : files) write_whole(file.path, file.text);
+  for (const FileToWrite& file : files) {
+    if (!holds(file)) write_whole(file.path, file.text, replace ? IfThere::replace : IfThere::refuse);
+  }
   print_result(common, json, text);
 }
 

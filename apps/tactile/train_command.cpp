@@ -207,6 +207,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
                            .resume = resumes,
                            .save_every = std::chrono::duration<double>(args.save_every_s),
                            .from = from.folder,
+                           .if_there = state == BundleState::missing ? IfThere::refuse : IfThere::replace,
                            .begins = tell_begin},
                           progress_line(common));
   } catch (const Interrupted&) {

@@ -125,8 +125,7 @@ void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmFo
                 });
   };
   if (form == FilmForm::mp4) {
-    remove_leftovers(request.out);
-    WholeFile whole(request.out);
+    WholeFile whole(request.out, IfThere::replace);
     VideoWriter writer(whole.path(), {.width = film.size().width,
                                       .height = film.size().height,
                                       .quality = quality,

@@ -4,6 +4,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -13,8 +15,10 @@
 #include <vector>
 
 #include "events/made_recording.hpp"
+#include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
 
 namespace tactile {
 namespace {
@@ -129,6 +133,51 @@ TEST_F(KilledCommand, RepairLeavesAllOrNothing) {
   // Without its table every packet must be read: it takes its time.
   test::cut_off_table(in);
   expect_all_or_nothing({"repair", "in.aedat4", "out.aedat4"}, "out.aedat4");
+}
+
+TEST_F(KilledCommand, ConvertKeepsAFileThatAppearsWhileItWorks) {
+  const pid_t process = start(folder.path(), {"convert", "in.aedat4", "out.h5"});
+  ASSERT_FALSE(wait_for_output(process).has_value());
+  ::kill(process, SIGSTOP);
+  write_whole(folder / "out.h5", "of another program");
+  ::kill(process, SIGCONT);
+  const int status = status_of(process);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(read_text(folder / "out.h5"), "of another program");
+  EXPECT_EQ(files(), 2);
+}
+
+TEST_F(KilledCommand, OnlyOneOfTwoConvertsToOneOutputEndsWell) {
+  const std::array processes{start(folder.path(), {"convert", "in.aedat4", "out.h5"}),
+                             start(folder.path(), {"convert", "in.aedat4", "out.h5"})};
+  std::array<int, 2> codes{};
+  for (std::size_t i : {0, 1}) {
+    const int status = status_of(processes.at(i));
+    ASSERT_TRUE(WIFEXITED(status));
+    codes.at(i) = WEXITSTATUS(status);
+  }
+  EXPECT_EQ(std::min(codes[0], codes[1]), 0);
+  EXPECT_EQ(std::max(codes[0], codes[1]), 1);
+  ASSERT_EQ(status_of(start(folder.path(), {"convert", "in.aedat4", "alone.h5"})), 0);
+  EXPECT_EQ(sha256_of_file(folder / "out.h5"), sha256_of_file(folder / "alone.h5"));
+}
+
+TEST_F(KilledCommand, ConvertsInTwoContainersDoNotWriteIntoEachOther) {
+  if (test::run_shell("unshare -pf --mount-proc true").exit_code != 0) GTEST_SKIP() << "this machine makes no process namespace";
+  test::cut_off_table(folder / "in.aedat4");
+  // A process has the same number in each of them.
+  const std::string convert = std::string("unshare -pf --mount-proc '") + TACTILE_BINARY + "' convert ";
+  const auto both = test::run_shell("(" + convert + "in.aedat4 out.h5; echo $? >first) & " + convert +
+                                        "in.aedat4 out.h5 --to-us 1000000; echo $? >second; wait",
+                                    folder.path());
+  const bool first_won = read_text(folder / "first") == "0\n";
+  EXPECT_EQ(read_text(folder / "first") + read_text(folder / "second"), first_won ? "0\n1\n" : "1\n0\n") << both.err;
+  ASSERT_EQ(
+      test::run_tactile(first_won ? "convert in.aedat4 alone.h5" : "convert in.aedat4 alone.h5 --to-us 1000000", folder.path())
+          .exit_code,
+      0);
+  EXPECT_EQ(sha256_of_file(folder / "out.h5"), sha256_of_file(folder / "alone.h5"));
 }
 
 }  // namespace

@@ -72,6 +72,20 @@ TEST(PictureFolder, ReplacesPicturesOfItsOwnAndAnEmptyFolder) {
   EXPECT_EQ(files_below(folder / "empty"), (std::set<std::string>{"c.png", "pictures.csv"}));
 }
 
+TEST(PictureFolder, KeepsWhatAppearsWhileItIsFilled) {
+  const test::TemporaryFolder folder;
+  PictureFolder added(folder / "a", "value");
+  make(folder / "b", {"old.png"});
+  PictureFolder replaced(folder / "b", "value");
+  fs::create_directories(folder / "a");
+  for (const char* name : {"a/notes.txt", "b/notes.txt"}) std::ofstream(folder / name) << "precious";
+  EXPECT_THROW(added.commit(), Error);
+  EXPECT_THROW(replaced.commit(), Error);
+  EXPECT_TRUE(fs::exists(folder / "a/notes.txt"));
+  EXPECT_TRUE(fs::exists(folder / "b/notes.txt"));
+  EXPECT_TRUE(fs::exists(folder / "b/old.png"));
+}
+
 TEST(PictureFolder, RefusesAFolderWithAnythingElseInIt) {
   const test::TemporaryFolder folder;
   make(folder / "mine", {"a.png"});

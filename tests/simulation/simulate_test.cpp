@@ -1,14 +1,18 @@
 #include "tactile/simulation/simulate.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "support/error_of.hpp"
 #include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -330,6 +334,68 @@ TEST(Simulate, LeavesNoHalfARunWhenItIsEnded) {
   };
   EXPECT_THROW(simulate(small(folder.path()), end_half_way), Ended);
   EXPECT_TRUE(contents(folder.path()).empty());
+}
+
+/// Calls `action` once, when a simulation is half done.
+ProgressCallback half_way(const std::function<void()>& action) {
+  return [action, done = false](const Progress& progress) mutable {
+    if (done || 2 * progress.done <= progress.total) return;
+    done = true;
+    action();
+  };
+}
+
+TEST(Simulate, KeepsTheSameRunOfAnotherProcessThatWasFaster) {
+  const test::TemporaryFolder folder;
+  std::map<std::string, std::string> first;
+  const auto outcomes = simulate(small(folder.path()), half_way([&] {
+                                   EXPECT_EQ(kinds(simulate(small(folder.path()))), std::vector{Kind::made});
+                                   first = contents(folder.path());
+                                 }));
+  EXPECT_EQ(kinds(outcomes), std::vector{Kind::kept});
+  EXPECT_GT(outcomes.at(0).bytes, 0U);
+  EXPECT_EQ(contents(folder.path()).size(), 6U);
+  for (const auto& [name, text] : contents(folder.path())) EXPECT_EQ(first.at(name), text) << name;
+}
+
+TEST(Simulate, RefusesARunThatAppearsMeanwhileAndIsNotTheSame) {
+  const test::TemporaryFolder folder;
+  SimulateOptions other = small(folder / "data");
+  other.seed = 2;
+  std::map<std::string, std::string> first;
+  const std::string error = test::error_of([&] {
+    simulate(small(folder / "data"), half_way([&] {
+               simulate(other);
+               first = contents(folder / "data/uhu-glue-stick/01");
+             }));
+  });
+  EXPECT_NE(error.find("uhu-glue-stick/01: was simulated with preset tiny, seed 2; expected preset tiny, seed 1"),
+            std::string::npos)
+      << error;
+  EXPECT_EQ(contents(folder / "data/uhu-glue-stick/01"), first);
+
+  SimulateOptions forced = small(folder / "real");
+  forced.force = true;
+  const fs::path run = folder / "real/uhu-glue-stick/01";
+  EXPECT_THROW(simulate(forced, half_way([&] { write_whole(run / "events.aedat4", "a real recording"); })), Error);
+  EXPECT_EQ(read_text(run / "events.aedat4"), "a real recording");
+}
+
+TEST(Simulate, RemovesWhatAKilledOneLeftOfAnyRun) {
+  const test::TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    simulate(small(folder.path()), half_way([] { ::_exit(0); }));
+    ::_exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  ASSERT_FALSE(contents(folder.path()).empty());
+  SimulateOptions options = small(folder.path());
+  options.objects = {"fan"};
+  simulate(options);
+  for (const auto& [name, text] : contents(folder.path())) EXPECT_TRUE(name.starts_with("fan/01/")) << name;
 }
 
 TEST(Simulate, RefusesWhatItDoesNotKnow) {

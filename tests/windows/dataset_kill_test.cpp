@@ -95,7 +95,8 @@ class KilledDataset : public testing::Test {
   }
   static void remove_dataset(const fs::path& in) {
     for (const auto& entry : fs::directory_iterator(in)) {
-      if (entry.is_regular_file()) fs::remove(entry.path());
+      const bool is_leftover = entry.path().filename().string().starts_with('.');
+      if (is_leftover || entry.is_regular_file()) fs::remove_all(entry.path());
     }
   }
 

@@ -255,8 +255,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
     }
   }
 
-  remove_leftovers(summary.run.folder);
-  WholeFile whole(summary.run.folder);
+  WholeFile whole(summary.run.folder, IfThere::refuse);
   fs::create_directory(whole.path());
   const RunFolder written{whole.path(), summary.run.object, summary.run.run};
   Import import(found, choice, options, written, summary);

@@ -246,7 +246,7 @@ class Passage {
         cut_(options),
         crop_(options.crop),
         summary_(summary),
-        whole_(out),
+        whole_(out, options.replace ? IfThere::replace : IfThere::refuse),
         output_(open_output(whole_.path(), in, summary)) {}
 
   /// Tells when the first element is; else what is passed first is it.
@@ -469,7 +469,6 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   if (!fs::exists(in)) throw Error(in.string() + ": no such file; expected a recording");
   if (!fs::is_regular_file(in)) throw Error(in.string() + ": is no regular file; expected a recording, which is read in places");
   check_target(out, in, options.replace);
-  remove_leftovers(out);
   switch (summary.from) {
     case RecordingFormat::csv:
       convert_from_csv(in, out, options, summary, progress);

@@ -1,92 +1,211 @@
 #include "tactile/core/whole_file.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
+#include <stdio.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/numbers.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t first_read = 65'536;
+constexpr std::string_view random_part = "XXXXXX";  // mkdtemp replaces it
+constexpr const char* lock_name = ".lock";
 
 fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
+constexpr std::string_view part_mark = ".part-";
+std::string part_prefix(const fs::path& target) { return "." + target.filename().string() + std::string(part_mark); }
 
-/// This machine's name, for a folder may be shared by several whose processes' numbers mean nothing to each other.
-const std::string& machine() {
-  static const std::string name = [] {
-    std::array<char, 256> text{};
-    ::gethostname(text.data(), text.size() - 1);
-    std::string plain;
-    for (const char c : std::string_view(text.data())) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '-';
-    return plain.substr(0, 64);
-  }();
-  return name;
+/// Removes the folders of killed processes whose names begin with `prefix`.
+void remove_parts_in(const fs::path& folder, std::string_view prefix) {
+  std::vector<fs::path> parts;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed); !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    const std::size_t mark = name.rfind(part_mark);
+    std::error_code unknown;
+    const bool is_part = name.starts_with('.') && mark != std::string::npos &&
+                         name.size() - mark == part_mark.size() + random_part.size() && name.starts_with(prefix);
+    if (is_part && fs::is_directory(entry->symlink_status(unknown))) parts.push_back(entry->path());
+  }
+  for (const fs::path& part : parts) {
+    const int lock = ::open((part / lock_name).c_str(), O_RDWR | O_CLOEXEC);
+    std::error_code ignored;
+    if (lock < 0) {
+      if (errno == ENOENT) ::rmdir(part.c_str());  // killed before it had a lock: empty, or not ours
+      continue;
+    }
+    if (::flock(lock, LOCK_EX | LOCK_NB) == 0) fs::remove_all(part, ignored);
+    ::close(lock);
+  }
 }
 
-/// A temporary name is the hidden stem, a process's number at a machine, and `.part` with the extension.
-std::string name_before(const fs::path& target) { return "." + target.stem().string() + "."; }
-std::string name_behind(const fs::path& target) { return "@" + machine() + ".part" + target.extension().string(); }
+/// Syncs a file, or a folder with everything in it.
+void sync_all(const fs::path& path) {
+  if (fs::is_directory(path)) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path)) {
+      if (!entry.is_symlink() && (entry.is_regular_file() || entry.is_directory())) sync_to_disk(entry.path());
+    }
+  }
+  sync_to_disk(path);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code unknown;
+  return fs::exists(fs::symlink_status(path, unknown));
+}
+
+int result_of(int call) { return call == 0 ? 0 : errno; }
+int rename_with(const fs::path& from, const fs::path& to, unsigned flags) {
+  return result_of(::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags));
+}
+/// Network file systems may know no flags of renameat2, old kernels no such call.
+bool is_unsupported(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
+
+/// Gives `from` the name `to` unless that is taken: 0, EEXIST if it is, or what went wrong.
+int rename_if_free(const fs::path& from, const fs::path& to) {
+  const int error = rename_with(from, to, RENAME_NOREPLACE);
+  if (!is_unsupported(error)) return error;
+  if (is_there(to)) return EEXIST;
+  if (!fs::is_directory(from)) {
+    const int linked = result_of(::link(from.c_str(), to.c_str()));  // a second name: fails if it is taken by now
+    if (linked == 0) return result_of(::unlink(from.c_str()));
+    if (linked != EPERM && linked != EOPNOTSUPP) return linked;
+  }
+  const int renamed = result_of(::rename(from.c_str(), to.c_str()));
+  return renamed == ENOTEMPTY || renamed == ENOTDIR ? EEXIST : renamed;
+}
+
+/// Gives the folder `from` the name `to`; a folder that has it then has the name `from`. 0, or what went wrong.
+int exchange_folders(const fs::path& from, const fs::path& to) {
+  for (;;) {
+    if (is_there(to) && !fs::is_directory(to)) return ENOTDIR;
+    int error = rename_with(from, to, RENAME_EXCHANGE);
+    if (error == ENOENT) {  // nothing to exchange it with, unless another process is faster
+      error = rename_if_free(from, to);
+      if (error == EEXIST) continue;
+    }
+    if (!is_unsupported(error)) return error;
+    // Not in one step then: the old folder keeps a name of its own meanwhile, which nothing removes as a leftover.
+    const fs::path aside = folder_of(to) / ("." + to.filename().string() + ".replaced");
+    std::error_code failed;
+    fs::rename(to, aside, failed);
+    if (failed) return failed.value();
+    fs::rename(from, to, failed);
+    if (failed) {
+      const int reason = failed.value();
+      fs::rename(aside, to, failed);
+      return reason;
+    }
+    fs::rename(aside, from, failed);
+    return failed.value();
+  }
+}
+
+[[noreturn]] void throw_not_in_place(const fs::path& target, int error) {
+  throw Error(target.string() + ": cannot be put in place (" + std::strerror(error) + "); expected a writable folder" +
+              (error == EISDIR || error == ENOTDIR ? ", and no folder in place of a file or the reverse" : ""));
+}
+
+fs::path without_slash(fs::path target) { return target.has_filename() ? target : target.parent_path(); }
 
 }  // namespace
 
-WholeFile::WholeFile(fs::path target) : target_(std::move(target)) {
-  const fs::path folder = folder_of(target_);
+PartFolder::PartFolder(const fs::path& target) {
+  const fs::path folder = folder_of(target);
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw Error(target_.string() + ": cannot be written, its folder takes no file (" + std::strerror(errno) +
-                "); expected a writable folder");
+  remove_leftovers(target);
+  // Another process that looks for leftovers may take the folder for one until it is locked: then the next one is made.
+  for (;;) {
+    std::string name = (folder / (part_prefix(target) + std::string(random_part))).string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw Error(target.string() + ": cannot be written, its folder takes no file (" + std::strerror(errno) +
+                  "); expected a writable folder with room");
+    }
+    path_ = name;
+    lock_ = ::open((path_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (lock_ < 0) {
+      if (errno == ENOENT) continue;
+      const int reason = errno;
+      fs::remove_all(path_, failed);
+      throw Error(target.string() + ": cannot be written (" + std::strerror(reason) + "); expected a writable place with room");
+    }
+    // Where a disk locks no files, no process takes what it finds for a leftover.
+    static_cast<void>(::flock(lock_, LOCK_EX));
+    struct stat lock {};
+    if (::fstat(lock_, &lock) != 0 || lock.st_nlink > 0) return;
+    ::close(lock_);
   }
-  temporary_ = folder / (name_before(target_) + std::to_string(::getpid()) + name_behind(target_));
-  fs::remove_all(temporary_, failed);
 }
 
-WholeFile::~WholeFile() {
+PartFolder::~PartFolder() {
   std::error_code ignored;
-  if (!committed_) fs::remove_all(temporary_, ignored);
+  fs::remove_all(path_, ignored);
+  ::close(lock_);
 }
+
+WholeFile::WholeFile(fs::path target, IfThere if_there)
+    : target_(without_slash(std::move(target))),
+      if_there_(if_there),
+      part_(target_),
+      temporary_(part_.path() / target_.filename()) {}
 
 void WholeFile::commit() {
-  sync_to_disk(temporary_);
-  std::error_code failed;
-  fs::rename(temporary_, target_, failed);
-  if (failed) throw Error(target_.string() + ": cannot be put in place (" + failed.message() + "); expected a writable folder");
-  committed_ = true;
+  if (if_there_ == IfThere::refuse) {
+    if (!commit_if_free())
+      throw Error(target_.string() + ": appeared while the output was written, and is kept; expected a free name");
+    return;
+  }
+  sync_all(temporary_);
+  const int error = fs::is_directory(temporary_) ? exchange_folders(temporary_, target_)
+                                                 : result_of(::rename(temporary_.c_str(), target_.c_str()));
+  if (error != 0) throw_not_in_place(target_, error);
   sync_to_disk(folder_of(target_));
 }
 
-void remove_leftovers(const fs::path& target) {
-  const std::string before = name_before(target), behind = name_behind(target);
-  std::error_code failed;
-  for (fs::directory_iterator entry(folder_of(target), failed); !failed && entry != fs::directory_iterator();
-       entry.increment(failed)) {
-    const std::string name = entry->path().filename().string();
-    if (name.size() <= before.size() + behind.size() || !name.starts_with(before) || !name.ends_with(behind)) continue;
-    const auto process =
-        whole_number_in(std::string_view(name).substr(before.size(), name.size() - before.size() - behind.size()));
-    const bool is_process = process && *process > 0 && *process <= std::numeric_limits<pid_t>::max();
-    if (!is_process || ::kill(static_cast<pid_t>(*process), 0) == 0 || errno != ESRCH) continue;
-    std::error_code ignored;
-    fs::remove_all(entry->path(), ignored);
-  }
+bool WholeFile::commit_if_free() {
+  sync_all(temporary_);
+  const int error = rename_if_free(temporary_, target_);
+  if (error == EEXIST) return false;
+  if (error != 0) throw_not_in_place(target_, error);
+  sync_to_disk(folder_of(target_));
+  return true;
 }
 
-void write_whole(const fs::path& file, std::string_view text) {
-  WholeFile whole(file);
+void remove_leftovers(const fs::path& target) {
+  const fs::path plain = without_slash(target);
+  remove_parts_in(folder_of(plain), part_prefix(plain));
+}
+
+void remove_leftovers_in(const fs::path& folder) { remove_parts_in(folder, ""); }
+
+void remove_whole(const fs::path& folder) {
+  const fs::path plain = without_slash(folder);
+  const PartFolder part(plain);
+  std::error_code failed;
+  fs::rename(plain, part.path() / plain.filename(), failed);
+  if (failed == std::errc::no_such_file_or_directory) return;
+  if (failed) throw Error(folder.string() + ": cannot be removed (" + failed.message() + "); expected a writable folder");
+  sync_to_disk(folder_of(plain));
+}
+
+void write_whole(const fs::path& file, std::string_view text, IfThere if_there) {
+  WholeFile whole(file, if_there);
   std::ofstream out(whole.path(), std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();

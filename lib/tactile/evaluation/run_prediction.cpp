@@ -67,7 +67,7 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
 void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,
                       const std::map<CameraTime, Touch>& samples) {
   const std::vector<TouchInterval> labels = prediction.truth.all_labelled();
-  WholeFile whole(file);
+  WholeFile whole(file, IfThere::replace);
   std::ofstream out(whole.path(), std::ios::binary);
   out << "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n";
   std::string line;

@@ -211,8 +211,7 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
     throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
   RecordingReader recording(in, threads);
   check_target(out, in, replace);
-  remove_leftovers(out);
-  WholeFile whole(out);
+  WholeFile whole(out, replace ? IfThere::replace : IfThere::refuse);
   PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());
   Repair repair(recording, writer);
   for (const PacketRecord& packet : recording.packets()) {

@@ -23,7 +23,7 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
     throw Error(out.string() + ": is there already; expected a run's folder that is not");
   RunInfo info = read_run_info(in);
 
-  WholeFile whole(folder);
+  WholeFile whole(folder, IfThere::refuse);
   fs::create_directory(whole.path());
   const RunFolder made{whole.path(), object, run};
   RepairSummary summary = repair_recording(in.events(), made.events(), false, threads, progress);

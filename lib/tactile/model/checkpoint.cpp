@@ -98,7 +98,6 @@ void CheckpointFolder::save(const nlohmann::json& task, const TrainingState& sta
   all.insert(all.end(), state.optimizer.moments.begin(), state.optimizer.moments.end());
   write_weights(last_file(folder_), all, {{"format", format_name}, {"task", task.dump()}, {"state", state_json(state).dump()}});
 
-  remove_leftovers(last_file(folder_));
   const std::string kept = state.best ? best_name(state.best->epoch) : "";
   for (const auto& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();

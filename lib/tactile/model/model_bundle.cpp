@@ -1,8 +1,6 @@
 #include "tactile/model/model_bundle.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <stdio.h>
 
 #include <algorithm>
 
@@ -22,18 +20,6 @@ nlohmann::json class_names() {
   nlohmann::json names = nlohmann::json::array();
   for (const Touch touch : all_touches) names.push_back(name_of(touch));
   return names;
-}
-
-/// Puts a whole folder where another one lies, at once; the old one then lies where the new one did.
-void exchange(const fs::path& folder, const fs::path& other) {
-  if (::renameat2(AT_FDCWD, folder.c_str(), AT_FDCWD, other.c_str(), RENAME_EXCHANGE) == 0) return;
-  // Not every file system exchanges: then the old folder steps aside first.
-  const fs::path aside = folder.string() + ".old";
-  std::error_code failed;
-  fs::rename(other, aside, failed);
-  if (!failed) fs::rename(folder, other, failed);
-  if (!failed) fs::rename(aside, folder, failed);
-  if (failed) throw Error(other.string() + ": cannot be replaced (" + failed.message() + "); expected a writable folder");
 }
 
 nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
@@ -101,8 +87,8 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
 }
 
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
-                  const TrainingSummary& summary) {
-  WholeFile whole(bundle.folder);
+                  const TrainingSummary& summary, IfThere if_there) {
+  WholeFile whole(bundle.folder, if_there);
   const ModelBundle written{whole.path()};
   const auto metadata = weights_metadata(description);
   write_weights(written.weights(), weights.weights, metadata);
@@ -121,10 +107,7 @@ void write_bundle(const ModelBundle& bundle, ModelDescription description, const
                     {"validation_samples", summary.validation_samples},
                     {"stopped_early", summary.stopped_early}};
   write_json(written.description(), json);
-  if (!fs::exists(bundle.folder)) return whole.commit();
-  sync_to_disk(written.folder);
-  exchange(written.folder, bundle.folder);  // what lay there is removed with the temporary folder
-  sync_to_disk(bundle.folder.has_parent_path() ? bundle.folder.parent_path() : ".");
+  whole.commit();
 }
 
 std::vector<std::string> names_of(const std::vector<LearnedRun>& runs) {

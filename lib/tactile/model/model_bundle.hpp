@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/whole_file.hpp"
 #include "tactile/model/gate.hpp"
 #include "tactile/model/model_settings.hpp"
 #include "tactile/model/training.hpp"
@@ -68,10 +69,10 @@ struct TrainedWeights {
   Weights other;    ///< the best epoch's where the last's are used, or the other way round; empty where they are the same
 };
 
-/// Writes a bundle, whole or not at all; one that is there under its name is replaced, with all that lies in it. Sets
-/// `weights_sha256`, `epoch` and `best_epoch`.
+/// Writes a bundle, whole or not at all; one that is there under its name is replaced, with all that lies in it, or refused. Sets
+/// `weights_sha256`, `epoch` and `best_epoch`. @throws Error if it cannot be written, or is there and must not be replaced
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
-                  const TrainingSummary& summary);
+                  const TrainingSummary& summary, IfThere if_there = IfThere::replace);
 
 std::vector<std::string> names_of(const std::vector<LearnedRun>& runs);  ///< "fan/01"
 

@@ -229,7 +229,7 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   description.trained_at = now_utc();
   description.version = version();
   description.revision = revision();
-  write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary);
+  write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary, options.if_there);
   kept.remove();
   return trained.summary;
 }

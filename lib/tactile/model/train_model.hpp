@@ -56,14 +56,16 @@ struct TrainModelOptions {
   bool resume = false;                           ///< goes on from the state that a training of this name left, where it left one
   std::chrono::duration<double> save_every{30};  ///< between two states that are kept, beside those at each epoch's end; >= 0
   std::filesystem::path from{};                  ///< the bundle that `settings.from` names
+  IfThere if_there = IfThere::replace;           ///< what happens to a bundle that is there when the training ends
 
   /// Told once it is known whether there is a state to go on from: its epoch, from 1 on, and how much of that is done, in [0, 1];
   /// 1 and 0 where a training begins. May be empty.
   std::function<void(unsigned epoch, double done)> begins{};
 };
 
-/// Trains a model of a dataset and writes it to `bundle`, replacing what is there only once the new one is whole. Until then what
-/// it has come to is kept in the bundle's CheckpointFolder, and stays there if it is ended.
+/// Trains a model of a dataset and writes it to `bundle`, replacing what is there, if at all, only when the new one is whole.
+/// Until then what it has come to is kept in the bundle's CheckpointFolder, and stays there if it is ended, or if the bundle is
+/// refused.
 /// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; nothing is overwritten then
 TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options = {}, const ProgressCallback& progress = {});

@@ -1,7 +1,5 @@
 #include "tactile/report/picture_folder.hpp"
 
-#include <unistd.h>
-
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -55,7 +53,7 @@ void check_picture_folder(const fs::path& target) {
 
 PictureFolder::PictureFolder(const fs::path& target, const std::string& columns)
     : target_(folder_meant(target)),
-      whole_((check_picture_folder(target), remove_leftovers(target_), target_)),
+      whole_((check_picture_folder(target), target_), fs::exists(target_) ? IfThere::replace : IfThere::refuse),
       table_("file," + columns + "\n") {
   std::error_code failed;
   fs::create_directory(whole_.path(), failed);
@@ -81,20 +79,8 @@ void PictureFolder::list(const std::string& name, const std::string& values) {
 
 void PictureFolder::commit() {
   write_whole(whole_.path() / list_name, table_);
-  if (!fs::exists(target_)) return whole_.commit();
-  // A folder that is not empty cannot be renamed over: what was there steps aside meanwhile.
-  const fs::path aside = target_.parent_path() / ("." + target_.filename().string() + "." + std::to_string(::getpid()) + ".old");
-  std::error_code failed;
-  fs::rename(target_, aside, failed);
-  if (failed)
-    throw Error(target_.string() + ": cannot be replaced (" + failed.message() + "); expected a writable folder above it");
-  try {
-    whole_.commit();
-  } catch (const Error&) {
-    fs::rename(aside, target_, failed);
-    throw;
-  }
-  fs::remove_all(aside, failed);
+  check_picture_folder(target_);  // once more: somebody may have put other files into it meanwhile
+  whole_.commit();
 }
 
 }  // namespace tactile

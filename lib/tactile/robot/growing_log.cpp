@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <stdio.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -32,16 +31,6 @@ std::uint64_t rows_in(std::string_view text) {
     if (end > begin) ++rows;
   }
   return rows;
-}
-
-/// Gives `temporary` its name unless there is such a file; 0, or what went wrong.
-int put_in_place(const fs::path& temporary, const fs::path& file) {
-  if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE) == 0) return 0;
-  if (errno != EINVAL && errno != ENOSYS) return errno;
-  // Some network file systems cannot do both at once.
-  std::error_code failed;
-  if (fs::exists(fs::symlink_status(file, failed))) return EEXIST;
-  return ::rename(temporary.c_str(), file.c_str()) == 0 ? 0 : errno;
 }
 
 }  // namespace
@@ -153,18 +142,13 @@ GrowingLog::GrowingLog(const fs::path& file, std::string_view header) : state_(s
   std::error_code failed;
   if (fs::exists(fs::symlink_status(file, failed))) refuse(EEXIST);
 
-  const fs::path temporary = file.parent_path() / fmt::format(".{}.{}.part", file.filename().string(), ::getpid());
-  state_->descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  // The log grows under its name, but has its header from its first byte on.
+  WholeFile begun(file, IfThere::refuse);
+  state_->descriptor = ::open(begun.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (state_->descriptor < 0) refuse(errno);
-  const std::string line = std::string(header) + "\n";
-  state_->write(line);
-  const int reason = state_->error.empty() ? put_in_place(temporary, file) : 0;
-  if (reason != 0 || !state_->error.empty()) {
-    ::unlink(temporary.c_str());
-    if (reason != 0) refuse(reason);
-    throw Error(state_->error);
-  }
-  sync_to_disk(file.has_parent_path() ? file.parent_path() : fs::path("."));
+  state_->write(std::string(header) + "\n");
+  if (!state_->error.empty()) throw Error(state_->error);
+  if (!begun.commit_if_free()) refuse(EEXIST);
   state_->rows = 0;
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }

@@ -63,20 +63,20 @@ std::uint64_t bytes_in(const fs::path& folder) {
   return bytes;
 }
 
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed); !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
+    std::error_code unknown;
+    if (fs::is_directory(entry->symlink_status(unknown))) folders.push_back(entry->path());
+  }
+  return folders;
+}
+
 /// Whether every file is there and as long as it was made.
 bool is_whole(const RunFolder& run) {
   const RunFiles files = check_files(run, read_run_info(run), FileComparison::size);
   return files.told && files.missing.empty() && files.changed.empty() && files.not_listed.empty();
-}
-
-/// Takes the folder's name away before its files, so that no half of a run is ever found under it.
-void remove_run(const RunFolder& run) {
-  const fs::path aside = run.folder.parent_path() / ("." + run.run + ".removed");
-  std::error_code failed;
-  fs::remove_all(aside, failed);
-  if (!failed) fs::rename(run.folder, aside, failed);
-  if (!failed) fs::remove_all(aside, failed);
-  if (failed) throw Error(run.folder.string() + ": cannot be removed (" + failed.message() + "); expected a writable folder");
 }
 
 struct PlannedRun {
@@ -147,8 +147,25 @@ void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCo
   recording.close();
 }
 
+/// What is to be done for a run, by what is there now. @throws Error  if something else is there, which must not be replaced
+PlannedRun plan_run(const RunFolder& run, const SimulateOptions& options) {
+  PlannedRun planned{.outcome = {.run = run}};
+  if (!fs::exists(fs::symlink_status(run.folder))) return planned;
+  const std::optional<std::string> hash = settings_hash_in(run);
+  if (!hash) {
+    throw Error(run.folder.string() +
+                ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
+  }
+  const bool same = *hash == hash_of(simulation_settings(options.physics, run.object, run.run, options.preset, options.seed));
+  if (!same && !options.force) throw made_otherwise(run, options);
+  planned.keeps_labels = same;
+  planned.outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
+  if (planned.outcome.kind == SimulatedRun::Kind::kept) planned.outcome.bytes = bytes_in(run.folder);
+  return planned;
+}
+
 /// What is to be done for each run asked for; refuses before anything is touched.
-std::vector<PlannedRun> plan_runs(const SimulateOptions& options, int runs) {
+std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
   std::vector<const ObjectModel*> objects;
   if (options.objects.empty()) {
     for (const ObjectModel& object : options.physics.objects) objects.push_back(&object);
@@ -157,32 +174,41 @@ std::vector<PlannedRun> plan_runs(const SimulateOptions& options, int runs) {
   for (const std::string& name : asked) objects.push_back(&options.physics.object(name));
   std::sort(objects.begin(), objects.end(), [](const ObjectModel* a, const ObjectModel* b) { return a->name < b->name; });
 
-  std::vector<PlannedRun> planned;
+  std::vector<SimulatedRun> planned;
   for (const ObjectModel* object : objects) {
     for (int i = 1; i <= 99; ++i) {
       const std::string id = fmt::format("{:02}", i);
       const RunFolder run{options.data / object->name / id, object->name, id};
       if (i > runs) {
-        if (options.force && settings_hash_in(run)) planned.push_back({{.run = run, .kind = SimulatedRun::Kind::removed}, false});
+        if (options.force && settings_hash_in(run)) planned.push_back({.run = run, .kind = SimulatedRun::Kind::removed});
         continue;
       }
-      SimulatedRun outcome{.run = run};
-      bool keeps_labels = false;
-      if (fs::exists(fs::symlink_status(run.folder))) {
-        const std::optional<std::string> hash = settings_hash_in(run);
-        if (!hash) {
-          throw Error(run.folder.string() +
-                      ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
-        }
-        const bool same = *hash == hash_of(simulation_settings(options.physics, object->name, id, options.preset, options.seed));
-        if (!same && !options.force) throw made_otherwise(run, options);
-        keeps_labels = same;
-        outcome.kind = same && is_whole(run) ? SimulatedRun::Kind::kept : SimulatedRun::Kind::replaced;
-      }
-      planned.push_back({outcome, keeps_labels});
+      planned.push_back(plan_run(run, options).outcome);
     }
   }
   return planned;
+}
+
+/// Makes a run, unless another process has made the same one by now. @throws Error  as `plan_run`, or if it cannot be written
+SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const CameraPixels& pixels,
+                      const std::function<void(double)>& tell_share) {
+  PlannedRun planned = plan_run(run, options);
+  if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
+  WholeFile whole(run.folder, IfThere::replace);
+  fs::create_directory(whole.path());
+  const DrawnRun drawn = draw_run(options.physics, run.object, run.run, options.preset, options.seed);
+  SimulatedRun made = simulate_run({whole.path(), run.object, run.run}, drawn, pixels, tell_share);
+  made.run = run;
+  if (planned.outcome.kind == SimulatedRun::Kind::made) {
+    if (whole.commit_if_free()) return made;
+    planned = plan_run(run, options);
+    if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
+  }
+  // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
+  if (planned.keeps_labels && fs::exists(run.labels())) fs::copy_file(run.labels(), whole.path() / "labels.json");
+  whole.commit();
+  made.kind = planned.outcome.kind;
+  return made;
 }
 
 }  // namespace
@@ -238,14 +264,14 @@ SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const Cam
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
   const int runs = options.runs.value_or(options.physics.preset(options.preset).runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
-  std::vector<PlannedRun> planned = plan_runs(options, runs);
+  std::vector<SimulatedRun> outcomes = plan_runs(options, runs);
+  for (const fs::path& object : folders_in(options.data)) remove_leftovers_in(object);
   const CameraPixels pixels = simulated_camera_pixels(options.physics, options.seed);
 
   std::vector<std::size_t> to_make;
-  for (std::size_t i = 0; i < planned.size(); ++i) {
-    SimulatedRun& outcome = planned[i].outcome;
-    if (outcome.kind == SimulatedRun::Kind::removed) remove_run(outcome.run);
-    if (outcome.kind == SimulatedRun::Kind::kept) outcome.bytes = bytes_in(outcome.run.folder);
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const SimulatedRun& outcome = outcomes[i];
+    if (outcome.kind == SimulatedRun::Kind::removed) remove_whole(outcome.run.folder);
     if (outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced) to_make.push_back(i);
   }
 
@@ -254,7 +280,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
     std::vector<std::uint64_t> done(to_make.size(), 0);
     std::mutex guard;
     parallel_for(to_make.size(), options.threads, [&](std::size_t i) {
-      SimulatedRun& outcome = planned[to_make[i]].outcome;
+      SimulatedRun& outcome = outcomes[to_make[i]];
       const auto tell_part = [&](double share) {
         const std::scoped_lock lock(guard);
         done[i] = static_cast<std::uint64_t>(share * parts);
@@ -262,27 +288,11 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
         for (const std::uint64_t part : done) sum += part;
         tell(progress, sum, parts * done.size(), outcome.run.name());
       };
-      WholeFile whole(outcome.run.folder);
-      fs::create_directory(whole.path());
-      const DrawnRun drawn = draw_run(options.physics, outcome.run.object, outcome.run.run, options.preset, options.seed);
-      const SimulatedRun made = simulate_run({whole.path(), outcome.run.object, outcome.run.run}, drawn, pixels,
-                                             [&](double share) { tell_part(0.9 * share); });
-      // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
-      if (planned[to_make[i]].keeps_labels && fs::exists(outcome.run.labels()))
-        fs::copy_file(outcome.run.labels(), whole.path() / "labels.json");
-      if (outcome.kind == SimulatedRun::Kind::replaced) remove_run(outcome.run);
-      whole.commit();
-      const SimulatedRun::Kind kind = outcome.kind;
-      const RunFolder run = outcome.run;
-      outcome = made;
-      outcome.run = run;
-      outcome.kind = kind;
+      outcome = make_run(outcome.run, options, pixels, [&](double share) { tell_part(0.9 * share); });
       tell_part(1.0);
     });
   }
 
-  std::vector<SimulatedRun> outcomes;
-  for (PlannedRun& run : planned) outcomes.push_back(std::move(run.outcome));
   return outcomes;
 }
 

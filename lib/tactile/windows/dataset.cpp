@@ -375,9 +375,7 @@ HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& des
   state_->description = description;
   state_->samples = dataset.samples().size();
   state_->target = dataset_layout::file_beside(dataset.file(), description.name);
-  remove_leftovers(state_->target);
-  remove_leftovers(state_->dataset);
-  state_->whole.emplace(state_->target);
+  state_->whole.emplace(state_->target, IfThere::replace);
   const std::string where = state_->target.string();
   state_->file = h5::create_file(state_->whole->path());
   // A heatmap is a chunk, so that any choice of samples reads no other.
@@ -414,7 +412,7 @@ void HeatmapsWriter::commit() {
   state_->file.close(where);
 
   const dataset_layout::FolderLock lock(state_->dataset);
-  WholeFile copy(state_->dataset);
+  WholeFile copy(state_->dataset, IfThere::replace);
   std::error_code failed;
   fs::copy_file(state_->dataset, copy.path(), failed);
   if (failed)

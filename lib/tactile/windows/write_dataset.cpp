@@ -145,11 +145,11 @@ void set_old_events_aside(const fs::path& file, const fs::path& events_file, con
   fs::remove(old_events_file, failed);
   fs::create_hard_link(events_file, old_events_file, failed);
   if (failed) {
-    WholeFile copy(old_events_file);
+    WholeFile copy(old_events_file, IfThere::replace);
     fs::copy_file(events_file, copy.path());
     copy.commit();
   }
-  WholeFile relinked(file);
+  WholeFile relinked(file, IfThere::replace);
   fs::copy_file(file, relinked.path());
   h5::Id out = h5::open_file(relinked.path(), true);
   if (H5Ldelete(out, "events", H5P_DEFAULT) < 0) h5::fail_writing(file.string(), "its events cannot be set aside");
@@ -185,7 +185,7 @@ void remove_stale_files(const fs::path& file) {
 void note_folders(const fs::path& file, std::span<const DatasetRun> rows, const std::string& manifest_hash) {
   const std::string where = file.string();
   const h5::Session session;
-  WholeFile copy(file);
+  WholeFile copy(file, IfThere::replace);
   fs::copy_file(file, copy.path());
   h5::Id out = h5::open_file(copy.path(), true);
   if (h5::read_text_attribute(out, "manifest_sha256", where) != manifest_hash)
@@ -253,11 +253,11 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   old.reset();
 
   const h5::Session session;
-  WholeFile events(events_file);
+  WholeFile events(events_file, IfThere::replace);
   summary.events = write_events(plan, events.path(), summary.manifest_hash, options.sampling.history, progress);
   const dataset_layout::FolderLock lock(file);
   if (existing == Existing::dataset) set_old_events_aside(file, events_file, dataset_layout::file_beside(file, "events.old"));
-  WholeFile tables(file);
+  WholeFile tables(file, IfThere::replace);
   write_tables(plan, tables.path(), events_file.filename().string(), summary.manifest_hash);
   events.commit();
   tables.commit();
