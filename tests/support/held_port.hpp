@@ -5,8 +5,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
-#include <stdexcept>
+#include <string>
+#include <system_error>
 
 namespace tactile::test {
 
@@ -24,8 +26,9 @@ class HeldPort {
     socklen_t size = sizeof address;
     auto* const plain = reinterpret_cast<sockaddr*>(&address);
     if (::bind(socket_, plain, size) != 0 || ::getsockname(socket_, plain, &size) != 0) {
+      const int why = errno;
       ::close(socket_);
-      throw std::runtime_error("no port can be held");
+      throw std::system_error(why, std::generic_category(), "port " + std::to_string(port) + " cannot be held");
     }
     port_ = ntohs(address.sin_port);
   }
