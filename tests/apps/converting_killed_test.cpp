@@ -16,7 +16,9 @@
 
 #include "events/made_recording.hpp"
 #include "support/run_command.hpp"
+#include "support/kill_moments.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -65,42 +67,52 @@ class KilledCommand : public testing::Test {
 
   std::ptrdiff_t files() const { return std::distance(fs::directory_iterator(folder.path()), {}); }
 
-  /// Waits until the command begins to write, or ends; its status if it ended.
-  std::optional<int> wait_for_output(pid_t process) const {
+  /// What the command has written so far, under whatever name; nothing while there is no file of it.
+  std::optional<std::uintmax_t> written() const {
+    std::optional<std::uintmax_t> most;
+    for (const fs::directory_entry& file : fs::directory_iterator(folder.path())) {
+      std::error_code renamed;
+      const std::uintmax_t size = file.path() == in ? 0 : fs::file_size(file.path(), renamed);
+      if (file.path() != in && !renamed) most = std::max(most.value_or(0), size);
+    }
+    return most;
+  }
+
+  /// Waits until the command has written so many bytes, or ends; its status if it ended.
+  std::optional<int> wait_for_output(pid_t process, std::uintmax_t bytes = 0) const {
     for (int status = 0;; std::this_thread::sleep_for(200us)) {
       if (::waitpid(process, &status, WNOHANG) == process) return status;
-      if (files() > 1) return std::nullopt;
+      if (const auto now = written(); now && *now >= bytes) return std::nullopt;
     }
   }
 
-  /// Kills the command at 20 moments, half of them drawn over what it takes undisturbed, half over what it takes from the first
-  /// byte on that it writes: each leaves nothing or the whole file, and the input as it was. Another run then does its work and
-  /// clears away what the killed ones left.
+  /// Kills the command at 20 moments, half of them drawn over what it takes undisturbed, half over the bytes that it writes: each
+  /// leaves nothing or the whole file, and the input as it was. Another run then does its work and clears away what the killed
+  /// ones left.
   void expect_all_or_nothing(const std::vector<std::string>& arguments, const std::string& out) {
     const std::string input = sha256_of_file(in);
     const Clock::time_point begin = Clock::now();
     const pid_t undisturbed = start(folder.path(), arguments);
-    ASSERT_FALSE(wait_for_output(undisturbed).has_value());
-    const Clock::time_point first_byte = Clock::now();
     ASSERT_EQ(status_of(undisturbed), 0);
-    const Clock::time_point end = Clock::now();
+    test::KillMoments moments(Clock::now() - begin, 1);
     const std::string whole = sha256_of_file(folder / out);
+    const std::uintmax_t whole_size = fs::file_size(folder / out);
     fs::remove(folder / out);
 
-    std::mt19937 random(1);
-    std::uniform_real_distribution<double> share(0, 1);
+    Random random(1);
     int cut_short = 0;
     for (int i = 0; i < 20; ++i) {
       for (const fs::directory_entry& file : fs::directory_iterator(folder.path())) {
         if (file.path() != in) fs::remove(file.path());
       }
       const pid_t process = start(folder.path(), arguments);
-      const std::optional<int> ended = i % 2 == 0 ? std::nullopt : wait_for_output(process);
-      std::this_thread::sleep_for(share(random) * (i % 2 == 0 ? end - begin : end - first_byte));
+      const std::optional<int> ended = i % 2 == 0 ? std::nullopt : wait_for_output(process, random.below(whole_size));
+      if (i % 2 == 0) moments.sleep(0, 1);
       if (!ended) ::kill(process, SIGKILL);
       const int status = ended ? *ended : status_of(process);
       if (fs::exists(folder / out)) {
         EXPECT_EQ(sha256_of_file(folder / out), whole);
+        if (i % 2 == 0) moments.were_too_late();
       } else if (WIFSIGNALED(status) && files() == 2) {
         ++cut_short;
       }

@@ -48,16 +48,19 @@ class RecordCommand : public testing::Test {
   nlohmann::json run_json(const std::string& object, const std::string& number) const {
     return read_json(run_folder(object, number).info());
   }
-  /// Twenty seconds of events, so that a replay at its own pace outlives every test.
+  /// Twenty seconds of events and an hour of one a second, so that a replay at its own pace outlives every test.
   std::vector<Event> make_long_recording() const {
-    const std::vector<Event> events = test::steady_events(400'000, 1'000'000, 50, size);
+    std::vector<Event> events = test::steady_events(400'000, 1'000'000, 50, size);
+    for (const Event& later : test::steady_events(3'600, 22'000'000, 1'000'000, size)) events.push_back(later);
     RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001")});
     writer.write_events(0, events);
     writer.close();
     return events;
   }
   bool has_begun(const RunFolder& run, RunningCommand& command) const {
-    return test::comes_true([&] { return fs::exists(run.events()) || command.has_ended(); }) && !command.has_ended();
+    return test::comes_true(
+               [&] { return (fs::exists(run.events()) && fs::file_size(run.events()) > 0) || command.has_ended(); }) &&
+           !command.has_ended();
   }
 
   test::TemporaryFolder folder;
@@ -404,7 +407,7 @@ TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
   ASSERT_TRUE(says("fan, run 3 of 4")) << command.err();
   const std::size_t sent = controller.sent().size();
   controller.restart_clock();
-  ASSERT_TRUE(test::comes_true([&] { return controller.sent().size() > sent + 100; }));
+  ASSERT_TRUE(test::comes_true([&] { return controller.sent().size() > sent + 1'000; }));  // of which it has read the first
   command.type("\n");
   ASSERT_TRUE(says("fan, run 4 of 4")) << command.err();
   controller.listen(false);
@@ -520,6 +523,11 @@ std::size_t count_of(const std::string& bytes, const std::string& word) {
   return count;
 }
 
+std::size_t pieces_of_film(const RunFolder& run) {
+  return fs::exists(run.video()) ? count_of(test::bytes_of(run.video()), "moof") : 0;
+}
+
+// The moments are counted in events and pieces of film that are in the files: a slow machine is killed later, not elsewhere.
 TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
   const std::vector<Event> sent = make_long_recording();
   test::write_film(folder / "film.mp4", test::uneven_times(600, 33'333us));
@@ -535,8 +543,12 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
           "record --object fan --from file:long.aedat4 --video film.mp4 --robot 127.0.0.1:" + std::to_string(controller.port()),
           folder.path());
       ASSERT_TRUE(has_begun(run, command)) << command.err();
-      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 2500));
-      seen = events_in_file(run.events()).size();
+      const std::size_t events = random() % 40'000;
+      const std::size_t film_pieces = moment % 4 == 0 ? 2 : 0;
+      ASSERT_TRUE(test::comes_true([&] {
+        seen = events_in_file(run.events()).size();
+        return (seen >= events && pieces_of_film(run) >= film_pieces) || command.has_ended();
+      }));
       std::this_thread::sleep_for(std::chrono::milliseconds(random() % 50));
       ASSERT_FALSE(command.has_ended()) << command.err();
     }  // SIGKILL
@@ -551,7 +563,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
     if (fs::exists(run.robot()) && fs::file_size(run.robot()) > 5000) {
       EXPECT_FALSE(read_robot_log(run.robot()).longest().states.empty());
     }
-    if (fs::exists(run.video()) && count_of(test::bytes_of(run.video()), "moof") >= 2) {
+    if (pieces_of_film(run) >= 2) {
       EXPECT_FALSE(test::decoded_times(run.video()).empty());
       ++with_film;
     }
@@ -565,8 +577,8 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
       EXPECT_EQ(events_in_file(whole), kept);
     }
   }
-  EXPECT_GT(with_events, 5U) << "too few kills came while events were written";
-  EXPECT_GT(with_film, 2U) << "too few kills came while a film was written";
+  EXPECT_GE(with_events, 15U) << "too few kills came while events were written";
+  EXPECT_GE(with_film, 5U) << "too few kills came while a film was written";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "events/made_recording.hpp"
+#include "support/comes_true.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/network/dv_stream_client.hpp"
 
@@ -23,7 +24,7 @@ CameraPacket packet_at(std::int32_t stream_id, const std::vector<std::int64_t>& 
 }
 
 std::vector<std::int64_t> next_times(DvStreamClient& client) {
-  EXPECT_EQ(client.receive(30s), DvStreamClient::Received::packet);
+  EXPECT_EQ(client.receive(long_enough), DvStreamClient::Received::packet);
   std::vector<std::int64_t> times;
   for (const Event& event : client.events()) times.push_back(us_of(event.t));
   return times;
@@ -31,7 +32,7 @@ std::vector<std::int64_t> next_times(DvStreamClient& client) {
 
 TEST(CameraBroadcast, CutsWhereAPacketWouldLastTooLongHoldTooMuchOrGoBack) {
   DvStreamServer server(any_port, event_stream_declaration({640, 480}, "A"));
-  DvStreamClient client(server.address());
+  DvStreamClient client(server.address(), long_enough);
   CameraBroadcast broadcast({.packet_span = 100us, .packet_events = 3});
   broadcast.add(0, server);
   broadcast.send(packet_at(0, {0, 99, 100, 199, 200, 200, 200, 200, 150, 151}));
@@ -49,7 +50,8 @@ TEST(CameraBroadcast, HandsEachStreamToItsServersAndTheRestToNobody) {
   Stream imu = stream_of(2, StreamType::imu, "IMUS");
   DvStreamServer events(any_port, event_stream_declaration({640, 480}, "A")),
       again(any_port, event_stream_declaration({640, 480}, "A")), samples(any_port, imu);
-  DvStreamClient events_client(events.address()), again_client(again.address()), imu_client(samples.address());
+  DvStreamClient events_client(events.address(), long_enough), again_client(again.address(), long_enough),
+      imu_client(samples.address(), long_enough);
   CameraBroadcast broadcast;
   broadcast.add(0, events);
   broadcast.add(0, again);
@@ -63,7 +65,7 @@ TEST(CameraBroadcast, HandsEachStreamToItsServersAndTheRestToNobody) {
   broadcast.send(packet_at(0, {7}));
   EXPECT_EQ(next_times(events_client), std::vector<std::int64_t>{7});
   EXPECT_EQ(next_times(again_client), std::vector<std::int64_t>{7});
-  ASSERT_EQ(imu_client.receive(30s), DvStreamClient::Received::packet);
+  ASSERT_EQ(imu_client.receive(long_enough), DvStreamClient::Received::packet);
   EXPECT_EQ(imu_client.imu().size(), 4U);
   EXPECT_EQ(broadcast.counts().imu_samples, 4U);
   EXPECT_EQ(broadcast.counts().events, 1U);

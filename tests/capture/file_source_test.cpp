@@ -8,6 +8,7 @@
 #include "capture/received.hpp"
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/comes_true.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -107,18 +108,22 @@ TEST(FileSource, TakesItsOwnTimeOverTheSpeed) {
 TEST(FileSource, GivesNothingWhileNothingIsDueAndLosesNothingByIt) {
   const test::TemporaryFolder folder;
   write_camera(folder / "a.aedat4");
-  const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 0.5});
-  test::Received all;
-  CameraPacket packet;
-  int nothing = 0;
-  for (;;) {
-    const auto received = source->receive(packet, milliseconds(1));
-    if (received == CameraSource::Received::ended) break;
-    if (received == CameraSource::Received::packet) test::add(packet, all);
-    if (received == CameraSource::Received::nothing) ++nothing;
-  }
-  EXPECT_GT(nothing, 0) << "packets come every 20 ms";
-  EXPECT_EQ(all.streams.at(0).events, test::contents_of(folder / "a.aedat4").events);
+  const std::vector<Event> events = test::contents_of(folder / "a.aedat4").events;
+  // Packets come every 20 ms. On a busy machine each may be due by the time it is asked for: then it is played once more.
+  EXPECT_TRUE(test::comes_true([&] {
+    const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 0.5});
+    test::Received all;
+    CameraPacket packet;
+    int nothing = 0;
+    for (;;) {
+      const auto received = source->receive(packet, milliseconds(1));
+      if (received == CameraSource::Received::ended) break;
+      if (received == CameraSource::Received::packet) test::add(packet, all);
+      if (received == CameraSource::Received::nothing) ++nothing;
+    }
+    EXPECT_EQ(all.streams.at(0).events, events);
+    return nothing > 0;
+  }));
 }
 
 TEST(FileSource, SaysWhatItReplaysAndWhetherAnyCameraSawIt) {

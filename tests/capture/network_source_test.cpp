@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <thread>
 
 #include "capture/received.hpp"
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/comes_true.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/core/error.hpp"
@@ -23,13 +23,6 @@ NetworkAddress any_port() {
   NetworkAddress address;
   address.host = "127.0.0.1";
   return address;
-}
-
-/// Waits until the server has its client.
-void wait_for_client(const DvStreamServer& server) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (server.clients() == 0 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(milliseconds(1));
-  ASSERT_EQ(server.clients(), 1U);
 }
 
 CameraPacket next_packet(CameraSource& source) {
@@ -53,7 +46,7 @@ TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamSaysOfItsCamera) {
   options.compression = GetParam();
   DvStreamServer server(any_port(), stream, options);
   const auto source = open_network_source(server.address().text());
-  wait_for_client(server);
+  ASSERT_TRUE(test::comes_true([&] { return server.clients() == 1; }));
   EXPECT_EQ(source->name(), server.address().text());
   EXPECT_TRUE(source->live());
   EXPECT_TRUE(source->simulated());
@@ -84,7 +77,7 @@ TEST(NetworkSource, BringsImuSamplesThroughASocketOfTheFileSystemAndEndsWithItsS
   address.path = folder / "imu";
   auto server = std::make_unique<DvStreamServer>(address, test::stream_of(0, StreamType::imu, "IMUS"));
   const auto source = open_network_source(address.text());
-  wait_for_client(*server);
+  ASSERT_TRUE(test::comes_true([&] { return server->clients() == 1; }));
   EXPECT_FALSE(source->simulated());
   EXPECT_FALSE(source->camera().contains("readout_mode"));
   std::vector<ImuSample> samples(3);
@@ -99,7 +92,7 @@ TEST(NetworkSource, BringsImuSamplesThroughASocketOfTheFileSystemAndEndsWithItsS
 TEST(NetworkSource, LeavesOutAndCountsEventsThatStepBack) {
   DvStreamServer server(any_port(), event_stream_declaration({640, 480}, "DVXplorer_DXM00001"));
   const auto source = open_network_source(server.address().text());
-  wait_for_client(server);
+  ASSERT_TRUE(test::comes_true([&] { return server.clients() == 1; }));
   server.send(std::array{test::event_at(1'000), test::event_at(2'000)});
   server.send(std::array{test::event_at(1'999), test::event_at(2'000), test::event_at(2'001)});
   EXPECT_EQ(next_packet(*source).events.size(), 2U);

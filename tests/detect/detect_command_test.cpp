@@ -18,6 +18,7 @@
 #include "support/comes_true.hpp"
 #include "support/error_of.hpp"
 #include "support/events_in_file.hpp"
+#include "support/held_port.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "tactile/core/json.hpp"
@@ -126,7 +127,11 @@ TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLa
   ASSERT_EQ(live.exit_code, 0) << live.err;
   const auto json = nlohmann::json::parse(live.out);
   EXPECT_EQ(json.at("ended"), "source ended");
-  EXPECT_EQ(json.at("events").at("dropped"), 0);
+  // On a machine that stood still the detector drops what waited and begins a new history: such ticks are not told.
+  const nlohmann::json& faults = json.at("faults").at("kinds");
+  if (!faults.contains("behind") && !faults.contains("stopped")) {
+    EXPECT_EQ(json.at("events").at("dropped"), 0);
+  }
   const std::vector<Row> told = rows_of(folder / "stream.csv");
   ASSERT_GT(told.size(), 10U);
   std::int64_t last = 0;
@@ -136,7 +141,7 @@ TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLa
     EXPECT_GT(t, last);
     last = t;
     const auto same = offline.find(row.at("t_us"));
-    if (same == offline.end() || json.at("events").at("late") != 0) continue;
+    if (same == offline.end() || json.at("events").at("late") != 0 || row.at("incomplete") != "0") continue;
     EXPECT_EQ(row.at("events"), same->second.at("events")) << row.at("t_us");
     EXPECT_EQ(row.at("verdict"), same->second.at("verdict")) << row.at("t_us");
   }
@@ -154,7 +159,7 @@ TEST(DetectCommand, TellsTheRobotAndLowersItsBitsInTheEnd) {
   EXPECT_GE(json.at("robot").at("raised").get<int>(), 2);
   EXPECT_GE(json.at("robot").at("event_to_write_us").at("count").get<int>(), 1);
   EXPECT_EQ(json.at("robot").at("controller"), "5.11.6.1071234");
-  EXPECT_GE(controller.writes(), 4U);
+  EXPECT_TRUE(comes_true([&] { return controller.writes() >= 4; }));
   for (const char* bit : {"64", "65", "66"})
     EXPECT_TRUE(comes_true([&] { return controller.input(std::string("input_bit_register_") + bit) == false; })) << bit;
 }
@@ -182,15 +187,20 @@ TEST(DetectCommand, SendsARecordEachTick) {
   EXPECT_GT(got, 0U);
 }
 
+/// The bridge beside a detector, until it has printed a slip; at the latest after two minutes it is ended.
+constexpr const char* bridge_script =
+    "comes() { for i in $(seq 1200); do grep -q \"$1\" \"$2\" && return; sleep 0.1; done; }\n"
+    "PYTHONUNBUFFERED=1 '" TACTILE_SCRIPTS
+    "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err &\n"
+    "trap 'kill $!; wait $!; cat bridge.out' EXIT\n"
+    "comes listening bridge.err\n"
+    "'" TACTILE_BINARY
+    "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$(sed 's/.*://' bridge.err) >/dev/null || exit 1\n"
+    "comes slip bridge.out\n";
+
 TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
-  const auto result =
-      test::run_shell("'" TACTILE_SCRIPTS
-                      "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err & pid=$!; "
-                      "until grep -q listening bridge.err; do sleep 0.05; done; port=$(sed 's/.*://' bridge.err); "
-                      "'" TACTILE_BINARY
-                      "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$port >/dev/null; status=$?; "
-                      "sleep 0.5; kill $pid; wait $pid; cat bridge.out; exit $status",
-                      trained().folder.path());
+  write_whole(trained().folder / "bridge.sh", bridge_script);
+  const auto result = test::run_shell("sh bridge.sh", trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(result.out.starts_with("none\n")) << result.out;
   EXPECT_NE(result.out.find("\nslip\n"), std::string::npos) << result.out;
@@ -247,6 +257,7 @@ TEST(DetectCommand, TriesAStreamAgainThatCloses) {
   RunningCommand detect("detect --json --model small --reconnect 100 --from " + address, folder);
   EXPECT_TRUE(comes_true([&] { return server->err().find("joined") != std::string::npos; }));
   server = nullptr;
+  const test::HeldPort held(static_cast<std::uint16_t>(std::stoi(port)));
   EXPECT_TRUE(comes_true([&] { return detect.err().find("trying to open it again") != std::string::npos; })) << detect.err();
   RunningCommand again("serve data/fan/02 --loop --port " + port, folder);
   EXPECT_TRUE(comes_true([&] { return detect.err().find("is back after") != std::string::npos; })) << detect.err() << again.err();

@@ -17,6 +17,7 @@
 #include "events/aedat4_bytes.hpp"
 #include "events/recording_contents.hpp"
 #include "events/rewrite.hpp"
+#include "support/comes_true.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
@@ -513,12 +514,14 @@ TEST(KilledRecording, HoldsEveryFlushedPacketAndAnExactPrefix) {
       }
       ::_exit(1);
     }
-    while (flushed->load() < 0) std::this_thread::yield();
-    std::this_thread::sleep_for(microseconds{random.below(60'000)});
+    const auto kept = static_cast<std::int64_t>(9'000 * random.below(4));
+    const bool has_kept = test::comes_true([&] { return flushed->load() >= kept; });
+    std::this_thread::sleep_for(microseconds{random.below(10'000)});
     ::kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     ASSERT_TRUE(WIFSIGNALED(status)) << "it was to end by the kill alone";
+    ASSERT_TRUE(has_kept) << kept;
 
     RecordingReader recording(file);
     EXPECT_EQ(recording.index(), PacketIndex::scan);

@@ -12,11 +12,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
-#include <thread>
 
+#include "support/kill_moments.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
-#include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -236,8 +235,17 @@ TEST_F(HeatmapsCommand, LeavesNoHalfFolderOfPicturesWhereItIsEnded) {
 }
 
 TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
-  Random random(std::chrono::steady_clock::now().time_since_epoch().count() & 0xFFFF);
   const fs::path file = folder / "data/dataset.h5";
+  const std::string histories = "2,4,6,8,10,12,14,16,18,20,30,40,50";
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(run_tactile("heatmaps data --threads 2 --th " + histories, folder.path()).exit_code, 0);
+  const auto end = std::chrono::steady_clock::now();
+  test::KillMoments moments(end - begin, static_cast<std::uint64_t>(end.time_since_epoch().count()));
+  const auto make_dataset = [&] {
+    fs::remove(file);
+    write_dataset(folder / "data", file);
+  };
+  make_dataset();
   int killed = 0;
   for (int i = 0; i < 20; ++i) {
     const pid_t child = ::fork();
@@ -247,25 +255,22 @@ TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
       ::dup2(nowhere, STDOUT_FILENO);
       ::dup2(nowhere, STDERR_FILENO);
       const std::string data = folder.path() / "data";
-      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", data.c_str(), "--threads", "2", "--th",
-              "2,4,6,8,10,12,14,16,18,20,30,40,50", static_cast<char*>(nullptr));
+      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", data.c_str(), "--threads", "2", "--th", histories.c_str(),
+              static_cast<char*>(nullptr));
       ::_exit(127);
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(random.below(300'000)));
+    moments.sleep(0, 1);
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
-    killed += WIFSIGNALED(status) ? 1 : 0;
+    WIFSIGNALED(status) ? void(++killed) : moments.were_too_late();
 
     const Dataset dataset(file);
     std::vector<std::uint32_t> every(dataset.samples().size());
     std::iota(every.begin(), every.end(), 0U);
     for (const StoredHeatmaps& stored : dataset.heatmaps())
       EXPECT_EQ(dataset.read_heatmaps(stored.name, every).size(), every.size() * 48) << stored.name;
-    if (dataset.heatmaps().size() == 13) {  // all done: begin again
-      fs::remove(file);
-      write_dataset(folder / "data", file);
-    }
+    if (dataset.heatmaps().size() == 13) make_dataset();  // all done: begin again
   }
   EXPECT_GT(killed, 5);
   EXPECT_EQ(run_tactile("heatmaps", folder.path()).exit_code, 0);

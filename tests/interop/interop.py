@@ -295,8 +295,8 @@ class Child:
             os.waitpid(self.pid, 0)
 
 
-def serve_by_dv(kind, places, packets, samples, ready, received):
-    """Two of dv-processing's servers, for events and IMU of one camera; plays once both have a client, and stays until all is `received`."""
+def serve_by_dv(kind, places, packets, samples, ready, begun, received):
+    """Two of dv-processing's servers, for events and IMU of one camera; plays once their clients have begun, and stays until all is `received`."""
     import dv_processing as dv
     event_stream = dv.io.Stream.EventStream(0, "events", "DVXplorer_DXA00007", (640, 480))
     imu_stream = dv.io.Stream.IMUStream(0, "imu", "DVXplorer_DXA00007")
@@ -308,9 +308,7 @@ def serve_by_dv(kind, places, packets, samples, ready, received):
             stream.setCompression(dv.CompressionType.__members__[kind])
         writers = [dv.io.NetworkWriter("127.0.0.1", place, stream) for place, stream in zip(places, (event_stream, imu_stream))]
     ready.touch()
-    while any(writer.getClientCount() == 0 for writer in writers):
-        time.sleep(0.02)
-    time.sleep(0.3)  # a client counts before it is served
+    wait_until(begun)  # the server counts a client before it serves it; one that has begun to record has read its header
     for packet, pair in zip(packets, samples):
         writers[0].writeEvents(store_of(packet))
         writers[1].writeImu(dv.IMUPacket.ImuVector([imu_of(t) for t in pair]))
@@ -336,7 +334,8 @@ def network_writers(folder, kind):
         told = json.loads(found.stdout)["recordings"] if found.stdout else []
         return sum(stream["elements"] for recording in told for stream in recording["streams"]) == len(events) + sum(len(pair) for pair in samples)
 
-    with Child(lambda: serve_by_dv(kind, places, packets, samples, ready, received)) as server:
+    begun = (out / "fan" / "01" / "events.aedat4").exists
+    with Child(lambda: serve_by_dv(kind, places, packets, samples, ready, begun, received)) as server:
         wait_until(ready.exists)
         with Process(TACTILE, "record", "--from", addresses[0], "--from", addresses[1], "--out", out, "--object", "fan",
                      "--run", "01") as record:

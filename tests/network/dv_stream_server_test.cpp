@@ -14,6 +14,7 @@
 
 #include "events/aedat4_bytes.hpp"
 #include "events/made_recording.hpp"
+#include "support/comes_true.hpp"
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -49,19 +50,8 @@ class Log {
   std::vector<std::string> lines_;
 };
 
-/// Waits for what must come about by itself; generously, for machines are busy.
-void wait_until(const std::function<bool()>& condition, const char* what) {
-  const auto deadline = std::chrono::steady_clock::now() + 60s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) {
-      FAIL() << "in vain: " << what;
-    }
-    std::this_thread::sleep_for(1ms);
-  }
-}
-
 std::vector<Event> next_events(DvStreamClient& client) {
-  EXPECT_EQ(client.receive(30s), Received::packet);
+  EXPECT_EQ(client.receive(long_enough), Received::packet);
   return {client.events().begin(), client.events().end()};
 }
 
@@ -69,8 +59,8 @@ TEST(DvStreamServer, ServesSeveralClientsTheSame) {
   DvStreamServer server(any_port, event_declaration);
   EXPECT_GT(server.address().port, 0);
   std::vector<DvStreamClient> clients;
-  for (int i = 0; i < 3; ++i) clients.emplace_back(server.address());
-  wait_until([&] { return server.clients() == 3; }, "three clients");
+  for (int i = 0; i < 3; ++i) clients.emplace_back(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 3; })) << "three clients";
   const std::vector<Event> first = steady_events(1000, 0, 10, {640, 480});
   const std::vector<Event> second = steady_events(10, 20'000, 10, {640, 480});
   server.send(first);
@@ -112,8 +102,8 @@ TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
     const DvStreamServerOptions options{.compression = compression, .log = {}};
     DvStreamServer event_server(any_port, event_declaration, options), imu_server(any_port, imu_stream, options),
         trigger_server(any_port, trigger_stream, options), frame_server(any_port, frame_stream, options);
-    DvStreamClient event_client(event_server.address()), imu_client(imu_server.address()),
-        trigger_client(trigger_server.address()), frame_client(frame_server.address());
+    DvStreamClient event_client(event_server.address(), long_enough), imu_client(imu_server.address(), long_enough),
+        trigger_client(trigger_server.address(), long_enough), frame_client(frame_server.address(), long_enough);
     EXPECT_EQ(event_client.compression(), compression);
     event_server.send(events);
     imu_server.send(imu);
@@ -122,7 +112,7 @@ TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
     EXPECT_EQ(next_events(event_client), events);
     EXPECT_TRUE(event_client.imu().empty());
 
-    ASSERT_EQ(imu_client.receive(30s), Received::packet);
+    ASSERT_EQ(imu_client.receive(long_enough), Received::packet);
     EXPECT_EQ(imu_client.stream().id, 3);
     EXPECT_EQ(imu_client.stream().info, imu_stream.info);
     ASSERT_EQ(imu_client.imu().size(), 2U);
@@ -133,12 +123,12 @@ TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
     EXPECT_EQ(imu_client.imu()[0].magnetic_field_ut[0], 7);
     EXPECT_TRUE(imu_client.events().empty());
 
-    ASSERT_EQ(trigger_client.receive(30s), Received::packet);
+    ASSERT_EQ(trigger_client.receive(long_enough), Received::packet);
     ASSERT_EQ(trigger_client.triggers().size(), 2U);
     EXPECT_EQ(trigger_client.triggers()[1].t, triggers[1].t);
     EXPECT_EQ(trigger_client.triggers()[1].type, 2);
 
-    ASSERT_EQ(frame_client.receive(30s), Received::packet);
+    ASSERT_EQ(frame_client.receive(long_enough), Received::packet);
     ASSERT_TRUE(frame_client.frame());
     EXPECT_EQ(frame_client.frame()->t, frame.t);
     EXPECT_EQ(frame_client.frame()->frame_end, frame.frame_end);
@@ -149,10 +139,10 @@ TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
 
 TEST(DvStreamServer, LetsAClientJoinAtTheNextPacket) {
   DvStreamServer server(any_port, event_declaration);
-  DvStreamClient early(server.address());
+  DvStreamClient early(server.address(), long_enough);
   server.send(steady_events(10, 0, 1, {640, 480}));
   EXPECT_EQ(next_events(early).size(), 10U);
-  DvStreamClient late(server.address());
+  DvStreamClient late(server.address(), long_enough);
   server.send(steady_events(20, 100, 1, {640, 480}));
   EXPECT_EQ(next_events(late).size(), 20U);
   EXPECT_EQ(next_events(early).size(), 20U);
@@ -161,9 +151,9 @@ TEST(DvStreamServer, LetsAClientJoinAtTheNextPacket) {
 TEST(DvStreamServer, DropsAStalledClientAndKeepsTheOthersWhole) {
   Log log;
   DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
-  Connection stalled(server.address(), 10s);  // reads nothing, ever
-  DvStreamClient good(server.address());
-  wait_until([&] { return server.clients() == 2; }, "two clients");
+  Connection stalled(server.address(), long_enough);  // reads nothing, ever
+  DvStreamClient good(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 2; })) << "two clients";
   const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
   // The good client takes each packet before the next one is sent: only the stalled one can fall behind.
   std::size_t sent = 0;
@@ -175,15 +165,15 @@ TEST(DvStreamServer, DropsAStalledClientAndKeepsTheOthersWhole) {
   server.send(events);
   EXPECT_EQ(next_events(good), events);
   EXPECT_EQ(server.clients(), 1U);
-  wait_until([&] { return log.lines_with("dropped: ") == 1; }, "the message");
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: ") == 1; })) << "the message";
   EXPECT_EQ(log.lines_with(" MB behind"), 1U);
   EXPECT_EQ(log.lines_with("joined"), 2U);
 }
 
 TEST(DvStreamServer, KeepsItsMemoryWithinTheQueueOfAStalledClient) {
   DvStreamServer server(any_port, event_declaration, {.client_queue = 4 << 20, .log = {}});
-  Connection stalled(server.address(), 10s);
-  wait_until([&] { return server.clients() == 1; }, "the client");
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   const auto in_use = [] {
     const struct mallinfo2 info = mallinfo2();
     return info.uordblks + info.hblkhd;
@@ -205,19 +195,19 @@ TEST(DvStreamServer, WaitsForRoomSoThatASlowClientLosesNothing) {
   const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
   {
     DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
-    DvStreamClient client(server.address());
-    wait_until([&] { return server.clients() == 1; }, "the client");
+    DvStreamClient client(server.address(), long_enough);
+    ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
     reader = std::thread([&received, client = std::move(client)]() mutable {
-      while (client.receive(60s) == Received::packet) {
+      while (client.receive(long_enough) == Received::packet) {
         received += client.events().size();
         std::this_thread::sleep_for(100us);
       }
     });
     for (int i = 0; i < 500; ++i) {
       server.send(events);
-      EXPECT_TRUE(server.wait_for_room(60s));
+      EXPECT_TRUE(server.wait_for_room(long_enough));
     }
-    server.drain(60s);
+    server.drain(long_enough);
     EXPECT_EQ(server.dropped_clients(), 0U);
   }
   reader.join();
@@ -227,21 +217,21 @@ TEST(DvStreamServer, WaitsForRoomSoThatASlowClientLosesNothing) {
 TEST(DvStreamServer, WaitsForRoomNoLongerThanItsPatienceWithAStalledClient) {
   Log log;
   DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
-  Connection stalled(server.address(), 10s);
-  wait_until([&] { return server.clients() == 1; }, "the client");
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
   for (int i = 0; i < 4000 && server.dropped_clients() == 0; ++i) {
     server.send(events);
     server.wait_for_room(200ms);
   }
   EXPECT_EQ(server.dropped_clients(), 1U);
-  wait_until([&] { return log.lines_with("dropped: it took nothing for 0.2") == 1; }, "the message");
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: it took nothing for 0.2") == 1; })) << "the message";
 }
 
 TEST(DvStreamServer, EndsTheWaitForRoomWhenToldTo) {
   DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
-  Connection stalled(server.address(), 10s);
-  wait_until([&] { return server.clients() == 1; }, "the client");
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
   bool told = false;
   for (int i = 0; i < 4000 && !told; ++i) {
@@ -256,11 +246,11 @@ TEST(DvStreamServer, NoticesAClientThatCloses) {
   Log log;
   DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
   {
-    DvStreamClient client(server.address());
-    wait_until([&] { return server.clients() == 1; }, "the client");
+    DvStreamClient client(server.address(), long_enough);
+    ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   }
-  wait_until([&] { return server.clients() == 0; }, "its leaving");
-  wait_until([&] { return log.lines_with(" left") == 1; }, "the message");
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 0; })) << "its leaving";
+  ASSERT_TRUE(comes_true([&] { return log.lines_with(" left") == 1; })) << "the message";
   EXPECT_EQ(server.dropped_clients(), 0U);
   EXPECT_EQ(server.joined_clients(), 1U);
   server.send(steady_events(10, 0, 1, {640, 480}));
@@ -269,9 +259,9 @@ TEST(DvStreamServer, NoticesAClientThatCloses) {
 TEST(DvStreamServer, DropsAClientThatSendsSomething) {
   Log log;
   DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
-  Connection talker(server.address(), 10s);
-  talker.send(std::as_bytes(std::span("GET /", 5)), 10s);
-  wait_until([&] { return log.lines_with("dropped: it sent something") == 1; }, "the message");
+  Connection talker(server.address(), long_enough);
+  talker.send(std::as_bytes(std::span("GET /", 5)), long_enough);
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: it sent something") == 1; })) << "the message";
   EXPECT_EQ(server.dropped_clients(), 1U);
   EXPECT_EQ(server.clients(), 0U);
 }
@@ -279,8 +269,8 @@ TEST(DvStreamServer, DropsAClientThatSendsSomething) {
 TEST(DvStreamServer, TurnsAwayMoreClientsThanItTakes) {
   Log log;
   DvStreamServer server(any_port, event_declaration, {.clients = 2, .log = log.sink()});
-  DvStreamClient first(server.address()), second(server.address());
-  const std::string error = error_of([&] { DvStreamClient(server.address(), 10s); });
+  DvStreamClient first(server.address(), long_enough), second(server.address(), long_enough);
+  const std::string error = error_of([&] { DvStreamClient(server.address(), long_enough); });
   EXPECT_NE(error.find("before its header"), std::string::npos) << error;
   EXPECT_EQ(log.lines_with("turned away"), 1U);
   EXPECT_EQ(server.clients(), 2U);
@@ -292,7 +282,7 @@ TEST(DvStreamServer, ServesAUnixSocketAndRemovesItsFile) {
   {
     DvStreamServer server(address, event_declaration);
     EXPECT_EQ(server.address().text(), address.text());
-    DvStreamClient client(address);
+    DvStreamClient client(address, long_enough);
     server.send(steady_events(10, 0, 1, {640, 480}));
     EXPECT_EQ(next_events(client).size(), 10U);
     const std::string error = error_of([&] { DvStreamServer(address, event_declaration); });

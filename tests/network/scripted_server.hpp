@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -22,6 +23,7 @@ class ScriptedServer {
   explicit ScriptedServer(Script script, const asio::generic::stream_protocol::endpoint& at =
                                              asio::ip::tcp::endpoint(asio::ip::address_v4::loopback(), 0))
       : listener_(context_, at.protocol()), script_(std::move(script)) {
+    ::fcntl(listener_.native_handle(), F_SETFD, FD_CLOEXEC);  // a command that a test starts would keep it open
     listener_.bind(at);
     listener_.listen();
     if (at.protocol().family() == AF_UNIX) {

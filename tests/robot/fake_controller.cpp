@@ -1,20 +1,23 @@
 #include "robot/fake_controller.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <asio.hpp>
 #include <array>
+#include <asio.hpp>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <future>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 #include <utility>
 
+#include "support/held_port.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
@@ -24,6 +27,7 @@ namespace {
 using asio::ip::tcp;
 using SteadyClock = std::chrono::steady_clock;
 
+constexpr std::size_t longest_piece = 3'000;                  // [bytes] of a stream that leaves in pieces
 constexpr std::size_t most_undrained = std::size_t{1} << 20;  // [bytes] then the client is dropped, as a controller does
 
 // The script: what the stage is told, and the lift's trapezoid.
@@ -426,7 +430,9 @@ class Client : public std::enable_shared_from_this<Client> {
       return;
     }
     const bool split = shared_.options.split_writes;
-    const std::size_t size = split ? std::min<std::size_t>(out_.size(), 1 + shared_.random.below(3'000)) : out_.size();
+    // The more there is, the longer the pieces: a timer that fires late, on a busy machine, must hold nothing up for long.
+    const std::size_t size =
+        split ? std::min(out_.size(), 1 + shared_.random.below(std::max(longest_piece, out_.size()))) : out_.size();
     going_.assign(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(size));
     out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(size));
     writing_ = true;
@@ -473,11 +479,13 @@ struct FakeController::State {
   tcp::acceptor acceptor{context};
   std::vector<std::weak_ptr<Client>> clients;
   std::uint16_t port = 0;
+  std::optional<HeldPort> held;  ///< while nobody listens
   std::thread thread;
 
   void open() {
     const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
     acceptor.open(endpoint.protocol());
+    ::fcntl(acceptor.native_handle(), F_SETFD, FD_CLOEXEC);  // a command that a test starts would keep it open
     acceptor.set_option(tcp::acceptor::reuse_address(true));
     acceptor.bind(endpoint);
     acceptor.listen();
@@ -555,8 +563,10 @@ void FakeController::listen(bool listening) {
     if (listening == state_->acceptor.is_open()) return;
     if (listening) {
       state_->open();
+      state_->held.reset();
     } else {
       state_->acceptor.close(ignored);
+      state_->held.emplace(state_->port);
     }
   });
 }

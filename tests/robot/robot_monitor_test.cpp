@@ -15,6 +15,8 @@
 #include <thread>
 
 #include "robot/fake_controller.hpp"
+#include "support/comes_true.hpp"
+#include "support/held_port.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -25,6 +27,7 @@
 namespace tactile {
 namespace {
 
+using test::comes_true;
 using test::FakeController;
 using test::FakeControllerOptions;
 
@@ -58,18 +61,8 @@ RobotMonitorOptions options_for(const FakeController& controller, Told* told = n
   return options;
 }
 
-/// Waits for what must come; far longer than it can take.
-[[nodiscard]] bool comes(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 60s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
-
 [[nodiscard]] bool has_rows(const RobotMonitor& monitor, std::uint64_t rows) {
-  return comes([&] { return monitor.state().rows >= rows; });
+  return comes_true([&] { return monitor.state().rows >= rows; });
 }
 
 /// A log as columns of text by name; empty lines left out.
@@ -111,6 +104,22 @@ std::vector<double> numbers_in_column(const std::filesystem::path& file, const s
   return ::testing::AssertionSuccess();
 }
 
+struct LogGaps {
+  std::uint64_t gaps = 0, missing = 0;
+};
+
+/// What a log of 500 Hz lacks by its own times.
+LogGaps gaps_in(const std::filesystem::path& file) {
+  const std::vector<double> times = numbers_in_column(file, "timestamp");
+  LogGaps found;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const auto steps = static_cast<std::uint64_t>(std::llround((times[i] - times[i - 1]) * 500));
+    found.gaps += steps > 1 ? 1 : 0;
+    found.missing += steps - 1;
+  }
+  return found;
+}
+
 std::string complaint_of(const std::function<void()>& step) {
   try {
     step();
@@ -145,7 +154,7 @@ TEST(RobotMonitor, WritesWhatTheRobotSentByItsNames) {
   RobotMonitor monitor(options);
   monitor.start_log(folder / "robot.csv");
   // The press and the lift are told by then.
-  ASSERT_TRUE(comes([&] { return monitor.newest("output_int_register_0") == 3.0; }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("output_int_register_0") == 3.0; }));
   monitor.stop_log();
 
   const std::string text = read_text(folder / "robot.csv");
@@ -190,13 +199,7 @@ TEST(RobotMonitor, CountsThePackagesThatTheControllerSkipped) {
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 300));
   monitor.stop_log();
-  const std::vector<double> times = numbers_in_column(folder / "robot.csv", "timestamp");
-  std::uint64_t gaps = 0, missing = 0;
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    const auto steps = static_cast<std::uint64_t>(std::llround((times[i] - times[i - 1]) * 500));
-    gaps += steps > 1 ? 1 : 0;
-    missing += steps - 1;
-  }
+  const auto [gaps, missing] = gaps_in(folder / "robot.csv");
   EXPECT_GT(missing, 0U);
   EXPECT_EQ(monitor.state().gaps, gaps);
   EXPECT_EQ(monitor.state().missing, missing);
@@ -221,7 +224,7 @@ TEST(RobotMonitor, MarksARestartOfTheControllersClock) {
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 100));
   controller.restart_clock();
-  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(1e9) < 1'000; }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("timestamp").value_or(1e9) < 1'000; }));
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 300));
   monitor.stop_log();
   EXPECT_EQ(monitor.state().gaps, 1U);
@@ -247,18 +250,19 @@ TEST(RobotMonitor, ConnectsAgainAndMarksTheGap) {
   ASSERT_TRUE(has_rows(monitor, 100));
   controller.listen(false);
   controller.close_connections();
-  ASSERT_TRUE(comes([&] { return !monitor.state().connected; }));
+  ASSERT_TRUE(comes_true([&] { return !monitor.state().connected; }));
   EXPECT_FALSE(monitor.newest("timestamp").has_value());
   EXPECT_EQ(monitor.state().rate_hz, 0.0);
-  EXPECT_TRUE(told.has("robot gone (tcp://127.0.0.1:" + std::to_string(controller.port()))) << told.all();
+  EXPECT_TRUE(comes_true([&] { return told.has("robot gone (tcp://127.0.0.1:" + std::to_string(controller.port())); }))
+      << told.all();
   // Some attempts find nobody.
-  ASSERT_TRUE(comes([&] { return told.has("robot still gone"); }));
+  ASSERT_TRUE(comes_true([&] { return told.has("robot still gone"); }));
   const std::uint64_t rows = monitor.state().rows;
   controller.listen(true);
   ASSERT_TRUE(has_rows(monitor, rows + 50));
   monitor.stop_log();
 
-  EXPECT_TRUE(comes([&] { return told.has("robot is back after"); })) << told.all();
+  EXPECT_TRUE(comes_true([&] { return told.has("robot is back after"); })) << told.all();
   EXPECT_EQ(monitor.state().reconnects, 1U);
   EXPECT_EQ(monitor.state().gaps, 1U);
   const RobotLogFile file = read_robot_log(folder / "robot.csv");
@@ -280,7 +284,7 @@ TEST(RobotMonitor, TellsARebootThatTheTimestampAloneDoesNotShow) {
   ASSERT_TRUE(has_rows(monitor, 50));
   controller.reset();
   controller = std::make_unique<FakeController>(FakeControllerOptions{.port = port, .first_timestamp = 900});
-  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(0) > 900; }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("timestamp").value_or(0) > 900; }));
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 100));
   monitor.stop_log();
   EXPECT_EQ(monitor.state().missing, 0U);
@@ -301,7 +305,7 @@ TEST(RobotMonitor, LeavesAControllerThatSendsGarbageAndConnectsAgain) {
     monitor.start_log(folder / "robot.csv");
     ASSERT_TRUE(has_rows(monitor, 20)) << words;
     do_evil(controller);
-    ASSERT_TRUE(comes([&] { return monitor.state().reconnects == 1; })) << words << "\n" << told.all();
+    ASSERT_TRUE(comes_true([&] { return monitor.state().reconnects == 1; })) << words << "\n" << told.all();
     ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20)) << words;
     monitor.stop_log();
     EXPECT_TRUE(told.has(words)) << told.all();
@@ -319,13 +323,14 @@ TEST(RobotMonitor, TakesAShortSilenceAsAGapAndALongOneAsALoss) {
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 20));
   controller.stall(true);
-  ASSERT_TRUE(comes([&] { return told.has("nothing came for 2 s"); })) << told.all();
+  ASSERT_TRUE(comes_true([&] { return told.has("nothing came for 2 s"); })) << told.all();
   controller.stall(false);
-  ASSERT_TRUE(comes([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << told.all();
+  ASSERT_TRUE(comes_true([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << told.all();
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20));
   monitor.stop_log();
   EXPECT_GE(monitor.state().reconnects, 1U);
-  EXPECT_GE(monitor.state().missing, 800U) << "two seconds of packages, less what a busy machine sent late";
+  EXPECT_EQ(monitor.state().missing, gaps_in(folder / "robot.csv").missing);
+  EXPECT_GT(monitor.state().missing, 0U);
   EXPECT_GE(read_robot_log(folder / "robot.csv").longest().gaps.size(), 1U);
 }
 
@@ -395,10 +400,10 @@ TEST(RobotMonitor, TellsTheNewestValues) {
   auto options = options_for(controller);
   options.extra_fields = {"output_bit_register_64", "timestamp"};
   RobotMonitor monitor(options);
-  EXPECT_TRUE(comes([&] { return monitor.newest("output_bit_register_64") == 1.0; }));
-  EXPECT_TRUE(comes([&] { return monitor.newest("actual_TCP_pose_2") == 0.25; }));
+  EXPECT_TRUE(comes_true([&] { return monitor.newest("output_bit_register_64") == 1.0; }));
+  EXPECT_TRUE(comes_true([&] { return monitor.newest("actual_TCP_pose_2") == 0.25; }));
   EXPECT_EQ(monitor.newest("robot_mode"), 7.0);
-  EXPECT_TRUE(comes([&] { return monitor.state().rate_hz > 100; }));
+  EXPECT_TRUE(comes_true([&] { return monitor.state().rate_hz > 100; }));
   EXPECT_THROW(monitor.newest("actual_TCP_pose"), Error) << "a vector has no one value";
   EXPECT_THROW(monitor.newest("output_bit_register_65"), Error) << "not asked for";
 }
@@ -443,7 +448,7 @@ TEST(RobotMonitor, CountsAGapWhereALogBeginsOrEndsWithoutTheRobot) {
   RobotMonitor monitor(options_for(controller));
   controller.listen(false);
   controller.close_connections();
-  ASSERT_TRUE(comes([&] { return !monitor.state().connected; }));
+  ASSERT_TRUE(comes_true([&] { return !monitor.state().connected; }));
   monitor.start_log(folder / "none.csv");
   EXPECT_EQ(monitor.state().gaps, 1U) << "at once";
   std::this_thread::sleep_for(100ms);  // at least: what must be missing follows from it
@@ -461,7 +466,7 @@ TEST(RobotMonitor, CountsAGapWhereALogBeginsOrEndsWithoutTheRobot) {
   EXPECT_GE(missing, 50U);
   controller.listen(false);
   controller.close_connections();
-  ASSERT_TRUE(comes([&] { return !monitor.state().connected; }));
+  ASSERT_TRUE(comes_true([&] { return !monitor.state().connected; }));
   std::this_thread::sleep_for(100ms);
   monitor.stop_log();
   EXPECT_EQ(monitor.state().gaps, 2U);
@@ -476,17 +481,17 @@ TEST(RobotMonitor, CountsStartsOfTheClockBetweenLogsToo) {
   auto controller = std::make_unique<FakeController>(FakeControllerOptions{.first_timestamp = 5'000});
   const std::uint16_t port = controller->port();
   RobotMonitor monitor(options_for(*controller));
-  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").has_value(); }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("timestamp").has_value(); }));
   EXPECT_EQ(monitor.state().clock_starts, 1U);
   controller->close_connections();
-  ASSERT_TRUE(comes([&] { return monitor.state().reconnects == 1 && monitor.newest("timestamp").has_value(); }));
+  ASSERT_TRUE(comes_true([&] { return monitor.state().reconnects == 1 && monitor.newest("timestamp").has_value(); }));
   EXPECT_EQ(monitor.state().clock_starts, 1U) << "the same clock is back";
   controller->restart_clock();
-  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(1e9) < 4'000; }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("timestamp").value_or(1e9) < 4'000; }));
   EXPECT_EQ(monitor.state().clock_starts, 2U);
   controller.reset();
   controller = std::make_unique<FakeController>(FakeControllerOptions{.port = port, .first_timestamp = 9'000});
-  ASSERT_TRUE(comes([&] { return monitor.newest("timestamp").value_or(0) >= 9'000; }));
+  ASSERT_TRUE(comes_true([&] { return monitor.newest("timestamp").value_or(0) >= 9'000; }));
   EXPECT_EQ(monitor.state().clock_starts, 3U);
 }
 
@@ -502,7 +507,7 @@ TEST(RobotMonitor, RefusesAControllerWithoutARequiredNumber) {
   EXPECT_NE(complaint_of([&] { RobotMonitor monitor(options); }).find("'actual_TCP_pose' is a VECTOR6D"), std::string::npos);
   options.required_fields = {"output_bit_register_64"};
   RobotMonitor monitor(options);
-  EXPECT_TRUE(comes([&] { return monitor.newest("output_bit_register_64").has_value(); }));
+  EXPECT_TRUE(comes_true([&] { return monitor.newest("output_bit_register_64").has_value(); }));
 }
 
 TEST(RobotMonitor, TellsARepeatedMessageOnceAndItsCountInTheEnd) {
@@ -520,16 +525,12 @@ TEST(RobotMonitor, TellsARepeatedMessageOnceAndItsCountInTheEnd) {
 }
 
 TEST(RobotMonitor, SaysThatNobodyAnswers) {
-  std::uint16_t closed_port = 0;
-  {
-    FakeController controller;
-    closed_port = controller.port();
-  }
+  const test::HeldPort held;
   RobotMonitorOptions options;
   options.host = "127.0.0.1";
-  options.port = closed_port;
+  options.port = held.port();
   const std::string refused = complaint_of([&] { RobotMonitor monitor(options); });
-  EXPECT_NE(refused.find("tcp://127.0.0.1:" + std::to_string(closed_port)), std::string::npos) << refused;
+  EXPECT_NE(refused.find("tcp://127.0.0.1:" + std::to_string(held.port())), std::string::npos) << refused;
 
   // A server that takes the connection and never says a word.
   const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);

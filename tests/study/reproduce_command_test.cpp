@@ -4,11 +4,11 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <random>
 #include <regex>
 #include <set>
 #include <thread>
 
+#include "support/kill_moments.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -143,13 +143,11 @@ TEST(ReproduceCommand, KilledAgainAndAgainComesToTheSameStudy) {
   const test::TemporaryFolder whole, broken;
   const auto begun = std::chrono::steady_clock::now();
   run_study(whole.path(), small);
-  const auto lasted = std::chrono::steady_clock::now() - begun;
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> share(0.05, 0.5);
+  test::KillMoments moments(std::chrono::steady_clock::now() - begun, 5);
   for (int kills = 0; kills < 4;) {
     {
       const test::RunningCommand study(small, broken.path());
-      std::this_thread::sleep_for(share(random) * lasted);
+      moments.sleep(0.05, 0.5);
     }
     if (!fs::exists(broken / "study/study.json")) {
       ++kills;
@@ -159,6 +157,7 @@ TEST(ReproduceCommand, KilledAgainAndAgainComesToTheSameStudy) {
     ASSERT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
     for (const char* made : {"data", "models", "study"}) fs::remove_all(broken / made);
     kills = 0;
+    moments.were_too_late();
   }
   run_study(broken.path(), small);
   EXPECT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
@@ -276,6 +275,7 @@ TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
   test::RunningCommand study(small, folder.path());
   while (!fs::exists(folder / "study/steps/simulate.json") && !study.has_ended())
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  study.signal(SIGSTOP);  // else it might come to its end first
   const auto second = test::run_tactile(small, folder.path());
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_NE(second.err.find("another 'tactile reproduce' is at work"), std::string::npos) << second.err;

@@ -5,12 +5,15 @@
 
 namespace tactile::test {
 
-/// Waits until `holds`; false if it does not for a minute.
+/// For what must come about by itself: far longer than it takes, since a machine may be busy.
+inline constexpr std::chrono::seconds long_enough{60};
+
+/// Waits until `holds`; false if it does not for `long_enough`.
 template <class Condition>
 bool comes_true(const Condition& holds) {
-  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto end = std::chrono::steady_clock::now() + long_enough;
   while (!holds()) {
-    if (std::chrono::steady_clock::now() > patience) return false;
+    if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return true;

@@ -88,9 +88,9 @@ class RunningCommand {
     if (pid_ > 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = 0;
     return pid_ == 0;
   }
-  /// Waits until it has ended by itself. @throws std::runtime_error after two minutes
+  /// Waits until it has ended by itself. @throws std::runtime_error after ten minutes
   CommandResult wait() {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(10);
     while (!has_ended()) {
       if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("it does not end: " + err());
       std::this_thread::sleep_for(std::chrono::milliseconds(5));

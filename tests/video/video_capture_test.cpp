@@ -154,8 +154,8 @@ TEST_F(VideoCaptureTest, KeepsAFilesPace) {
 }
 
 TEST_F(VideoCaptureTest, MakesFilmAfterFilmOfOneSource) {
-  test::write_film(folder / "source.mp4", test::uneven_times(400, 33ms));
-  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 20, .log = {}});
+  test::write_film(folder / "source.mp4", test::uneven_times(2000, 33ms));  // a minute, of which a second or two is filmed
+  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 1, .log = {}});
   for (int film = 0; film < 3; ++film) {
     const fs::path film_mp4 = folder / (std::to_string(film) + ".mp4"), film_csv = folder / (std::to_string(film) + ".csv");
     capture.start_film(film_mp4, film_csv);
@@ -296,8 +296,8 @@ class FullDisk {
 };
 
 TEST_F(VideoCaptureTest, KeepsWhatADiskTookBeforeItWasFull) {
-  test::write_film(folder / "source.mp4", test::uneven_times(2000, 33ms));
-  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 30, .quality = 10, .log = keeper()});
+  test::write_film(folder / "source.mp4", test::uneven_times(2000, 33ms));  // a minute, of which the disk takes seconds
+  VideoCapture capture({.source = (folder / "source.mp4").string(), .speed = 1, .quality = 10, .log = keeper()});
   {
     const FullDisk full(60'000);
     capture.start_film(mp4, csv);

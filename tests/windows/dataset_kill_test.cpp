@@ -8,13 +8,12 @@
 #include <numeric>
 #include <set>
 #include <sstream>
-#include <thread>
 
+#include "support/kill_moments.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/traced_command.hpp"
-#include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -184,13 +183,12 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledBeforeAnyCallThatTouchesIt) {
 TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledAtTwentyRandomMoments) {
   const auto seed = static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
   SCOPED_TRACE("seed " + std::to_string(seed));
-  Random random(seed);
   const std::string histories = "2,4,6,8,10,12,14,16,18,20,22,24,26,28,30,32,34,36,38,40,42,44,46,48,50";
   fs::create_directories(folder / "whole");
   fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run_tactile("heatmaps --th " + histories, folder / "whole").exit_code, 0);
-  const std::chrono::duration<double> undisturbed = std::chrono::steady_clock::now() - begin;
+  test::KillMoments moments(std::chrono::steady_clock::now() - begin, seed);
   const Contents whole = contents_of(folder / "whole/data/dataset.h5");
   copy_dataset(data(), folder / "before");
   int killed = 0;
@@ -199,12 +197,12 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledAtTwentyRandomMoments) {
     copy_dataset(folder / "before", data());
     {
       const test::RunningCommand command("heatmaps --threads 2 --th " + histories, folder.path());
-      std::this_thread::sleep_for(undisturbed * random.uniform(0.0, 0.9));
+      moments.sleep(0.0, 0.9);
     }  // killed here
     const Contents contents = contents_of(file());
     for (const auto& [name, hash] : contents) EXPECT_EQ(hash, whole.at(name)) << name;
     EXPECT_TRUE(contents.contains("th_002"));
-    killed += contents.size() < whole.size() ? 1 : 0;
+    contents.size() < whole.size() ? ++killed : moments.were_too_late();
     keep_state();
   }
   EXPECT_GT(killed, 5);

@@ -3,9 +3,10 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "support/kill_moments.hpp"
 #include "support/run_command.hpp"
+#include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
-#include "tactile/core/random.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "windows/made_runs.hpp"
 
@@ -58,14 +59,17 @@ TEST_F(WindowsCommand, EndsWithTwoWhereVerifyingFails) {
 }
 
 TEST_F(WindowsCommand, KilledWhileItReplacesADatasetLeavesTheOldOneOrTheNewOne) {
+  const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
-  Random random(static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) & 0xFFFF);
+  const auto end = std::chrono::steady_clock::now();
+  test::KillMoments moments(end - begin, static_cast<std::uint64_t>(end.time_since_epoch().count()));
   int killed = 0;
   for (int i = 0; i < 15; ++i) {
-    const double seconds = random.uniform(0.01, 0.25);
-    const auto result = run_tactile(
-        "windows --seed " + std::to_string(i) + " & sleep " + std::to_string(seconds) + "; kill -9 $! ; wait $!", folder.path());
-    killed += result.exit_code == 137 ? 1 : 0;
+    {
+      test::RunningCommand command("windows --seed " + std::to_string(i), folder.path());
+      moments.sleep(0, 1);
+      command.has_ended() ? moments.were_too_late() : void(++killed);
+    }  // SIGKILL
     const Dataset dataset(folder / "data/dataset.h5");
     EXPECT_EQ(dataset.samples().size(), 270U);
     for (std::uint32_t index = 0; index < dataset.runs().size(); ++index)

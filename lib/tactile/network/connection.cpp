@@ -147,6 +147,7 @@ bool Connection::State::connect(const Endpoint& endpoint, milliseconds patience,
   });
   context.restart();
   context.run_for(patience);
+  context.poll();  // an answer that came in time counts, however late this thread looks for it
   if (answered) return true;
   std::error_code ignored;
   socket.close(ignored);
