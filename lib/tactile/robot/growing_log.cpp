@@ -158,6 +158,7 @@ GrowingLog::GrowingLog(const fs::path& file, std::string_view header) : state_(s
   if (state_->descriptor < 0) refuse(errno);
   const std::string line = std::string(header) + "\n";
   state_->write(line);
+  if (state_->error.empty()) state_->sync();  // a name must not lead to a log without its header
   const int reason = state_->error.empty() ? put_in_place(temporary, file) : 0;
   if (reason != 0 || !state_->error.empty()) {
     ::unlink(temporary.c_str());
