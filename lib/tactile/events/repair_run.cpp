@@ -47,6 +47,7 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
   info.extra["repaired"] = {{"from", in.name()},
                             {"packets_kept", summary.packets_kept()},
                             {"packets_lost", summary.packets_lost()},
+                            {"packets_damaged", summary.packets_damaged},
                             {"bytes_lost", summary.bytes_lost()},
                             {"version", version()}};
   write_run_info(made, info);
