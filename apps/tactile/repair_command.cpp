@@ -44,6 +44,9 @@ std::vector<std::string> losses(const RepairSummary& summary) {
   if (problems.empty_packets > 0) lines.push_back(counted(problems.empty_packets, "packet") + " without contents");
   if (problems.out_of_range_events > 0)
     lines.push_back(counted(problems.out_of_range_events, "event") + " outside the sensor or without polarity");
+  for (const auto& [name, bytes] : summary.log_bytes_lost)
+    lines.push_back(
+        fmt::format("{} of {}: from the first row on with a zero byte, as a power cut leaves it", counted(bytes, "byte"), name));
   return lines;
 }
 
@@ -78,6 +81,7 @@ nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary
           {"bytes_in", summary.bytes_in},
           {"bytes_out", summary.bytes_out},
           {"bytes_lost", summary.bytes_lost()},
+          {"log_bytes_lost", summary.log_bytes_lost},
           {"packets_kept", summary.packets_kept()},
           {"packets_rewritten", summary.packets_rewritten},
           {"packets_lost", summary.packets_lost()},

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
@@ -28,6 +30,7 @@ struct RepairSummary {
   RecordingProblems problems;              ///< of the input, complete
   PacketIndex index = PacketIndex::table;  ///< of the input
   std::uint64_t bytes_in = 0, bytes_out = 0;
+  std::map<std::string, std::uint64_t> log_bytes_lost;  ///< of a run's CSV files, by name: rows from the first zero byte on
 
   std::uint64_t packets_kept() const;
   std::uint64_t packets_lost() const;  ///< those of undeclared streams too
