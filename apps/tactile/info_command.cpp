@@ -77,16 +77,16 @@ std::string drops_in(const RunInfo& run) {
   return text;
 }
 
+/// Whether run.json has the recording's own hash.
+bool has_hash(const RunInfo& run, const RunFolder& folder) {
+  const auto files = run.extra.find("files");
+  return files != run.extra.end() && files->is_object() && files->contains(folder.events().filename().string());
+}
+
 /// What the run's own account adds to the recording's health.
 void add_run(Report& report, const InfoArguments& args, const ProgressCallback& progress) {
   const RunFolder& folder = *report.subject.run;
   RecordingHealth& health = report.health;
-  try {
-    report.run = read_run_info(folder);
-  } catch (const Error& e) {
-    health.reasons.push_back(e.what());
-    return;
-  }
   const SensorSize size{report.run->width, report.run->height};
   if (!report.run->complete) health.reasons.emplace_back("run.json: the run was not completed");
   for (const StreamHealth& stream : health.streams) {
@@ -107,13 +107,23 @@ void add_run(Report& report, const InfoArguments& args, const ProgressCallback& 
 }
 
 Report examine(const Subject& subject, const InfoArguments& args, unsigned threads, const ProgressCallback& progress) {
-  const HealthOptions options{.stream = args.stream, .gap = std::chrono::milliseconds(args.gap_ms), .threads = threads};
-  Report report{subject, examine_recording(subject.file, options, progress), std::nullopt, {}, {}, {}};
-  if (subject.run) {
-    report.robot = log_rows(subject.run->robot(), "timestamp", 1, 0.1);
-    report.video = log_rows(subject.run->video_times(), "pts_us", 1e-6, 1);
-    add_run(report, args, progress);
+  Report report{subject, {}, std::nullopt, {}, {}, {}};
+  std::string no_run;
+  try {
+    if (subject.run) report.run = read_run_info(*subject.run);
+  } catch (const Error& e) {
+    no_run = e.what();
   }
+  const HealthOptions options{.stream = args.stream,
+                              .gap = std::chrono::milliseconds(args.gap_ms),
+                              .checksums = args.check && !(report.run && has_hash(*report.run, *subject.run)),
+                              .threads = threads};
+  report.health = examine_recording(subject.file, options, progress);
+  if (!subject.run) return report;
+  report.robot = log_rows(subject.run->robot(), "timestamp", 1, 0.1);
+  report.video = log_rows(subject.run->video_times(), "pts_us", 1e-6, 1);
+  if (!no_run.empty()) report.health.reasons.push_back(no_run);
+  if (report.run) add_run(report, args, progress);
   return report;
 }
 
@@ -182,6 +192,23 @@ nlohmann::json json_of(const StreamHealth& stream, const InfoArguments& args) {
   return json;
 }
 
+nlohmann::json json_of(const ChecksumHealth& checksums) {
+  nlohmann::json damaged = nlohmann::json::array();
+  for (const auto& [index, record] : checksums.first_damaged) {
+    const bool has_time = record.elements > 0;
+    damaged.push_back({{"packet", index},
+                       {"stream", record.stream_id},
+                       {"position", record.payload_offset - 8},
+                       {"first_us", has_time ? nlohmann::json(us_of(record.first)) : nlohmann::json()},
+                       {"last_us", has_time ? nlohmann::json(us_of(record.last)) : nlohmann::json()}});
+  }
+  return {{"whole", checksums.whole},
+          {"damaged", checksums.damaged},
+          {"not_covered", checksums.not_covered},
+          {"header_damaged", checksums.header_damaged},
+          {"first_damaged", damaged}};
+}
+
 nlohmann::json json_of(const Report& report, const InfoArguments& args) {
   const RecordingHealth& health = report.health;
   nlohmann::json streams = nlohmann::json::array();
@@ -203,6 +230,7 @@ nlohmann::json json_of(const Report& report, const InfoArguments& args) {
       {"duration_us", health.duration().count()},
       {"streams", streams},
       {"problems", json_of(problems)},
+      {"checksums", health.checksums ? json_of(*health.checksums) : nlohmann::json()},
       {"healthy", health.healthy()},
       {"reasons", health.reasons},
       {"notes", health.notes},
@@ -416,7 +444,9 @@ void add_info_command(CLI::App& app) {
   command->add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
       ->check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       ->capture_default_str();
-  command->add_flag("--check", args->check, "Compare a run's files with their SHA-256; end with 2 if one is sick, and log why");
+  command->add_flag(
+      "--check", args->check,
+      "Compare a run's files with their SHA-256, or its packets with their checksums; end with 2 if one is sick, and log why");
 }
 
 }  // namespace tactile

@@ -31,6 +31,8 @@ std::vector<std::string> losses(const RepairSummary& summary) {
     lines.push_back(counted(problems.truncated_bytes, "byte") + " behind the last whole packet: the recording was cut off");
   if (problems.skipped_bytes > 0)
     lines.push_back(counted(problems.skipped_bytes, "byte") + " between packets: damaged, and what they held with them");
+  if (summary.packets_damaged > 0)
+    lines.push_back(counted(summary.packets_damaged, "packet") + " not as written, by the checksums beside the recording");
   if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that did not decode");
   if (problems.mismatched_packets > 0)
     lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");
@@ -42,6 +44,9 @@ std::vector<std::string> losses(const RepairSummary& summary) {
   if (problems.empty_packets > 0) lines.push_back(counted(problems.empty_packets, "packet") + " without contents");
   if (problems.out_of_range_events > 0)
     lines.push_back(counted(problems.out_of_range_events, "event") + " outside the sensor or without polarity");
+  for (const auto& [name, bytes] : summary.log_bytes_lost)
+    lines.push_back(
+        fmt::format("{} of {}: from the first row on with a zero byte, as a power cut leaves it", counted(bytes, "byte"), name));
   return lines;
 }
 
@@ -76,9 +81,12 @@ nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary
           {"bytes_in", summary.bytes_in},
           {"bytes_out", summary.bytes_out},
           {"bytes_lost", summary.bytes_lost()},
+          {"log_bytes_lost", summary.log_bytes_lost},
           {"packets_kept", summary.packets_kept()},
           {"packets_rewritten", summary.packets_rewritten},
           {"packets_lost", summary.packets_lost()},
+          {"packets_damaged", summary.packets_damaged},
+          {"header_damaged", summary.header_damaged},
           {"table_rebuilt", summary.index == PacketIndex::scan},
           {"table_why", problems.table},
           {"steps_back", steps_back_in(summary)},
@@ -97,6 +105,7 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
   if (lost.empty()) text += line("lost", "nothing");
   for (std::size_t i = 0; i < lost.size(); ++i) text += line(i == 0 ? "lost" : "", lost[i]);
   text += line("table", table_text(summary));
+  if (summary.header_damaged) text += line("header", "not as written, by its checksum; taken as it is");
   if (summary.problems.resized_packets > 0)
     text += line("sizes",
                  counted(summary.problems.resized_packets, "packet") + " given the size that fits, for the one in front did not");

@@ -21,6 +21,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "video/made_film.hpp"
@@ -579,6 +580,49 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
   }
   EXPECT_GE(with_events, 15U) << "too few kills came while events were written";
   EXPECT_GE(with_film, 5U) << "too few kills came while a film was written";
+}
+
+TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
+  ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan").exit_code, 0);
+  const RunFolder whole = run_folder("fan", "01"), killed = run_folder("fan", "02");
+  EXPECT_FALSE(fs::exists(checksums_beside(whole.events())));
+
+  make_long_recording();
+  {
+    RunningCommand command("record --object fan --compression none --from file:long.aedat4", folder.path());
+    ASSERT_TRUE(has_begun(killed, command)) << command.err();
+    ASSERT_TRUE(test::comes_true([&] { return events_in_file(killed.events()).size() > 10'000; }));
+  }  // SIGKILL
+  ASSERT_TRUE(fs::exists(checksums_beside(killed.events())));
+  const auto check = [&] { return nlohmann::json::parse(run("info --check --json data/fan/02").out).at("recordings").at(0); };
+  const nlohmann::json sound = check();
+  const std::size_t packets = sound.at("checksums").at("whole");
+  EXPECT_EQ(sound.at("checksums").at("damaged"), 0);
+  EXPECT_LE(sound.at("checksums").at("not_covered"), 1) << "the last one, if it was killed before it wrote the checksum";
+
+  std::string bytes = read_text(killed.events());
+  bytes.at(test::event_offset(test::packets_of(killed.events()).at(2), 7) + 13) ^= 1;  // a polarity, which nothing else shows
+  test::write_bytes(killed.events(), bytes);
+  const CommandResult sick = run("info --check data/fan/02");
+  EXPECT_EQ(sick.exit_code, 2);
+  EXPECT_NE(sick.err.find("1 packet is not what was written, by the checksums: packet 2 of stream 0"), std::string::npos)
+      << sick.err;
+  EXPECT_EQ(check().at("checksums").at("first_damaged").at(0).at("packet"), 2);
+  EXPECT_TRUE(nlohmann::json::parse(run("info --json data/fan/02").out).at("recordings").at(0).at("checksums").is_null());
+
+  const CommandResult repair = run("repair data/fan/02 data/fan/03");
+  EXPECT_EQ(repair.exit_code, 0) << repair.err;
+  EXPECT_NE(repair.out.find("1 packet not as written, by the checksums"), std::string::npos) << repair.out;
+  EXPECT_EQ(run("info --check data/fan/03").exit_code, 0);
+  EXPECT_FALSE(fs::exists(checksums_beside(run_folder("fan", "03").events())));
+  EXPECT_GE(test::packets_of(run_folder("fan", "03").events()).size(), packets - 1);
+
+  // A kill after run.json was written leaves them beside a recording that has its hash: they are not asked any more.
+  fs::copy_file(checksums_beside(killed.events()), checksums_beside(whole.events()));
+  const CommandResult left = run("info --check --json data/fan/01");
+  EXPECT_EQ(left.exit_code, 0) << left.err;
+  EXPECT_TRUE(nlohmann::json::parse(left.out).at("recordings").at(0).at("checksums").is_null());
+  EXPECT_EQ(run("repair data/fan/01 data/fan/04").exit_code, 0);
 }
 
 }  // namespace

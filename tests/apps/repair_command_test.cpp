@@ -71,6 +71,21 @@ TEST_F(RepairCommand, MakesAWholeRunOfOneThatWasKilled) {
   EXPECT_EQ(run("repair data/fan/01 data/fan/second").exit_code, 1);
 }
 
+TEST_F(RepairCommand, CutsTheLogsOfARunAheadOfThePowerCutsZeros) {
+  ASSERT_EQ(run("simulate data --preset tiny --objects fan --runs 1").exit_code, 0);
+  const fs::path log = folder / "data/fan/01/robot.csv";
+  const std::string rows = read_text(log);
+  const std::size_t hole = rows.size() / 2, row_end = rows.rfind('\n', hole) + 1;
+  write_whole(log, rows.substr(0, hole) + std::string(70'000, '\0') + rows.substr(hole));
+  const test::CommandResult result = run("repair --json data/fan/01 data/fan/02");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read_text(folder / "data/fan/02/robot.csv"), rows.substr(0, row_end));
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("log_bytes_lost"), (nlohmann::json{{"robot.csv", 70'000 + rows.size() - row_end}}));
+  EXPECT_NE(json.at("losses").dump().find("of robot.csv"), std::string::npos) << json.at("losses");
+  EXPECT_EQ(run("info --check data/fan/02").exit_code, 0);
+}
+
 TEST_F(RepairCommand, SaysInOneLineWhyItDoesNotWrite) {
   write_whole(folder / "there.aedat4", "precious");
   fs::create_hard_link(folder / "cut.aedat4", folder / "same.aedat4");

@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -14,43 +13,20 @@
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/traced_command.hpp"
-#include "tactile/core/sha256.hpp"
+#include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
+#include "windows/dataset_contents.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
+using Contents = test::DatasetContents;
 using test::run_tactile;
 
-/// What a dataset says: SHA-256 of its events' columns and of each history, by name; the key "manifest" is its hash.
-using Contents = std::map<std::string, std::string>;
-
-Contents contents_of(const fs::path& file) {
-  const Dataset dataset(file);
-  Contents contents{{"manifest", dataset.manifest_hash()}};
-  std::string t, x, y, on;
-  for (std::uint32_t index = 0; index < dataset.runs().size(); ++index) {
-    for (const Event& event : dataset.events(index)) {
-      const std::int64_t t_us = us_of(event.t);
-      t.append(reinterpret_cast<const char*>(&t_us), sizeof t_us);
-      x.append(reinterpret_cast<const char*>(&event.x), sizeof event.x);
-      y.append(reinterpret_cast<const char*>(&event.y), sizeof event.y);
-      on += static_cast<char>(event.on);
-    }
-  }
-  contents["events"] = sha256_of(t + x + y + on);
-  std::vector<std::uint32_t> every(dataset.samples().size());
-  std::iota(every.begin(), every.end(), 0U);
-  for (const StoredHeatmaps& stored : dataset.heatmaps()) {
-    const std::vector<std::uint8_t> heatmaps = dataset.read_heatmaps(stored.name, every);
-    contents[stored.name] = sha256_of(std::string_view(reinterpret_cast<const char*>(heatmaps.data()), heatmaps.size()));
-  }
-  return contents;
-}
+Contents contents_of(const fs::path& file) { return test::dataset_contents(file); }
 
 /// The same by plain h5py, of every dataset whose file is on a line of `list`: a line of JSON each.
 constexpr const char* read_with_h5py = R"(import h5py, hashlib, json, sys

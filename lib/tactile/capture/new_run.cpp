@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/make_folders.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -14,10 +15,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int most_runs = 99;
-
-[[noreturn]] void throw_not_made(const fs::path& folder, const std::error_code& why) {
-  throw Error(fmt::format("{}: the folder cannot be made ({}); expected a writable place", folder.string(), why.message()));
-}
 
 /// The next number to try; 0 if all are taken.
 int next_number(const fs::path& object) {
@@ -43,9 +40,8 @@ RunFolder make_run_folder(const fs::path& data, const std::string& object, const
         fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
   }
   if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is no run; expected two digits, 01 to 99", run));
+  make_folders(data / object);
   std::error_code failed;
-  fs::create_directories(data / object, failed);
-  if (failed) throw_not_made(data / object, failed);
   for (;;) {
     const int number = run.empty() ? next_number(data / object) : 0;
     if (run.empty() && number == 0) {
@@ -54,7 +50,9 @@ RunFolder make_run_folder(const fs::path& data, const std::string& object, const
     const std::string id = run.empty() ? fmt::format("{:02}", number) : run;
     const fs::path folder = data / object / id;
     const bool made = fs::create_directory(folder, failed);
-    if (failed && failed != std::errc::file_exists) throw_not_made(folder, failed);
+    if (failed && failed != std::errc::file_exists)
+      throw Error(
+          fmt::format("{}: the folder cannot be made ({}); expected a writable place", folder.string(), failed.message()));
     if (made) {
       sync_to_disk(data / object);
       return {folder, object, id};

@@ -15,6 +15,7 @@
 #include "tactile/core/host_clock.hpp"
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/version.hpp"
+#include "tactile/events/packet_checksums.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -312,10 +313,11 @@ RunSummary RunRecorder::end(const std::string& why) {
   state.count(written, summary);
 
   nlohmann::json files = nlohmann::json::object();
+  const fs::path checksums = checksums_beside(run.request.run.events());
   attempt(summary, [&] {
     std::vector<fs::path> made;
     for (const fs::directory_entry& entry : fs::directory_iterator(run.request.run.folder)) {
-      if (!entry.is_regular_file() || entry.path() == run.request.run.info()) continue;
+      if (!entry.is_regular_file() || entry.path() == run.request.run.info() || entry.path() == checksums) continue;
       made.push_back(entry.path());
       summary.bytes += size_of(entry.path());
     }
@@ -325,7 +327,12 @@ RunSummary RunRecorder::end(const std::string& why) {
   // A replay may have ended before its last packets were written, and the duration with them.
   if (summary.errors.empty() && written.reached_duration) summary.ended = "duration";
   const RunInfo info = state.final_info(summary, ended, files);
-  attempt(summary, [&] { write_run_info(run.request.run, info); });
+  attempt(summary, [&] {
+    write_run_info(run.request.run, info);
+    // On the disk run.json now has the recording's own hash.
+    std::error_code stays;
+    if (!files.empty()) fs::remove(checksums, stays);
+  });
   state.open.reset();
   return summary;
 }

@@ -74,8 +74,8 @@ struct RunSummary {
 /// the film bear their final names from the first byte and are brought to the disk every second, from a thread that only does
 /// that.
 ///
-/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Whatever
-/// goes wrong, what came until then is kept and readable.
+/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Until then
+/// the packets' checksums lie beside the recording. Whatever goes wrong, what came until then is kept and readable.
 class RunRecorder {
  public:
   /// The robot and the film may be missing.

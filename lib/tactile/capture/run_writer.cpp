@@ -6,6 +6,7 @@
 
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
+#include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 
@@ -81,7 +82,7 @@ RunWriter::RunWriter(const std::filesystem::path& file, std::vector<RecordedStre
       streams_(std::move(streams)),
       options_(options),
       queue_(queue),
-      file_(file, declared(streams_), {.compression = options.compression}),
+      file_(file, declared(streams_), {.compression = options.compression, .checksums = true}),
       newest_(streams_.size()) {}
 
 RunWriter::~RunWriter() { stop(); }
@@ -258,6 +259,8 @@ void RunWriter::sync_all() {
     lock.unlock();
     try {
       sync_to_disk(path_);
+      const std::filesystem::path checksums = checksums_beside(path_);
+      if (std::filesystem::exists(checksums)) sync_to_disk(checksums);
       // The pages of a long recording are used again for what follows: new ones cost more, and others need the memory too.
       release_memory_of(path_, kept_in_memory);
     } catch (const std::exception& e) {

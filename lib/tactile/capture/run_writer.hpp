@@ -26,7 +26,8 @@ struct RunWriterOptions {
 };
 
 /// Writes a run's recording of what the queue brings, on a thread of its own, and brings it to the disk from another, which may
-/// take as long as the disk pleases. Elements that step back in time or do not fit their stream are left out and counted.
+/// take as long as the disk pleases. The packets' checksums lie beside it until they are removed. Elements that step back in time
+/// or do not fit their stream are left out and counted.
 class RunWriter {
  public:
   /// Makes the file. @throws Error as RecordingWriter does

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/make_folders.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -126,9 +127,7 @@ fs::path without_slash(fs::path target) { return target.has_filename() ? target 
 
 PartFolder::PartFolder(const fs::path& target) {
   const fs::path folder = folder_of(target);
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
+  make_folders(folder);
   remove_leftovers(target);
   // Another process that looks for leftovers may take the folder for one until it is locked: then the next one is made.
   for (;;) {
@@ -142,7 +141,7 @@ PartFolder::PartFolder(const fs::path& target) {
     if (lock_ < 0) {
       if (errno == ENOENT) continue;
       const int reason = errno;
-      fs::remove_all(path_, failed);
+      ::rmdir(path_.c_str());
       throw Error(target.string() + ": cannot be written (" + std::strerror(reason) + "); expected a writable place with room");
     }
     // Where a disk locks no files, no process takes what it finds for a leftover.

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "tactile/core/error.hpp"
+#include "tactile/events/packet_checksums.hpp"
 
 namespace tactile {
 namespace {
@@ -102,6 +103,38 @@ void judge_packets(RecordingHealth& health) {
   if (problems.unwrapped_packets > 0) {
     notes.push_back(counted(problems.unwrapped_packets, "packet was", "packets were") +
                     " 2^32 us too early; put right on reading");
+  }
+}
+
+void count(ChecksumHealth& checked, PacketCheck check, const ChecksumHealth::Packet& packet, std::size_t listed) {
+  ++(check == PacketCheck::whole ? checked.whole : check == PacketCheck::damaged ? checked.damaged : checked.not_covered);
+  if (check == PacketCheck::damaged && checked.first_damaged.size() < listed) checked.first_damaged.push_back(packet);
+}
+
+std::string text_of(const ChecksumHealth::Packet& packet, std::optional<CameraTime> begin) {
+  const PacketRecord& record = packet.record;
+  const std::string place =
+      fmt::format("packet {} of stream {} at byte {}", packet.index, record.stream_id, record.payload_offset - 8);
+  if (record.elements == 0 || !begin) return place;
+  return place + fmt::format(", at {:.6f} s", std::chrono::duration<double>(between(*begin, record.first)).count());
+}
+
+void judge_checksums(RecordingHealth& health) {
+  if (!health.checksums) return;
+  const ChecksumHealth& checksums = *health.checksums;
+  if (checksums.header_damaged) health.reasons.emplace_back("the header is not what was written, by its checksum");
+  if (checksums.damaged > 0) {
+    std::string list;
+    constexpr std::size_t shown = 3;
+    for (std::size_t i = 0; i < std::min(shown, checksums.first_damaged.size()); ++i)
+      list += (i == 0 ? "" : "; ") + text_of(checksums.first_damaged[i], health.first());
+    health.reasons.push_back(fmt::format("{} not what was written, by the checksums: {}{}",
+                                         counted(checksums.damaged, "packet is", "packets are"), list,
+                                         checksums.damaged > shown ? " ..." : ""));
+  }
+  if (checksums.not_covered > 0) {
+    health.notes.push_back(counted(checksums.not_covered, "packet has", "packets have") +
+                           " no checksum: whether bits of it have flipped cannot be seen");
   }
 }
 
@@ -335,8 +368,15 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
     misdescribed += agrees ? 0 : 1;
   };
 
+  std::optional<PacketChecksums> checksums;
+  if (options.checksums) checksums.emplace(recording);
+  ChecksumHealth checked;
+  std::size_t index = 0;
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), file.filename().string());
+    if (checksums && checksums->used())
+      count(checked, checksums->check(packet, recording.read_stored(packet)), {index, packet}, options.listed);
+    ++index;
     const auto found = std::find_if(examinations.begin(), examinations.end(),
                                     [&](const Examination& e) { return e.health.stream.id == packet.stream_id; });
     if (found == examinations.end()) continue;
@@ -385,8 +425,13 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
     stream.stamps = examination.events ? examination.events->stamps() : examination.stamps.health();
     if (examination.events) stream.events = examination.events->health();
   }
+  if (checksums && checksums->used()) {
+    checked.header_damaged = checksums->header_damaged();
+    health.checksums = std::move(checked);
+  }
   compare_gaps_with_imu(health.streams, options.gap);
   judge_packets(health);
+  judge_checksums(health);
   if (misdescribed > 0) {
     health.reasons.push_back("the data table is at odds with the elements of " + counted(misdescribed, "packet", "packets") +
                              "; a cut by time may miss some");

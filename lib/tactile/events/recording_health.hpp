@@ -35,9 +35,10 @@ struct HealthOptions {
   std::string stream{};       ///< the one event stream to examine, by id or source; all if empty
   microseconds gap{100'000};  ///< a longer silence is reported, > 0
   microseconds tick{2'000};   ///< the peak rate is that of the fullest tick, > 0; ticks lie at whole multiples of it
-  std::size_t listed = 10;    ///< how many gaps and hot pixels are listed; all are counted
+  std::size_t listed = 10;    ///< how many gaps, hot pixels and damaged packets are listed; all are counted
   HotPixelRule hot{};
-  unsigned threads = 1;  ///< to read on, > 0
+  bool checksums = false;  ///< compare the packets with the checksums beside the recording, where there are any
+  unsigned threads = 1;    ///< to read on, > 0
 };
 
 /// A silence longer than the limit: nothing in `begin < t < end`. A quiet scene has them too; where the inertial sensor of the
@@ -157,6 +158,17 @@ struct StreamHealth {
   std::optional<EventHealth> events;  ///< of an event stream that was examined
 };
 
+/// What the packets' checksums show, of all streams.
+struct ChecksumHealth {
+  bool header_damaged = false;
+  std::uint64_t whole = 0, damaged = 0, not_covered = 0;  ///< packets
+  struct Packet {
+    std::size_t index = 0;  ///< in the order of the file
+    PacketRecord record;
+  };
+  std::vector<Packet> first_damaged;
+};
+
 /// What a recording holds, and whether it is sound.
 struct RecordingHealth {
   std::filesystem::path file;
@@ -164,10 +176,11 @@ struct RecordingHealth {
   Compression compression = Compression::none;
   PacketIndex index = PacketIndex::table;
   RecordingProblems problems;
-  std::vector<StreamHealth> streams;  ///< as declared; without the event streams that were not chosen
-  std::vector<std::string> reasons;   ///< why it is sick: truncated, damaged between packets, broken or foreign packets, an
+  std::vector<StreamHealth> streams;        ///< as declared; without the event streams that were not chosen
+  std::optional<ChecksumHealth> checksums;  ///< where they were used
+  std::vector<std::string> reasons;         ///< why it is sick: truncated, damaged between packets, broken or foreign packets, an
                                      ///< unusable data table, events out of range, time that steps back, no events, no sane
-                                     ///< sensor size, a time without events and IMU samples alike
+                                     ///< sensor size, a time without events and IMU samples alike, a wrong checksum
   std::vector<std::string> notes;  ///< what is worth knowing and no sickness: never closed (all packets whole, but no table, or
                                    ///< none that the header names), gaps, hot pixels, empty packets, times put right
 

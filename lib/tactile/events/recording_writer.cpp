@@ -15,6 +15,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/packet_table.hpp"
@@ -50,6 +51,7 @@ struct RecordingWriter::State {
   std::string name;  ///< for errors
   RecordingWriterOptions options;
   FileDescriptor file;
+  PacketChecksumWriter checksums;
   std::uint64_t end = 0;             ///< of the last whole packet [B]
   std::uint64_t position_field = 0;  ///< where the header has the table's position [B]
   std::vector<Waiting> streams;
@@ -79,7 +81,7 @@ struct RecordingWriter::State {
   void write_table();
   std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
-  void sync() const;
+  void sync();
   void cut_to_end() const;
   void write_all_waiting();
   void flush();
@@ -118,10 +120,12 @@ void RecordingWriter::State::open(const std::vector<Stream>& declared) {
     ::unlink(path.c_str());
     throw Error(name + ": its header cannot be written (" + why + "); expected a disk with room");
   }
-  sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // its name too shall outlive a power cut
   end = start.size();
   table = PacketTable(end);
   position_field = magic_line.size() + header.table_position;
+  if (options.checksums) checksums = PacketChecksumWriter(checksums_beside(path));
+  checksums.add_header(std::as_bytes(std::span(start)), position_field);
+  sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // its name too shall outlive a power cut
   for (const Stream& stream : declared) streams.emplace_back().stream = stream;
 }
 
@@ -247,6 +251,7 @@ void RecordingWriter::State::write_packet(Waiting& stream, PacketRecord record, 
   std::memcpy(header, &record.stream_id, sizeof record.stream_id);
   std::memcpy(header + sizeof record.stream_id, &record.payload_size, sizeof record.payload_size);
   write_at(end, bytes);
+  checksums.add_packet(end, bytes);
   end += bytes.size();
   table.add(record);
   if (stream.written.elements == 0) stream.written.first = record.first;
@@ -271,9 +276,10 @@ void RecordingWriter::State::write_at(std::uint64_t offset, std::span<const std:
   throw Error(name + ": cannot be written (" + std::strerror(errno) + "); expected a disk with room");
 }
 
-void RecordingWriter::State::sync() const {
-  if (::fsync(file.number()) == 0 || errno == EINVAL || errno == EROFS) return;
-  throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
+void RecordingWriter::State::sync() {
+  if (::fsync(file.number()) != 0 && errno != EINVAL && errno != EROFS)
+    throw Error(name + ": cannot be synced (" + std::strerror(errno) + "); expected a working disk");
+  checksums.sync();
 }
 
 /// A packet that once failed to be written may reach further than what has been written since.
@@ -307,6 +313,7 @@ void RecordingWriter::State::close() {
   }
   cut_to_end();
   const std::uint64_t table_at = end;
+  checksums.add_end(end);
   bool has_table = table.packets() <= most_table_entries;
   if (has_table) {
     try {

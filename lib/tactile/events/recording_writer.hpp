@@ -17,6 +17,7 @@ struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
   std::chrono::microseconds packet_span{10'000};  ///< a packet's last element comes earlier than this after its first, > 0
   std::size_t packet_events = 8192;               ///< and at most so many events, > 0
+  bool checksums = false;  ///< in a file beside it, see packet_checksums.hpp; whoever asks for it removes it
 };
 
 /// What a recording holds of one stream, in whole packets.

@@ -13,6 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/output_file.hpp"
+#include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/packet_table.hpp"
@@ -96,15 +97,16 @@ struct StreamRepair {
 /// Takes packets from a reader to a writer.
 class Repair {
  public:
-  Repair(RecordingReader& recording, PacketWriter& writer) : recording_(recording), writer_(writer) {
+  Repair(RecordingReader& recording, PacketWriter& writer) : recording_(recording), writer_(writer), checksums_(recording) {
     for (const Stream& stream : recording.streams()) streams_.emplace_back().result.stream = stream;
   }
 
   void keep(const PacketRecord& packet) {
     StreamRepair& stream = *std::find_if(streams_.begin(), streams_.end(),
                                          [&](const StreamRepair& s) { return s.result.stream.id == packet.stream_id; });
-    const bool kept = keep_of_type(packet, stream);
-    if (kept) {
+    const bool is_damaged = checksums_.check(packet, recording_.read_stored(packet)) == PacketCheck::damaged;
+    damaged_ += is_damaged ? 1 : 0;
+    if (!is_damaged && keep_of_type(packet, stream)) {
       ++stream.result.packets_kept;
     } else {
       ++stream.result.packets_lost;
@@ -121,6 +123,8 @@ class Repair {
       result.steps_back = stamps.steps_back_in_packets + stamps.steps_back_between_packets;
       summary.streams.push_back(std::move(result));
     }
+    summary.packets_damaged = damaged_;
+    summary.header_damaged = checksums_.header_damaged();
     summary.packets_rewritten = rewritten_;
     summary.problems = recording_.problems();
     summary.index = recording_.index();
@@ -183,8 +187,9 @@ class Repair {
 
   RecordingReader& recording_;
   PacketWriter& writer_;
+  PacketChecksums checksums_;
   std::vector<StreamRepair> streams_;
-  std::uint64_t rewritten_ = 0;
+  std::uint64_t damaged_ = 0, rewritten_ = 0;
   PacketBuffer content_;
 };
 

@@ -1,6 +1,9 @@
 #include "tactile/events/repair_run.hpp"
 
 #include <array>
+#include <cstdint>
+#include <fstream>
+#include <string_view>
 #include <vector>
 
 #include "tactile/core/error.hpp"
@@ -10,6 +13,25 @@
 
 namespace tactile {
 namespace fs = std::filesystem;
+namespace {
+
+/// Where the rows end that no zero byte is in, nor in a row before them [B].
+std::uint64_t end_of_whole_rows(const fs::path& csv) {
+  std::ifstream in(csv, std::ios::binary);
+  std::array<char, 65'536> bytes{};
+  std::uint64_t begin = 0, rows_end = 0;
+  while (in.read(bytes.data(), bytes.size()), in.gcount() > 0) {
+    const std::string_view piece(bytes.data(), static_cast<std::size_t>(in.gcount()));
+    const std::size_t zero = piece.find('\0');
+    const std::size_t last = piece.substr(0, zero).rfind('\n');
+    if (last != std::string_view::npos) rows_end = begin + last + 1;
+    if (zero != std::string_view::npos) return rows_end;
+    begin += piece.size();
+  }
+  return begin;
+}
+
+}  // namespace
 
 RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned threads, const ProgressCallback& progress) {
   const fs::path place = fs::absolute(out).lexically_normal();
@@ -35,6 +57,11 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
     fs::copy_file(from, to, failed);
     if (failed)
       throw Error(from.string() + ": cannot be copied (" + failed.message() + "); expected a readable file and a disk with room");
+    if (to.extension() == ".csv") {
+      const std::uint64_t size = fs::file_size(to), rows_end = end_of_whole_rows(to);
+      if (rows_end < size) summary.log_bytes_lost[to.filename().string()] = size - rows_end;
+      fs::resize_file(to, rows_end);
+    }
     sync_to_disk(to);
     files.push_back(to);
   }
@@ -47,7 +74,9 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
   info.extra["repaired"] = {{"from", in.name()},
                             {"packets_kept", summary.packets_kept()},
                             {"packets_lost", summary.packets_lost()},
+                            {"packets_damaged", summary.packets_damaged},
                             {"bytes_lost", summary.bytes_lost()},
+                            {"log_bytes_lost", summary.log_bytes_lost},
                             {"version", version()}};
   write_run_info(made, info);
   whole.commit();

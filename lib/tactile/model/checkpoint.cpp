@@ -10,6 +10,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/make_folders.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -68,9 +69,7 @@ nlohmann::json parsed(const std::map<std::string, std::string>& metadata, const 
 }  // namespace
 
 CheckpointFolder::CheckpointFolder(fs::path folder) : folder_(std::move(folder)) {
-  std::error_code failed;
-  fs::create_directories(folder_, failed);
-  if (failed) throw Error(folder_.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
+  make_folders(folder_);
   lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   // Some network disks lock no folders: then nobody can tell whether another process works here.
   const bool is_taken = lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;

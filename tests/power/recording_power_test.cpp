@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "events/made_recording.hpp"
+#include "power/cuts.hpp"
+#include "robot/fake_controller.hpp"
+#include "support/power_cut.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "tactile/video/video_times.hpp"
+#include "video/made_film.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+
+constexpr SensorSize size{640, 480};
+const std::string run_path = "data/fan/01/";
+
+/// The packets of a recording as it has them, by the place where each ends.
+std::map<std::uint64_t, std::string> stored_packets(const fs::path& file) {
+  const std::string bytes = read_text(file);
+  std::map<std::uint64_t, std::string> packets;
+  for (const PacketRecord& packet : test::packets_of(file)) {
+    const std::uint64_t begin = packet.payload_offset - 8, end = packet.payload_offset + packet.payload_size;
+    packets[end] = bytes.substr(begin, end - begin);
+  }
+  return packets;
+}
+
+std::size_t rows_in(const std::string& csv) { return static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')); }
+
+/// A recording of some seconds with the robot's log and a film, and what it did to its folder.
+class RecordingCutOff : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(root());
+    {
+      RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001")});
+      writer.write_events(0, test::steady_events(200'000, 1'000'000, 20, size));
+      writer.close();
+    }
+    test::write_film(folder / "film.mp4", test::uneven_times(150, 33'333us));
+    test::FakeController controller;
+    journal = test::journal_of({TACTILE_BINARY, "record", "--object", "fan", "--from", "file:../long.aedat4", "--video",
+                                "../film.mp4", "--robot", "127.0.0.1:" + std::to_string(controller.port())},
+                               root());
+  }
+
+  fs::path root() const { return folder / "lab"; }
+  fs::path run() const { return root() / "data/fan/01"; }
+
+  test::TemporaryFolder folder;
+  std::optional<test::WrittenJournal> journal;
+};
+
+TEST_F(RecordingCutOff, KeepsWhatWasSynced) {
+  if (!journal) GTEST_SKIP() << "this machine allows no tracing: no journal can be kept";
+  ASSERT_EQ(journal->exit_code, 0);
+  ASSERT_TRUE(journal->unseen.empty()) << *journal->unseen.begin();
+  const test::PowerCut cut(*journal);
+  const test::FolderImage whole = cut.whole();
+  ASSERT_EQ(whole, test::image_of(root())) << "the journal lacks something";
+  const auto recorded = stored_packets(run() / "events.aedat4");
+  const std::vector<VideoTime> filmed = test::decoded_times(run() / "video.mp4");
+  ASSERT_GT(cut.syncs_of(run_path + "events.aedat4", journal->entries.size()), 3U) << "it lasts four seconds";
+
+  const std::uint64_t seed = test::power_seed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random dice(seed);
+  std::size_t complete = 0, repaired = 0, covered = 0, damaged = 0, with_film = 0, with_rows = 0;
+  for (const std::size_t moment : cut.moments(test::power_cuts(60), dice)) {
+    SCOPED_TRACE("cut after entry " + std::to_string(moment) + " of " + std::to_string(journal->entries.size()));
+    const test::FolderImage image = cut.after(moment, &dice);
+    const test::TemporaryFolder place;
+    test::write_image(image, place.path());
+    std::map<std::string, std::string> synced;
+    for (const char* name : {"events.aedat4", "robot.csv", "video.mp4", "video.csv"}) {
+      const std::optional<std::string> content = cut.synced(run_path + name, moment);
+      // The names of all files are on the disk by the time the recording is synced for the first time.
+      if (!content || (!synced.contains("events.aedat4") && std::string_view(name) != "events.aedat4")) continue;
+      synced[name] = *content;
+      const auto found = image.find(run_path + name);
+      ASSERT_NE(found, image.end()) << name << " was synced, and is gone";
+      if (std::string_view(name) == "events.aedat4") continue;  // its header is written again at the end
+      EXPECT_TRUE(found->second->starts_with(*content)) << name << " is not what was synced";
+    }
+    if (!image.contains(run_path + "run.json")) {
+      EXPECT_FALSE(synced.contains("events.aedat4"));
+      continue;
+    }
+    const RunFolder left{place / "data/fan/01", "fan", "01"};
+    if (read_run_info(left).complete) {
+      ++complete;
+      EXPECT_EQ(run_tactile("info --check data/fan/01", place.path()).exit_code, 0);
+      for (const auto& [path, content] : whole) EXPECT_EQ(image.at(path), content) << path;
+      continue;
+    }
+
+    std::size_t packets_synced = 0;
+    for (const auto& [end, packet] : recorded) packets_synced += end <= synced["events.aedat4"].size() ? 1 : 0;
+    const test::CommandResult repair = run_tactile("repair data/fan/01 data/fan/02", place.path());
+    if (repair.exit_code != 0) {
+      EXPECT_EQ(packets_synced, 0U) << repair.err;
+      EXPECT_EQ(repair.exit_code, 1) << repair.err;
+      continue;
+    }
+    ++repaired;
+    const test::CommandResult info = run_tactile("info --check --json data/fan/01", place.path());
+    EXPECT_EQ(info.exit_code, 2) << info.err;
+    const nlohmann::json checksums = nlohmann::json::parse(info.out).at("recordings").at(0).at("checksums");
+    ASSERT_FALSE(checksums.is_null());
+    EXPECT_FALSE(checksums.at("header_damaged"));
+    EXPECT_GE(checksums.at("whole").get<std::size_t>() + checksums.at("not_covered").get<std::size_t>(), packets_synced);
+    covered += checksums.at("whole").get<std::size_t>();
+    damaged += checksums.at("damaged").get<std::size_t>();
+    for (const nlohmann::json& packet : checksums.at("first_damaged")) {
+      const auto position = packet.at("position").get<std::uint64_t>();
+      const auto written = recorded.upper_bound(position);
+      ASSERT_NE(written, recorded.end());
+      EXPECT_NE(image.at(run_path + "events.aedat4")->substr(position, written->second.size()), written->second)
+          << "a whole packet looks damaged, at byte " << position;
+    }
+
+    const test::CommandResult check = run_tactile("info --check data/fan/02", place.path());
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    const auto kept = stored_packets(place / "data/fan/02/events.aedat4");
+    auto next = recorded.begin();
+    for (const auto& [end, packet] : kept) {
+      next = std::find_if(next, recorded.end(), [&](const auto& each) { return each.second == packet; });
+      ASSERT_NE(next, recorded.end()) << "a packet that was never recorded";
+      ++next;
+    }
+    auto of_kept = kept.begin();
+    for (const auto& [end, packet] : recorded) {
+      if (end > synced["events.aedat4"].size()) break;
+      ASSERT_NE(of_kept, kept.end()) << "packets that were synced are lost";
+      ASSERT_EQ((of_kept++)->second, packet) << "the packet before byte " << end;
+    }
+
+    if (const std::size_t rows = rows_in(synced["robot.csv"]); rows > 2) {
+      EXPECT_GE(read_robot_log(place / "data/fan/02/robot.csv").longest().states.size() + 1, rows);
+      ++with_rows;
+    }
+    if (const std::size_t rows = rows_in(synced["video.csv"]); rows > 2) {
+      const std::vector<VideoTime> times = read_video_times(place / "data/fan/02/video.csv");
+      EXPECT_GE(times.size() + 1, rows);
+      test::write_image({{"synced.mp4", synced["video.mp4"]}}, place.path());
+      const auto frames = [](const fs::path& film) {
+        try {
+          return test::decoded_times(film);
+        } catch (const std::runtime_error&) {  // no fragment yet
+          return std::vector<VideoTime>();
+        }
+      };
+      const std::vector<VideoTime> expected = frames(place / "synced.mp4"), found = frames(place / "data/fan/02/video.mp4");
+      ASSERT_GE(found.size(), expected.size());
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), filmed.begin()));
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
+      with_film += expected.empty() ? 0 : 1;
+    }
+  }
+  EXPECT_GT(complete, 0U);
+  EXPECT_GT(repaired, 10U);
+  EXPECT_GT(covered, 100 * repaired / 2) << "most packets have no checksum";
+  EXPECT_GT(with_rows, 5U);
+  EXPECT_GT(with_film, 5U);
+  EXPECT_GT(damaged, 0U) << "no cut left a packet that its checksum knows as damaged";
+}
+
+}  // namespace
+}  // namespace tactile

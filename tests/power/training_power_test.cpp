@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "model/small_data.hpp"
+#include "power/cuts.hpp"
+#include "support/power_cut.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/model/model_bundle.hpp"
+#include "tactile/windows/write_dataset.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_tactile;
+
+const std::string arguments = "train --epochs 2 --batch 24 --validation 0.2 --save-every 0 --threads 1 --name mine";
+const std::string bundle = "models/mine", kept_state = "models/mine.training/last.safetensors";
+
+/// The files of the model that an image holds, by name; empty where there is no such folder.
+test::FolderImage bundle_in(const test::FolderImage& image) {
+  test::FolderImage files;
+  for (const auto& [path, content] : image) {
+    if (path.starts_with(bundle + "/")) files[path] = content;
+  }
+  return files;
+}
+
+TEST(TrainingCutOff, LeavesAModelThatIsWholeOrNoneAndIsResumed) {
+  const test::TemporaryFolder folder;
+  const fs::path lab = folder / "lab";
+  test::make_runs(lab / "data", {"fan", "usb-hub"}, 2);
+  write_dataset(lab / "data", lab / "data/dataset.h5", {}, 1);
+  ASSERT_EQ(run_tactile("heatmaps --th 40", lab).exit_code, 0);
+  std::vector<std::string> words{TACTILE_BINARY};
+  std::istringstream arguments_in(arguments);
+  for (std::string word; arguments_in >> word;) words.push_back(word);
+  const auto journal = test::journal_of(words, lab);
+  if (!journal) GTEST_SKIP() << "this machine allows no tracing: no journal can be kept";
+  ASSERT_EQ(journal->exit_code, 0);
+  ASSERT_TRUE(journal->unseen.empty()) << *journal->unseen.begin();
+  const test::PowerCut cut(*journal);
+  const test::FolderImage whole = cut.whole();
+  ASSERT_EQ(whole, test::image_of(lab)) << "the journal lacks something";
+  ASSERT_FALSE(bundle_in(whole).empty());
+
+  // Every state that was kept whole.
+  std::set<std::string> states;
+  for (std::size_t entry = 0; entry < journal->entries.size(); ++entry) {
+    if (journal->entries[entry].kind != test::JournalEntry::Kind::sync_ends) continue;
+    const test::FolderImage certain = cut.after(entry + 1, nullptr);
+    if (const auto state = certain.find(kept_state); state != certain.end()) states.insert(*state->second);
+  }
+  ASSERT_GT(states.size(), 2U);
+
+  const std::uint64_t seed = test::power_seed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random dice(seed);
+  const std::size_t cuts = test::power_cuts(80);
+  std::size_t with_model = 0, with_state = 0, number = 0;
+  for (const std::size_t moment : cut.moments(cuts, dice)) {
+    SCOPED_TRACE("cut after entry " + std::to_string(moment) + " of " + std::to_string(journal->entries.size()));
+    const test::FolderImage image = cut.after(moment, &dice);
+    const test::FolderImage model = bundle_in(image);
+    EXPECT_TRUE(model.empty() || model == bundle_in(whole)) << "a model that is not whole";
+    EXPECT_FALSE(model.empty() && image.contains(bundle)) << "a model without files";
+    with_model += model.empty() ? 0 : 1;
+    const auto state = image.find(kept_state);
+    if (state != image.end()) {
+      EXPECT_TRUE(states.contains(*state->second)) << "a state that is not whole";
+      ++with_state;
+    }
+    if (number++ % std::max<std::size_t>(1, cuts / 5) != 0) continue;  // a training takes its time
+    const test::TemporaryFolder place;
+    test::write_image(image, place.path());
+    const auto again = run_tactile(arguments + " --resume", place.path());
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(bundle_in(test::image_of(place.path())).at(bundle + "/weights.safetensors"),
+              whole.at(bundle + "/weights.safetensors"));
+  }
+  EXPECT_GT(with_model, 0U);
+  EXPECT_GT(with_state, 5U);
+  EXPECT_EQ(bundle_in(cut.after(journal->entries.size(), nullptr)), bundle_in(whole)) << "it ended, and is not on the disk";
+
+  const test::WrittenJournal careless = test::without_syncs(*journal);
+  const test::PowerCut careless_cut(careless);
+  std::size_t harmed = 0;
+  for (const std::size_t moment : careless_cut.moments(80, dice)) {
+    const test::FolderImage model = bundle_in(careless_cut.after(moment, &dice));
+    harmed += !model.empty() && model != bundle_in(whole) ? 1 : 0;
+  }
+  EXPECT_GT(harmed, 0U) << "without syncs a model should have suffered";
+}
+
+}  // namespace
+}  // namespace tactile
