@@ -6,14 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <thread>
 
 #include "interruption.hpp"
 #include "option_checks.hpp"
+#include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
@@ -94,11 +93,7 @@ void stop_if_interrupted() {
 }
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
-  const std::string result = common.json ? json.dump(2) + "\n" : text;
-  std::fwrite(result.data(), 1, result.size(), stdout);
-  if (std::fflush(stdout) == 0) return;
-  const std::string expected = errno == EPIPE ? "a program that reads it to its end" : "a place with room";
-  throw Error(fmt::format("standard output: cannot be written ({}); expected {}", std::strerror(errno), expected));
+  print(common.json ? json.dump(2) + "\n" : text);
 }
 
 ProgressCallback progress_line(const CommonArguments& common) {

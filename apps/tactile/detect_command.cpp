@@ -458,7 +458,9 @@ void add_detect_command(CLI::App& app) {
       ->check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       ->capture_default_str();
   command->add_option("--duration", args->duration_s, "End after this long [s]")->check(in_range(1e-3, 1e9))->type_name("S");
-  command->add_option("--reconnect", args->reconnect_s, "So long a stream that closed or broke is opened again [s]")
+  command
+      ->add_option("--reconnect", args->reconnect_s,
+                   "So long a stream or camera whose connection broke is opened again [s]; one that closed has ended")
       ->check(in_range(0.0, 1e9))
       ->type_name("S")
       ->capture_default_str();

@@ -113,11 +113,11 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   if (known) settings = read_description(*known).settings;
   const bool knows_unseen = known && settings.split.kind == SplitKind::unseen;
   const ModelBundle seen =
-      known && !knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::single_run, {}), known);
+      known && !knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::single_run, {}));
   const auto unseen_settings = [&] {
     return with_split(settings, SplitKind::unseen, objects_to_hold_out(args.held_out, dataset));
   };
-  const ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings(), seen);
+  const ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings());
   check_writable(seen.folder);
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 

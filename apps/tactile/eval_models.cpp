@@ -91,7 +91,7 @@ ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vect
 }
 
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
-                       const ModelSettings& settings, const std::optional<ModelBundle>& other) {
+                       const ModelSettings& settings) {
   // A partner of one that goes on from a model goes on from one too, but not from the same: that saw what is to be held out.
   const auto like_ours = [&](ModelSettings model) {
     if (model.from && settings.from) model.from = settings.from;
@@ -125,10 +125,10 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
     throw Error(fmt::format("{}: is there, but of another dataset or damaged; expected it of {}, run '{} --force' first",
                             bundle.folder.string(), dataset.file().string(), command));
   }
-  const auto rate = other ? images_per_s(*other) : std::nullopt;
   spdlog::info("{} is missing: it is trained first, as by '{}': {}", bundle.folder.string(), command,
-               training_estimate(dataset, settings, rate, common.threads));
-  train_model(dataset, settings, bundle, {.threads = common.threads, .resume = true}, progress_line(common));
+               training_size(dataset, settings));
+  train_model(dataset, settings, bundle, {.threads = common.threads, .resume = true},
+              with_estimates(progress_line(common), settings.training.epochs));
   return bundle;
 }
 

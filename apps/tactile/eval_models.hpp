@@ -37,8 +37,7 @@ std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& d
 ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out);
 
 /// The model of the same settings that holds objects out, or does not; trained where it is missing.
-/// @param other  whose speed of training tells how long it will take
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
-                       const ModelSettings& settings, const std::optional<ModelBundle>& other);
+                       const ModelSettings& settings);
 
 }  // namespace tactile

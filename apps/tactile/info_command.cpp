@@ -15,10 +15,12 @@
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
+#include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_health.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -110,7 +112,10 @@ Report examine(const Subject& subject, const InfoArguments& args, unsigned threa
   Report report{subject, {}, std::nullopt, {}, {}, {}};
   std::string no_run;
   try {
-    if (subject.run) report.run = read_run_info(*subject.run);
+    if (subject.run) {
+      report.run = read_run_info(*subject.run);
+      report.run->simulated = is_simulated(*subject.run);
+    }
   } catch (const Error& e) {
     no_run = e.what();
   }
@@ -368,8 +373,9 @@ std::string text_of(const Report& report, const InfoArguments& args) {
   if (report.run && report.files.told) head.add("files", files_text(report.files, args));
   if (const StreamHealth* camera = main_stream(health)) {
     const auto& size = camera->stream.size;
-    head.add("camera", fmt::format("{}, {}", camera->stream.source.empty() ? "not named" : camera->stream.source,
-                                   size ? fmt::format("{} x {} pixels", size->width, size->height) : "no size declared"));
+    head.add("camera", fmt::format("{}, {}{}", camera->stream.source.empty() ? "not named" : camera->stream.source,
+                                   size ? fmt::format("{} x {} pixels", size->width, size->height) : "no size declared",
+                                   !report.run && is_simulated({&camera->stream, 1}) ? ", simulated" : ""));
   }
   if (health.first()) {
     head.add("begin", moment_text(*health.first()));
@@ -426,7 +432,7 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   }
   if (!recordings.empty() || common.json) print_result(common, {{"recordings", recordings}, {"failed", failed}}, text);
   if (!errors.empty()) {
-    for (std::size_t i = 0; i + 1 < errors.size(); ++i) fmt::print(stderr, "tactile: {}\n", errors[i]);
+    for (std::size_t i = 0; i + 1 < errors.size(); ++i) print_error(errors[i]);
     throw Error(errors.back());
   }
   if (sick) throw CheckFailed{};

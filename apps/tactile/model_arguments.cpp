@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
@@ -13,15 +18,6 @@
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
-namespace {
-
-/// Forward and back, on a common core.
-double common_images_per_s_and_thread(const ModelSettings& settings) {
-  const bool fused = settings.training.engine == EngineKind::fast && settings.network == LeNetOptions{};
-  return fused ? 1200 : 333;
-}
-
-}  // namespace
 
 std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
@@ -65,12 +61,39 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
   return held_out;
 }
 
-std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
-                              unsigned threads) {
+std::string training_size(const Dataset& dataset, const ModelSettings& settings) {
   const std::size_t samples = samples_of_runs(dataset, split_of(dataset, settings.split).train_runs).size();
-  const double rate = images_per_s.value_or(common_images_per_s_and_thread(settings) * threads);
-  return fmt::format("{}, {}, about {} (min:s)", counted(samples, "sample"), counted(settings.training.epochs, "epoch"),
-                     clock_text(static_cast<double>(samples) * settings.training.epochs / rate));
+  return fmt::format("{}, {}", counted(samples, "sample"), counted(settings.training.epochs, "epoch"));
+}
+
+ProgressCallback with_estimates(ProgressCallback progress, unsigned epochs) {
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+  struct Mark {
+    Clock::time_point at;
+    std::uint64_t done = 0;
+  };
+  struct State {
+    std::optional<Mark> epoch_begun;  // that of the first call is amid an epoch, where it is one that was broken off
+    std::optional<Clock::time_point> promised;
+  };
+  return [progress = std::move(progress), epochs, state = std::make_shared<State>()](const Progress& now) {
+    const Mark mark{Clock::now(), now.done};
+    const std::uint64_t epoch_size = now.total / epochs;
+    if (!state->epoch_begun) state->epoch_begun = mark;
+    if (epoch_size > 0 && now.done % epoch_size == 0 && now.done > state->epoch_begun->done) {
+      const Seconds lasted = mark.at - state->epoch_begun->at;
+      const Seconds left =
+          lasted * (static_cast<double>(now.total - now.done) / static_cast<double>(now.done - state->epoch_begun->done));
+      const auto wrong_by = [&] { return std::abs(Seconds(mark.at + left - *state->promised).count()); };
+      if (now.done < now.total && (!state->promised || wrong_by() > left.count() / 4)) {
+        spdlog::info("epoch {} of {}: about {} more (min:s)", now.done / epoch_size, epochs, clock_text(left.count()));
+        state->promised = mark.at + std::chrono::duration_cast<Clock::duration>(left);
+      }
+      state->epoch_begun = mark;
+    }
+    if (progress) progress(now);
+  };
 }
 
 void add_engine_option(CLI::App& command, std::string& engine) {

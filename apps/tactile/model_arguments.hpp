@@ -25,9 +25,12 @@ CLI::Validator is_confirmation();
 /// @throws Error  where none was named and none of those, or nothing else, is there
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);
 
-/// How long a training will take, for people: from `images_per_s` where it is known, else from what a common core does.
-std::string training_estimate(const Dataset& dataset, const ModelSettings& settings, std::optional<double> images_per_s,
-                              unsigned threads);
+/// What a training works through, for people: "3636 samples, 10 epochs".
+std::string training_size(const Dataset& dataset, const ModelSettings& settings);
+
+/// Passes a training's progress on, and logs how much longer it takes once its first epoch is done: by what that took, which no
+/// one knows before. It logs that once more where an epoch shows that it was wrong by a quarter.
+ProgressCallback with_estimates(ProgressCallback progress, unsigned epochs);
 
 /// `--engine`, what a model is run with.
 void add_engine_option(CLI::App& command, std::string& engine);

@@ -1,17 +1,23 @@
 #include "program.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,6 +26,7 @@
 #include "command.hpp"
 #include "help_text.hpp"
 #include "interruption.hpp"
+#include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
@@ -27,7 +34,29 @@
 
 namespace tactile {
 
-int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+namespace {
+
+/// What the standard library calls lack of memory says nothing to a person.
+int fail_for_lack_of_memory() noexcept {
+  std::fputs("tactile: there is not enough memory; expected more, or less work at once (--threads 1)\n", stderr);
+  return 1;
+}
+
+/// Where an exception cannot be caught, as in a destructor.
+[[noreturn]] void end_uncaught() {
+  try {
+    if (const std::exception_ptr uncaught = std::current_exception()) std::rethrow_exception(uncaught);
+  } catch (const std::bad_alloc&) {
+    std::_Exit(fail_for_lack_of_memory());
+  } catch (const std::exception& e) {
+    print_error(e.what());
+  } catch (...) {
+    // What it was cannot be known.
+  }
+  std::abort();
+}
+
+int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
   hold_signals();
   spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
   spdlog::set_pattern("%^%l%$: %v");
@@ -43,37 +72,93 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version
+    if (e.get_exit_code() == 0) {  // --help and --version
+      std::ostringstream text;
+      app.exit(e, text, text);
+      print(text.str());
+      return 0;
+    }
     std::vector<std::string> names;
     for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
       const std::string nearest = nearest_name(argv[1], names);
-      fmt::print(stderr, "tactile: '{}' is no command; {}'tactile --help' lists all\n", argv[1],
-                 nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest));
+      print_error(fmt::format("'{}' is no command; {}'tactile --help' lists all", argv[1],
+                              nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest)));
       return e.get_exit_code();
     }
     const UsageError error = usage_error(app, e);
-    fmt::print(stderr, "tactile: {}\n", error.sentence);
+    print_error(error.sentence);
     return error.exit_code;
-  } catch (const CheckFailed&) {
-    return 2;
-  } catch (const Interrupted&) {
-    fmt::print(stderr, "tactile: interrupted\n");
-    return 130;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "tactile: {}\n", e.what());
-    return 1;
   }
 }
 
+}  // namespace
+
+int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+  open_missing_streams();
+  std::set_terminate(end_uncaught);
+  int exit_code = 0;
+  try {
+    exit_code = run(argc, argv, commands);
+  } catch (const CheckFailed&) {
+    exit_code = 2;
+  } catch (const Interrupted&) {
+    print_error("interrupted");
+    return 130;
+  } catch (const std::bad_alloc&) {
+    return fail_for_lack_of_memory();
+  } catch (const std::exception& e) {
+    print_error(e.what());
+    return 1;
+  }
+  if (exit_code != 0 && exit_code != 2) return exit_code;  // why has been printed
+  const std::string lost = what_output_lost();
+  if (lost.empty()) return exit_code;
+  print_error(lost);
+  return 1;
+}
+
+namespace {
+
+/// Whether `program` can be loaded where there is a limit on memory: tried in a process of its own, since who becomes a program
+/// that cannot be loaded is ended by the loader, in its own words.
+bool can_be_loaded(const std::string& program) {
+  rlimit limit{};
+  const auto is_limited = [&limit](auto which) { return ::getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY; };
+  if (!is_limited(RLIMIT_AS) && !is_limited(RLIMIT_DATA)) return true;
+  constexpr unsigned longest_s = 60;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int nothing = ::open("/dev/null", O_RDWR);
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nothing, descriptor);
+    ::alarm(longest_s);
+    ::execl(program.c_str(), "tactile", "--version", nullptr);
+    ::_exit(1);
+  }
+  int status = 0;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+}  // namespace
+
 int hand_over_to(const char* program, char** argv) {
+  open_missing_streams();
   hold_signals();
   std::error_code failed;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
   const std::string file = (here / program).string();
+  // OpenCV loads OpenBLAS, which begins a thread for each core as it is loaded, with 128 MB for each: without them they spin,
+  // and the process waits for them as it ends. We let it work on one thread anyway: libtorch has threads of its own.
+  ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+  if (std::filesystem::exists(file, failed) && !can_be_loaded(file)) {
+    print_error(fmt::format("{}: cannot be loaded within the limit on memory (ulimit -v); expected a higher one, or none", file));
+    return 1;
+  }
   ::execv(file.c_str(), argv);
-  fmt::print(stderr, "tactile: {}: cannot be run ({}); expected this part of tactile beside the program itself\n", file,
-             std::strerror(errno));
+  print_error(
+      fmt::format("{}: cannot be run ({}); expected this part of tactile beside the program itself", file, std::strerror(errno)));
   return 1;
 }
 

@@ -21,6 +21,7 @@
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/capture/looped_source.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/network/dv_stream_server.hpp"
 #include "text_table.hpp"
 

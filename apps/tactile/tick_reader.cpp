@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <cstdio>
 #include <utility>
 
 #include "command.hpp"
 #include "quantity_text.hpp"
+#include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {
@@ -70,10 +70,8 @@ void TickReader::begin_episode(const ToldTick& tick) {
   if (!options_.prints) return;
   line_.clear();
   const double seconds = 1e-6 * static_cast<double>(us_of(tick.verdict.t));
-  const std::string text = fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
-                                       static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)]));
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
+  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
+                    static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
 }
 
 void TickReader::draw() {

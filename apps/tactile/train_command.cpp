@@ -197,7 +197,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
       spdlog::info("going on with {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
                    100 * done);
     } else {
-      spdlog::info("training {}: {}", bundle.name(), training_estimate(dataset, settings, {}, common.threads));
+      spdlog::info("training {}: {}", bundle.name(), training_size(dataset, settings));
     }
   };
   TrainingSummary summary;
@@ -209,7 +209,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
                            .from = from.folder,
                            .if_there = state == BundleState::missing ? IfThere::refuse : IfThere::replace,
                            .begins = tell_begin},
-                          progress_line(common));
+                          with_estimates(progress_line(common), settings.training.epochs));
   } catch (const Interrupted&) {
     if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))
       spdlog::warn("{}: broken off; the same command with --resume goes on where it was", bundle.folder.string());

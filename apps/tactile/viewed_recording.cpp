@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tactile/core/error.hpp"
+#include "tactile/events/simulated_recording.hpp"
 
 namespace tactile {
 namespace {
@@ -15,11 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
-
-/// Whether the run that holds the recording was simulated; a recording that is no run's never was, as far as anybody can tell.
-bool is_simulated(const RunFolder& run, const fs::path& recording) {
-  return recording.filename() == run.events().filename() && fs::exists(run.info()) && read_run_info(run).simulated;
-}
 
 }  // namespace
 
@@ -33,7 +29,9 @@ ViewedRecording::ViewedRecording(const std::string& what, const std::string& str
   source_ = chosen.source;
   sensor_ = *chosen.size;
   name_ = run_ ? run_->name() : reader_.file().filename().string();
-  simulated_ = is_simulated(run_ ? *run_ : run_folder_at(fs::absolute(reader_.file()).parent_path()), reader_.file());
+  const RunFolder around = run_ ? *run_ : run_folder_at(fs::absolute(reader_.file()).parent_path());
+  const bool is_of_run = reader_.file().filename() == around.events().filename();
+  simulated_ = is_of_run ? is_simulated(around) : is_simulated(reader_.streams());
   if (run_ && fs::exists(run_->labels())) {
     labelled_ = true;
     for (const LabelledInterval& interval : read_labels(run_->labels()).intervals) intervals_.push_back(interval.interval());

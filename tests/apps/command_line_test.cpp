@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -87,6 +88,58 @@ TEST(CommandLine, SaysInOneSentenceWhatIsWrongAndWhatIsRight) {
     EXPECT_TRUE(result.out.empty()) << arguments;
   }
 }
+
+TEST(CommandLine, AFullStandardOutputIsAnErrorHoweverItIsWrittenTo) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  // More than stdio keeps before it writes, and less.
+  for (const char* arguments :
+       {"--help", "--version", "train --help", "info --json data", "info data/fan/01", "label --json", "doctor --json"}) {
+    const auto result = run_tactile(std::string(arguments) + " >/dev/full", folder.path());
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_TRUE(result.err.ends_with(
+        "tactile: standard output: cannot be written (No space left on device); expected a place with room\n"))
+        << arguments << "\n"
+        << result.err;
+  }
+}
+
+TEST(CommandLine, NoStandardStreamThatIsClosedOrFullAbortsIt) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  for (const char* streams : {">&- 2>&-", "<&- >&- 2>&-", ">&- 2>/dev/full"}) {
+    EXPECT_EQ(run_tactile(std::string("info x ") + streams, folder.path()).exit_code, 1) << streams;
+    EXPECT_EQ(run_tactile(std::string("info data/fan/01 ") + streams, folder.path()).exit_code, 1) << streams;
+    EXPECT_EQ(run_tactile(std::string("bogus ") + streams, folder.path()).exit_code, 106) << streams;
+    EXPECT_EQ(run_tactile(std::string("label ") + streams, folder.path()).exit_code, 1) << streams;
+  }
+  EXPECT_EQ(run_tactile("info data/fan/01 2>&-", folder.path()).exit_code, 0);
+  const auto closed = run_tactile("info data/fan/01 >&-", folder.path());
+  EXPECT_EQ(closed.err,
+            "tactile: standard output: cannot be written (Bad file descriptor); expected one that is open for writing\n");
+  // The recording that was made with its standard streams closed has nothing in it that was meant for them.
+  EXPECT_EQ(run_tactile("convert data/fan/01 whole.aedat4 <&- 2>&-", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("convert data/fan/01 closed.aedat4 <&- >&- 2>&-", folder.path()).exit_code, 1);
+  EXPECT_EQ(run_tactile("info --check whole.aedat4", folder.path()).exit_code, 0);
+  EXPECT_EQ(run_tactile("info --check closed.aedat4", folder.path()).exit_code, 0);
+}
+
+#if !defined(__SANITIZE_ADDRESS__)  // whose shadow takes more than any of these limits
+TEST(CommandLine, EndsWhereThereIsLittleMemory) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  for (const char* arguments : {"--help", "info data/fan/01", "windows --help", "label", "doctor --quiet"}) {
+    for (const int limit_mb : {50, 350, 700, 1000}) {
+      const auto result = test::run_shell(
+          fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' {}", limit_mb * 1000, TACTILE_BINARY, arguments),
+          folder.path());
+      if (result.exit_code == 0) continue;
+      EXPECT_EQ(result.exit_code, 1) << arguments << " within " << limit_mb << " MB\n" << result.err;
+      EXPECT_NE(result.err.find("memory"), std::string::npos) << arguments << " within " << limit_mb << " MB\n" << result.err;
+    }
+  }
+}
+#endif
 
 /// A signal may come while libraries load, and while one program of ours becomes another.
 TEST(CommandLine, CtrlCNeverKillsItBareHoweverEarlyItComes) {

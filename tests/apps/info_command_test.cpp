@@ -117,6 +117,22 @@ TEST(InfoCommand, TellsWhatARealDavisRecordingHolds) {
   EXPECT_EQ(recording.at("healthy"), true) << recording.at("reasons");
 }
 
+TEST(InfoCommand, KnowsASimulatedRunByItsCameraToo) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("label --quiet", folder.path()).exit_code, 0);
+  std::filesystem::remove(folder / "data/fan/01/run.json");
+  std::filesystem::remove(folder / "data/fan/01/truth.json");
+  std::filesystem::copy_file(folder / "data/fan/01/events.aedat4", folder / "copy.aedat4");
+  EXPECT_NE(run_tactile("info copy.aedat4", folder.path()).out.find("pixels, simulated"), std::string::npos);
+  EXPECT_NE(run_tactile("info data/fan/01", folder.path()).out.find("pixels, simulated"), std::string::npos);
+  const auto viewed = run_tactile("view --json copy.aedat4 --out copy.png", folder.path());
+  EXPECT_EQ(nlohmann::json::parse(viewed.out).at("simulated"), true) << viewed.err;
+  // Beside a run that names itself simulated it is no real one.
+  const auto windows = run_tactile("windows --json", folder.path());
+  EXPECT_EQ(windows.err.find("there are real"), std::string::npos) << windows.err;
+}
+
 TEST(InfoCommand, PrintsAReportForPeople) {
   const test::CommandResult result = run_tactile("info " + vendor_files + "dv-lz4.aedat4");
   EXPECT_EQ(result.exit_code, 0);

@@ -5,6 +5,7 @@
 #include "events/made_recording.hpp"
 #include "tactile/capture/pace.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/events/simulated_recording.hpp"
 
 namespace tactile {
 namespace {
@@ -72,12 +73,12 @@ TEST(AscendingTimes, ThrowsWhereTheClockWasSetBack) {
 TEST(CameraJson, TellsWhatTheStreamsSay) {
   Stream stream = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   EXPECT_EQ(camera_json({&stream, 1}), nlohmann::json({{"source", "DVXplorer_DXM00001"}}));
-  EXPECT_FALSE(says_simulated({&stream, 1}));
+  EXPECT_FALSE(is_simulated({&stream, 1}));
   set_info(stream, readout_mode_attribute, "constant-500");
   set_info(stream, readout_mode_attribute, "variable-5000");
   set_info(stream, simulated_attribute, "true");
   EXPECT_EQ(camera_json({&stream, 1}).at("readout_mode"), "variable-5000");
-  EXPECT_TRUE(says_simulated({&stream, 1}));
+  EXPECT_TRUE(is_simulated({&stream, 1}));
 }
 
 TEST(Pace, LetsEverythingThroughAtSpeedZeroAndHoldsBackWhatIsNotDue) {

@@ -12,6 +12,7 @@
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_writer.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/network/dv_stream_server.hpp"
 
 namespace tactile {

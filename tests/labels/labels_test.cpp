@@ -112,6 +112,33 @@ TEST(Labels, ThatOverlapOrEndBeforeTheyStartAreRefused) {
   EXPECT_THROW(write_labels(folder / "labels.json", labels), Error);
 }
 
+TEST(Labels, OfTimesBeforeTheCamerasFirstAreRefusedByMember) {
+  const test::TemporaryFolder folder;
+  Labels labels;
+  labels.intervals = {interval(Touch::press, 1'000, 3'500)};
+  labels.rejected = {{Touch::slip, camera_time(5'000), camera_time(6'000)}};
+  write_labels(folder / "labels.json", labels);
+  const auto whole = read_json(folder / "labels.json");
+  for (const char* member : {"/intervals/0/start_us", "/intervals/0/end_us", "/rejected/0/start_us", "/rejected/0/end_us"}) {
+    nlohmann::json json = whole;
+    const nlohmann::json::json_pointer place(member);
+    ASSERT_TRUE(json.contains(place)) << member;
+    json[place] = -5;
+    write_json(folder / "labels.json", json);
+    try {
+      read_labels(folder / "labels.json");
+      ADD_FAILURE() << member << ": no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(std::string(e.what()),
+                (folder / "labels.json").string() + ": '" + place.back() + "' is -5; expected a time from 0");
+    }
+  }
+  nlohmann::json json = whole;
+  json["intervals"][0]["start_low_us"] = -5;  // an interval of confidence may reach below
+  write_json(folder / "labels.json", json);
+  EXPECT_EQ(read_labels(folder / "labels.json").intervals.front().start.low, camera_time(-5));
+}
+
 TEST(Labels, FileOfAnotherKindIsRefusedByName) {
   const test::TemporaryFolder folder;
   write_json(folder / "labels.json", {{"intervals", "many"}});

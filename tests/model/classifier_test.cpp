@@ -162,7 +162,38 @@ TEST(ModelBundle, KeepsTheHistory) {
   EXPECT_EQ(history[1].validation_loss, 0.75);
   EXPECT_EQ(history[1].validation_accuracy, 0.5);
   EXPECT_EQ(history[1].gradient_norm, 2.5);
-  EXPECT_EQ(images_per_s(bundle), 123.5);
+  EXPECT_EQ(history[1].images_per_s, 123.5);
+}
+
+TEST(ModelBundle, ThatNoTrainingWritesIsRefusedAsItIsLoaded) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  const auto whole = read_json(bundle.description());
+  const std::vector<std::tuple<std::string, nlohmann::json, std::string>> cases{
+      {"/rendering/factor", 0, "model.json: rendering: factor of 0; expected"},
+      {"/rendering/tick_us", -5, "model.json: rendering: tick of -5 us; expected"},
+      {"/rendering/history_us", 1'000'000'000'000'000, "model.json: rendering: history_us of 1000000000000000; expected"},
+      {"/network/input/width", 0, "model.json: network.input: 0 x "},
+      {"/network/input/height", 40'000, "x 40000; expected"},
+      {"/training/epochs", 0, "model.json: training: "},
+      {"/training/batch", 0, "model.json: training: "},
+      {"/threads", 0, "model.json: threads: 0; expected at least 1"}};
+  for (const auto& [member, value, sentence] : cases) {
+    nlohmann::json json = whole;
+    const nlohmann::json::json_pointer place(member);
+    ASSERT_TRUE(json.contains(place)) << member;
+    json[place] = value;
+    write_json(bundle.description(), json);
+    try {
+      read_description(bundle);
+      ADD_FAILURE() << member << ": no error";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(sentence), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(bundle.folder.string()), std::string::npos) << e.what();
+    }
+  }
+  write_json(bundle.description(), whole);
+  EXPECT_NO_THROW(read_description(bundle));
 }
 
 TEST(NewestBundle, IsTheOneTrainedLastOfThoseWanted) {

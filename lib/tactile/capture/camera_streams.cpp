@@ -58,11 +58,6 @@ void set_info(Stream& stream, std::string_view key, std::string value) {
   stream.info.emplace_back(key, std::move(value));
 }
 
-bool says_simulated(std::span<const Stream> streams) {
-  return std::any_of(streams.begin(), streams.end(),
-                     [](const Stream& stream) { return info_of(stream, simulated_attribute) == "true"; });
-}
-
 nlohmann::json camera_json(std::span<const Stream> streams) {
   nlohmann::json json = nlohmann::json::object();
   for (const Stream& stream : streams) {

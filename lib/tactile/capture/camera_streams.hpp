@@ -12,13 +12,11 @@
 
 namespace tactile {
 
-// Attributes of a stream's `info` that say what the vendor's own do not.
+/// An attribute of a stream's `info` that says what the vendor's own do not.
 inline constexpr std::string_view readout_mode_attribute = "readoutMode";
-inline constexpr std::string_view simulated_attribute = "simulated";  ///< "true" of what no camera ever saw
 
 std::optional<std::string> info_of(const Stream& stream, std::string_view key);
 void set_info(Stream& stream, std::string_view key, std::string value);
-bool says_simulated(std::span<const Stream> streams);
 
 /// What streams say of their camera, for run.json: `source`, and `readout_mode` where one names it.
 nlohmann::json camera_json(std::span<const Stream> streams);

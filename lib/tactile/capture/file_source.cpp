@@ -10,6 +10,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/events/simulated_recording.hpp"
 
 namespace tactile {
 namespace {
@@ -117,7 +118,7 @@ class FileSource final : public CameraSource {
       }
     }
     const nlohmann::json info = run_info_beside(file);
-    simulated_ = says_simulated(streams_) || (info.contains("simulated") && info.at("simulated") == true);
+    simulated_ = is_simulated(streams_) || (info.contains("simulated") && info.at("simulated") == true);
     if (info.contains("camera") && info.at("camera").is_object()) camera_ = info.at("camera");
     camera_.update(camera_json(streams_));
     camera_["replay_of"] = file.string();

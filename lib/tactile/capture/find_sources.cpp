@@ -11,6 +11,7 @@
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/network/dv_stream_client.hpp"
 
 namespace tactile {
@@ -84,7 +85,7 @@ void add_stream(const SourcePlaces& places, std::vector<FoundSource>& found) {
     std::string what = fmt::format("DV stream of {} from {}", name_of(stream.type), stream.source);
     if (stream.size) what += fmt::format(", {}x{}", stream.size->width, stream.size->height);
     if (const auto mode = info_of(stream, readout_mode_attribute)) what += ", read-out " + *mode;
-    if (info_of(stream, simulated_attribute) == "true") what += ", simulated";
+    if (is_simulated({&stream, 1})) what += ", simulated";
     found.push_back({places.stream, what, ""});
   } catch (const Error&) {
     // Nobody there, or nobody who speaks our language: it is not among the sources.

@@ -1,6 +1,7 @@
 #include "tactile/capture/network_source.hpp"
 
 #include "tactile/capture/camera_streams.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/network/dv_stream_client.hpp"
 
 namespace tactile {
@@ -13,7 +14,7 @@ class NetworkSource final : public CameraSource {
 
   std::string name() const override { return name_; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
-  bool simulated() const override { return says_simulated(streams()); }
+  bool simulated() const override { return is_simulated(streams()); }
   bool tells_arrivals() const override { return client_.tells_arrivals(); }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());

@@ -16,6 +16,7 @@
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/events/packet_checksums.hpp"
+#include "tactile/events/simulated_recording.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -200,7 +201,7 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
   State& state = *state_;
   state.streams = recorded_streams(sources);
   for (const RecordedStream& stream : state.streams) state.declared.push_back(stream.stream);
-  state.is_simulated = says_simulated(state.declared) ||
+  state.is_simulated = is_simulated(state.declared) ||
                        std::any_of(sources.begin(), sources.end(), [](const auto& source) { return source->simulated(); });
   state.robot = std::move(robot);
   state.video = std::move(video);

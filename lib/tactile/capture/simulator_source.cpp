@@ -10,6 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/simulation/simulated_run.hpp"
 
 namespace tactile {

@@ -164,11 +164,11 @@ EventFeed::Outcome EventFeed::receive(microseconds patience) {
         break;
       case CameraSource::Received::ended:
         keep_drops();
-        return leave("has closed", false);
+        return Outcome::over;  // as it should: it is not waited for
     }
   } catch (const Error& e) {
     keep_drops();
-    return leave(e.what(), true);
+    return leave(e.what());
   }
   note_drops();
   return outcome;
@@ -219,19 +219,17 @@ void EventFeed::note_drops() {
 }
 
 /// Why the source is gone is said once.
-EventFeed::Outcome EventFeed::leave(const std::string& why, bool broke) {
+EventFeed::Outcome EventFeed::leave(const std::string& why) {
   const bool tries = options_.open && options_.reconnect > milliseconds(0);
-  if (broke || tries)
-    say(broke ? "broken" : "closed",
-        fmt::format("{}{}{}", broke ? "" : name_ + ": ", why, tries ? "; trying to open it again" : ""));
+  say("broken", why + (tries ? "; trying to open it again" : ""));
   const std::scoped_lock lock(guard_);
   if (!tries) {
-    if (broke) error_ = why;
+    error_ = why;
     return Outcome::over;
   }
   drops_of_earlier_ += std::exchange(drops_, {});
   drops_known_ = 0;
-  why_gone_ = why, broke_ = broke, gone_at_ = host_now();
+  why_gone_ = why, gone_at_ = host_now();
   ++index_;  // what was known of the stream is not to be mixed with what comes
   mark(packet_.front());
   return Outcome::gone;
@@ -268,7 +266,7 @@ bool EventFeed::open_again() {
                              1e-3 * static_cast<double>(options_.reconnect.count())));
   const std::scoped_lock lock(guard_);
   gave_up_after_ = tried;
-  if (broke_) error_ = why_gone_;
+  error_ = why_gone_;
   return false;
 }
 

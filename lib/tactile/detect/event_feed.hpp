@@ -19,7 +19,7 @@
 namespace tactile {
 
 struct EventFeedOptions {
-  /// Opens the source again after it closed or broke; one that cannot be opened again, such as a file, has none.
+  /// Opens the source again after it broke; one that cannot be opened again, such as a file, has none.
   std::function<std::unique_ptr<CameraSource>()> open = {};
   std::chrono::milliseconds reconnect{10'000};  ///< how long it is tried, >= 0
   /// Whether a thread of its own receives; else whoever asks for the next packet does, which spares waking one thread by another.
@@ -33,7 +33,7 @@ struct EventFeedOptions {
   TellFault fault = {};
 };
 
-/// Brings what a source sends, and opens the source again where it closed or broke, on a thread of its own. Each opening has a
+/// Brings what a source sends until it ends, and opens the source again where it broke, on a thread of its own. Each opening has a
 /// `source_index` of its own, and so has each time between two: then one empty packet tells that the source is gone. What waits
 /// to be asked for is in a queue, which is closed when it is over.
 class EventFeed final : public PacketSupply {
@@ -66,7 +66,7 @@ class EventFeed final : public PacketSupply {
   void note_arrival();
   void hand_over();
   void note_drops();
-  Outcome leave(const std::string& why, bool broke);
+  Outcome leave(const std::string& why);
   bool open_again();
   void say(const char* kind, const std::string& text) const;
 
@@ -88,7 +88,6 @@ class EventFeed final : public PacketSupply {
   std::condition_variable wake_;
   bool stops_ = false, opens_ = false;
   std::string why_gone_, error_;
-  bool broke_ = false;
   std::optional<microseconds> gave_up_after_;
   SourceDrops drops_, drops_of_earlier_;
   std::thread thread_;

@@ -16,7 +16,7 @@ namespace tactile {
 
 /// What went wrong on the way of the events or the verdicts, and what was done.
 struct DetectionFault {
-  std::string kind;  ///< "closed", "broken", "back", "gave up", "unsound", "jump", "silence", "events again", "stopped", "late",
+  std::string kind;  ///< "broken", "back", "gave up", "unsound", "jump", "silence", "events again", "stopped", "late",
                      ///< "late events", "behind", "long packets", "lost", "robot", "udp", "recording"
   std::string text;  ///< a sentence; empty where the like was said a moment ago
   HostTime at{};

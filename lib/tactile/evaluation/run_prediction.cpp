@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/simulated_recording.hpp"
 
 namespace tactile {
 namespace {
@@ -23,7 +24,7 @@ RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, co
                           const std::function<void(std::size_t)>& advance) {
   RunPrediction prediction;
   prediction.run = run.name();
-  prediction.simulated = std::filesystem::exists(run.info()) && read_run_info(run).simulated;
+  prediction.simulated = is_simulated(run);
   prediction.truth = read_run_truth(run, options.include_flagged);
   prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
   prediction.confirmation = options.confirmation;

@@ -25,9 +25,16 @@ void add_time(json& object, const std::string& name, const UncertainTime& time) 
   object[name + "_high_us"] = us_of(time.high);
 }
 
+/// A time of the recording. Camera times begin at 0; an interval of confidence may reach below.
+CameraTime recorded_time_in(const json& object, const std::string& key, const std::string& where) {
+  const auto us = member<std::int64_t>(object, key, where);
+  if (us < 0) throw Error(where + ": '" + key + "' is " + std::to_string(us) + "; expected a time from 0");
+  return camera_time(us);
+}
+
 UncertainTime uncertain_time_in(const json& object, const std::string& name, const std::string& where) {
   const auto at = [&](const std::string& key) { return camera_time(member<std::int64_t>(object, key, where)); };
-  return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
+  return {recorded_time_in(object, name + "_us", where), at(name + "_low_us"), at(name + "_high_us")};
 }
 
 json json_of(const FittedClock& clock) {
@@ -64,6 +71,8 @@ FittedClock clock_in(const json& object, const std::string& where) {
                     .method = member<std::string>(object, "method", where),
                     .from = time_in(object, "from_us", where),
                     .to = time_in(object, "to_us", where)};
+  if (clock.residual_us < 0 || clock.anchors < 0)
+    throw Error(where + ": '" + (clock.anchors < 0 ? "anchors" : "residual_us") + "' is below 0; expected 0 or more");
   clock.offset_low_us =
       object.contains("offset_low_us") ? member<std::int64_t>(object, "offset_low_us", where) : clock.relation.offset_us;
   clock.offset_high_us =
@@ -181,8 +190,8 @@ Labels read_labels(const std::filesystem::path& file) {
     if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
     if (object.contains("rejected")) {
       for (const json& rejected : list_in(object, "rejected", where)) {
-        labels.rejected.push_back({touch_in(rejected, where), camera_time(member<std::int64_t>(rejected, "start_us", where)),
-                                   camera_time(member<std::int64_t>(rejected, "end_us", where))});
+        labels.rejected.push_back({touch_in(rejected, where), recorded_time_in(rejected, "start_us", where),
+                                   recorded_time_in(rejected, "end_us", where)});
       }
     }
     for (const json& flag : list_in(object, "flags", where)) {

@@ -9,6 +9,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/video/video_times.hpp"
 
 namespace tactile {
@@ -188,6 +189,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
     if (!signals.info.complete) signals.problems.emplace_back("run.json says that the recording was not completed");
     for (std::string& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
   }
+  signals.info.simulated = is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals);
   if (std::filesystem::exists(run.video())) {

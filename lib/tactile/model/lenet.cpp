@@ -3,11 +3,13 @@
 #include <ATen/core/ivalue.h>  // clang 14 needs it ahead of torch.h, which uses a vector of these before they are defined
 #include <dlfcn.h>
 #include <fmt/core.h>
+#include <sys/mman.h>
 #include <torch/torch.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <sstream>
 #include <type_traits>
 
@@ -268,19 +270,37 @@ class SharedLinear : public torch::autograd::Function<SharedLinear> {
   }
 };
 
-/// OpenBLAS has threads of its own, which would work beside those asked for.
-void keep_blas_to_one_thread() {
+/// OpenBLAS has threads of its own, which would work beside those asked for. False where another library is the BLAS.
+bool keep_blas_to_one_thread() {
   using SetThreads = void (*)(int);
   static const bool kept = [] {
     const auto set_blas_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
     if (set_blas_threads != nullptr) set_blas_threads(1);
-    return true;
+    return set_blas_threads != nullptr;
   }();
-  static_cast<void>(kept);
+  return kept;
+}
+
+/// OpenBLAS takes 128 MB for each thread that calls it, and asks without end where it does not get them: there is room for these
+/// and as much again for the rest, or the work does not begin. @throws Error  if there is not
+void check_room_for_blas(unsigned threads) {
+  static std::mutex guard;
+  static unsigned checked = 0;
+  const std::scoped_lock lock(guard);
+  if (threads <= checked) return;
+  const std::size_t bytes = (threads - checked) * (std::size_t{256} << 20);
+  void* const room = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) {
+    throw Error("memory: there is no room for another " + std::to_string(bytes >> 20) + " MB, which the network takes on " +
+                std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+                "; expected a higher limit (ulimit -v), or fewer --threads");
+  }
+  ::munmap(room, bytes);
+  checked = threads;
 }
 
 void set_threads(unsigned threads) {
-  keep_blas_to_one_thread();
+  if (keep_blas_to_one_thread()) check_room_for_blas(threads);
   const int count = static_cast<int>(threads);
   if (at::get_num_threads() != count) at::set_num_threads(count);
 }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -86,6 +87,35 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.best_epoch = member<unsigned>(json, "best_epoch", where);
 }
 
+namespace {
+
+/// What its settings must keep to, whoever wrote the file: else a network gets heatmaps that never were, or none.
+void check_description(const ModelDescription& description) {
+  constexpr int longest_side = 32'767;  // [px]
+  constexpr std::chrono::seconds longest_history{100};
+  const auto within = [](const std::string& member, const auto& work) {
+    try {
+      work();
+    } catch (const Error& e) {
+      throw Error("model.json: " + member + ": " + e.what());
+    }
+  };
+  const SensorSize& input = description.input;
+  if (std::min(input.width, input.height) < 1 || std::max(input.width, input.height) > longest_side)
+    throw Error(
+        fmt::format("model.json: network.input: {} x {}; expected sides of 1 to {}", input.width, input.height, longest_side));
+  within("rendering", [&] { check(description.settings.rendering); });
+  if (const auto history = description.settings.rendering.history; history > longest_history)
+    throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
+                            std::chrono::microseconds(longest_history).count()));
+  within("training", [&] { check(description.settings.training); });
+  if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
+  if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
+    throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
+}
+
+}  // namespace
+
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
                   const TrainingSummary& summary, IfThere if_there) {
   WholeFile whole(bundle.folder, if_there);
@@ -142,7 +172,9 @@ ModelDescription read_description(const ModelBundle& bundle) {
     throw Error(bundle.folder.string() + ": no model; expected a folder with model.json, as 'tactile train' makes it");
   }
   try {
-    return read_json(bundle.description()).get<ModelDescription>();
+    auto description = read_json(bundle.description()).get<ModelDescription>();
+    check_description(description);
+    return description;
   } catch (const Error& e) {
     throw Error(bundle.folder.string() + ": " + e.what());
   }
@@ -164,15 +196,6 @@ std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& desc
   if (description.gate) return description.gate->limit;
   throw Error(bundle.folder.string() +
               ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
-}
-
-std::optional<double> images_per_s(const ModelBundle& bundle) {
-  try {
-    const auto history = read_history(bundle.history());
-    return history.empty() ? std::nullopt : std::optional(history.back().images_per_s);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
 }
 
 std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::function<bool(const ModelDescription&)>& wanted) {

@@ -93,9 +93,6 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
 /// @throws Error  if the bundle was made without a gate
 std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description);
 
-/// Images per second of the last epoch that `history.csv` tells of; nothing if it cannot be read.
-std::optional<double> images_per_s(const ModelBundle& bundle);
-
 /// The bundle below `models` that was trained last of those that `wanted` takes; nothing if there is none. Folders that hold no
 /// readable model.json are passed over.
 std::optional<ModelBundle> newest_bundle(const std::filesystem::path& models,

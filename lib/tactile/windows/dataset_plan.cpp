@@ -11,6 +11,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/events/simulated_recording.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -84,12 +85,15 @@ void leave_out(DatasetPlan& plan, const PlannedRun& run, std::string why) {
 
 /// What run.json says of a run; without one, what its folder tells.
 RunInfo info_of(const RunFolder& folder) {
-  if (fs::exists(folder.info())) return read_run_info(folder);
   RunInfo info;
-  info.object = folder.object;
-  info.run = folder.run;
-  info.simulated = fs::exists(folder.truth());
-  info.complete = true;
+  if (fs::exists(folder.info())) {
+    info = read_run_info(folder);
+  } else {
+    info.object = folder.object;
+    info.run = folder.run;
+    info.complete = true;
+  }
+  info.simulated = is_simulated(folder);
   return info;
 }
 
