@@ -9,6 +9,8 @@
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_health.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 
@@ -200,6 +202,52 @@ TEST(Hdf5Recording, NeverAllocatesForWhatAFileMerelyClaims) {
       "        f.create_dataset('events/' + n, shape=(5,), maxshape=(None,), dtype='i8', chunks=(2**28,), compression='gzip')\n");
   EXPECT_NE(refusal_of(folder / "huge.h5").find("claims more values than its file can hold"), std::string::npos);
   EXPECT_NE(refusal_of(folder / "chunk.h5").find("chunks of more than 64 MiB"), std::string::npos);
+}
+
+/// Reads a recording's every element; whether that gives an error.
+bool is_refused(const fs::path& file) {
+  try {
+    Hdf5RecordingReader reader(file);
+    std::vector<std::int32_t> ids;
+    for (const Stream& stream : reader.streams()) ids.push_back(stream.id);
+    const auto nothing = [](const Stream&, const auto&) {};
+    reader.read(ids, {.events = nothing, .imu = nothing, .triggers = nothing});
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+TEST(Hdf5Recording, NeverCrashesOnADamagedFile) {
+  const test::TemporaryFolder folder;
+  convert_recording(vendor_files / "dv-lz4.aedat4", folder / "ours.h5", {.to = camera_time(1'000), .to_counts_from_first = true});
+  python(folder,
+         "with h5py.File('theirs.h5', 'w') as f:\n"
+         "    f['events/t_us'] = np.arange(500, dtype='uint64')\n"
+         "    f.create_dataset('events/x', data=np.arange(500) % 64, chunks=(77,), scaleoffset=0)\n"
+         "    f.create_dataset('events/y', data=np.arange(500) % 48, chunks=(77,), compression='gzip', shuffle=True)\n"
+         "    f['events/on'] = np.arange(500) % 2 == 0\n"
+         "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n"
+         "    f.attrs['source'] = 'a text of variable length'\n");
+  Random random(3);
+  for (const char* name : {"ours.h5", "theirs.h5"}) {
+    const std::string whole = read_text(folder / name);
+    ASSERT_FALSE(is_refused(folder / name)) << name;
+    int refused = 0;
+    const auto attempt = [&](std::size_t offset, std::string patch) {
+      patch.resize(std::min(patch.size(), whole.size() - offset));
+      write_whole(folder / "damaged.h5", std::string(whole).replace(offset, patch.size(), patch));
+      refused += is_refused(folder / "damaged.h5") ? 1 : 0;
+    };
+    for (std::size_t offset = 2; offset < std::min(whole.size(), std::size_t{65536}); offset += 64)
+      attempt(offset, std::string(8, '\0'));
+    for (int i = 0; i < 150; ++i) {
+      std::string patch(1 + random.below(16), '\0');
+      for (char& byte : patch) byte = static_cast<char>(random.below(256));
+      attempt(random.below(whole.size()), patch);
+    }
+    EXPECT_GT(refused, 20) << name;
+  }
 }
 
 TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {

@@ -11,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/verify_dataset.hpp"
 #include "windows/made_runs.hpp"
@@ -402,11 +403,19 @@ TEST_F(WriteDataset, IsRefusedWhenItWasTamperedWithOrCut) {
     EXPECT_THROW(const Dataset dataset(file()), Error) << kept;
   }
   EXPECT_THROW(const Dataset dataset(folder / "nowhere.h5"), Error);
-  std::string renamed = whole;  // another object's name does not fit the manifest hash
-  const std::size_t place = renamed.find("\"history_us\":50000");
+  std::string changed = whole;
+  const std::size_t place = changed.find("\"history_us\":50000");
   ASSERT_NE(place, std::string::npos);
-  renamed.replace(place, 18, "\"history_us\":60000");
-  write_whole(file(), renamed);
+  changed.replace(place, 18, "\"history_us\":60000");
+  write_whole(file(), changed);
+  EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("damaged"), std::string::npos);
+  write_whole(file(), whole);
+  {
+    const hdf5::Session session;
+    const hdf5::Id out = hdf5::open_file(file(), true);
+    H5Adelete(out, "simulated");
+    hdf5::write_attribute(out, "simulated", std::int64_t{1}, "");  // which does not fit the manifest hash
+  }
   EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("manifest hash"), std::string::npos);
 }
 

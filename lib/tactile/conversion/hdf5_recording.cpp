@@ -3,16 +3,20 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
+#include "tactile/hdf5/read_apart.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -93,7 +97,7 @@ struct Hdf5RecordingWriter::State {
 
   void open(std::span<const Stream> declared) {
     const std::string name = path.string();
-    file = h5::create_file(path);
+    file = h5::create_file(path, h5::Structure::plain);
     h5::write_attribute(file, "recording_format", layout_version, name);
     const auto events =
         std::find_if(declared.begin(), declared.end(), [](const Stream& s) { return s.type == StreamType::events; });
@@ -321,20 +325,46 @@ void refuse_dataset(hid_t file, const std::string& name) {
   }
 }
 
-}  // namespace
+/// What the process that reads a recording sends to the one that takes it.
+enum Sent : std::uint32_t { of_streams, of_events, of_imu, of_triggers, of_progress };
 
-struct Hdf5RecordingReader::State {
+template <class T>
+std::vector<T> values_in(std::span<const std::byte> bytes) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+/// In CBOR, which takes texts of any bytes.
+std::vector<std::uint8_t> packed(const Stream& stream) {
+  nlohmann::json size;
+  if (stream.size) size = {stream.size->width, stream.size->height};
+  return nlohmann::json::to_cbor(nlohmann::json::array(
+      {stream.id, static_cast<int>(stream.type), stream.type_identifier, stream.source, stream.name, size, stream.info}));
+}
+
+Stream unpacked(std::span<const std::byte> bytes) {
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const nlohmann::json json = nlohmann::json::from_cbor(begin, begin + bytes.size());
+  Stream stream;
+  stream.id = json.at(0).get<std::int32_t>();
+  stream.type = static_cast<StreamType>(json.at(1).get<int>());
+  stream.type_identifier = json.at(2).get<std::string>();
+  stream.source = json.at(3).get<std::string>();
+  stream.name = json.at(4).get<std::string>();
+  if (!json.at(5).is_null()) stream.size = SensorSize{json.at(5).at(0).get<int>(), json.at(5).at(1).get<int>()};
+  stream.info = json.at(6).get<decltype(stream.info)>();
+  return stream;
+}
+
+/// A recording opened, in the process that reads it.
+struct OpenRecording {
   std::string name;
   h5::Id file;
   std::vector<StreamIn> inputs;
   std::vector<Stream> streams;
   bool is_given_size_used = false;
-
-  ~State() {
-    const h5::Session session;
-    inputs.clear();
-    file = h5::Id();
-  }
 
   SensorSize size_of_events(hid_t group, const std::string& where, std::optional<SensorSize> given) {
     std::optional<std::int64_t> width = number_of(group, "width", where), height = number_of(group, "height", where);
@@ -438,13 +468,84 @@ struct Hdf5RecordingReader::State {
                               list.empty() ? "nothing" : list.substr(0, 200)));
     }
   }
+
+  /// Sends the elements of these streams, in pieces, and after each how far it is.
+  void read(std::span<const std::int32_t> stream_ids, const h5::Send& send) {
+    std::vector<StreamIn*> left;
+    std::uint64_t total = 0, done = 0;
+    for (StreamIn& in : inputs) {
+      if (std::find(stream_ids.begin(), stream_ids.end(), in.stream.id) == stream_ids.end()) continue;
+      left.push_back(&in);
+      total += in.rows;
+    }
+
+    std::vector<Event> events;
+    std::vector<ImuSample> samples;
+    std::vector<Trigger> triggers;
+    const auto xyz = [](ColumnIn<float>& column, hsize_t row, float(&into)[3]) { std::copy_n(column.at(row), 3, into); };
+    for (std::erase_if(left, [](const StreamIn* in) { return in->ended(); }); !left.empty();
+         std::erase_if(left, [](const StreamIn* in) { return in->ended(); })) {
+      std::sort(left.begin(), left.end(), [](StreamIn* a, StreamIn* b) { return a->next_time() < b->next_time(); });
+      StreamIn& in = *left.front();
+      const CameraTime until = left.size() > 1 ? after(left[1]->next_time(), piece_span) : CameraTime::max();
+      const hsize_t end = std::min(in.rows, in.next + chunk_rows);
+      const hsize_t begin = in.next;
+      events.clear();
+      samples.clear();
+      triggers.clear();
+      for (; in.next < end && in.next_time() <= until; ++in.next) {
+        const CameraTime t = in.take_time();
+        if (in.stream.type == StreamType::events) {
+          Event event{.t = t};
+          event.x = static_cast<std::int16_t>(in.take(in.x, 0, in.stream.size->width - 1));
+          event.y = static_cast<std::int16_t>(in.take(in.y, 0, in.stream.size->height - 1));
+          event.on = static_cast<std::uint8_t>(in.take(in.on, 0, 1));
+          events.push_back(event);
+        } else if (in.stream.type == StreamType::imu) {
+          ImuSample& sample = samples.emplace_back();
+          sample.t = t;
+          sample.temperature_c = *in.temperature.at(in.next);
+          xyz(in.acceleration, in.next, sample.acceleration_g);
+          xyz(in.angular_rate, in.next, sample.angular_rate_dps);
+          xyz(in.magnetic_field, in.next, sample.magnetic_field_ut);
+        } else {
+          triggers.push_back({.t = t, .type = static_cast<std::int8_t>(in.take(in.type, -128, 127))});
+        }
+      }
+      const auto place = static_cast<std::uint32_t>(&in - inputs.data());
+      if (!events.empty()) send(of_events, place, std::as_bytes(std::span(events)));
+      if (!samples.empty()) send(of_imu, place, std::as_bytes(std::span(samples)));
+      if (!triggers.empty()) send(of_triggers, place, std::as_bytes(std::span(triggers)));
+      done += in.next - begin;
+      const std::array how_far{done, total};
+      send(of_progress, 0, std::as_bytes(std::span(how_far)));
+    }
+  }
+};
+
+}  // namespace
+
+struct Hdf5RecordingReader::State {
+  fs::path file;
+  std::optional<SensorSize> size;
+  std::optional<std::string> source;
+  std::vector<Stream> streams;
 };
 
 Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<SensorSize> size,
                                          const std::optional<std::string>& source)
-    : state_(std::make_unique<State>()) {
-  const h5::Session session;
-  state_->open(file, size, source);
+    : state_(std::make_unique<State>(State{file, size, source, {}})) {
+  const auto open = [&](const h5::Send& send) {
+    OpenRecording recording;
+    recording.open(file, size, source);
+    for (const Stream& stream : recording.streams) {
+      const std::vector<std::uint8_t> bytes = packed(stream);
+      send(of_streams, 0, std::as_bytes(std::span(bytes)));
+    }
+  };
+  h5::read_apart(file, open, [&](std::uint32_t, std::uint32_t, std::span<const std::byte> bytes) {
+    state_->streams.push_back(unpacked(bytes));
+  });
 }
 Hdf5RecordingReader::~Hdf5RecordingReader() = default;
 Hdf5RecordingReader::Hdf5RecordingReader(Hdf5RecordingReader&&) noexcept = default;
@@ -453,56 +554,21 @@ Hdf5RecordingReader& Hdf5RecordingReader::operator=(Hdf5RecordingReader&&) noexc
 std::span<const Stream> Hdf5RecordingReader::streams() const { return state_->streams; }
 
 void Hdf5RecordingReader::read(std::span<const std::int32_t> stream_ids, const Taker& taker, const ProgressCallback& progress) {
-  const h5::Session session;
-  std::vector<StreamIn*> open;
-  std::uint64_t total = 0, done = 0;
-  for (StreamIn& in : state_->inputs) {
-    if (std::find(stream_ids.begin(), stream_ids.end(), in.stream.id) == stream_ids.end()) continue;
-    in.next = 0;
-    in.previous = CameraTime::min();
-    open.push_back(&in);
-    total += in.rows;
-  }
-
-  std::vector<Event> events;
-  std::vector<ImuSample> samples;
-  std::vector<Trigger> triggers;
-  const auto xyz = [](ColumnIn<float>& column, hsize_t row, float(&into)[3]) { std::copy_n(column.at(row), 3, into); };
-  for (std::erase_if(open, [](const StreamIn* in) { return in->ended(); }); !open.empty();
-       std::erase_if(open, [](const StreamIn* in) { return in->ended(); })) {
-    std::sort(open.begin(), open.end(), [](StreamIn* a, StreamIn* b) { return a->next_time() < b->next_time(); });
-    StreamIn& in = *open.front();
-    const CameraTime until = open.size() > 1 ? after(open[1]->next_time(), piece_span) : CameraTime::max();
-    const hsize_t end = std::min(in.rows, in.next + chunk_rows);
-    const hsize_t begin = in.next;
-    events.clear();
-    samples.clear();
-    triggers.clear();
-    for (; in.next < end && in.next_time() <= until; ++in.next) {
-      const CameraTime t = in.take_time();
-      if (in.stream.type == StreamType::events) {
-        Event event{.t = t};
-        event.x = static_cast<std::int16_t>(in.take(in.x, 0, in.stream.size->width - 1));
-        event.y = static_cast<std::int16_t>(in.take(in.y, 0, in.stream.size->height - 1));
-        event.on = static_cast<std::uint8_t>(in.take(in.on, 0, 1));
-        events.push_back(event);
-      } else if (in.stream.type == StreamType::imu) {
-        ImuSample& sample = samples.emplace_back();
-        sample.t = t;
-        sample.temperature_c = *in.temperature.at(in.next);
-        xyz(in.acceleration, in.next, sample.acceleration_g);
-        xyz(in.angular_rate, in.next, sample.angular_rate_dps);
-        xyz(in.magnetic_field, in.next, sample.magnetic_field_ut);
-      } else {
-        triggers.push_back({.t = t, .type = static_cast<std::int8_t>(in.take(in.type, -128, 127))});
-      }
+  const auto work = [&](const h5::Send& send) {
+    OpenRecording recording;
+    recording.open(state_->file, state_->size, state_->source);
+    recording.read(stream_ids, send);
+  };
+  h5::read_apart(state_->file, work, [&](std::uint32_t kind, std::uint32_t place, std::span<const std::byte> bytes) {
+    if (kind == of_progress) {
+      const auto how_far = values_in<std::uint64_t>(bytes);
+      return tell(progress, how_far.at(0), how_far.at(1), state_->file.filename().string());
     }
-    if (!events.empty()) taker.events(in.stream, events);
-    if (!samples.empty()) taker.imu(in.stream, samples);
-    if (!triggers.empty()) taker.triggers(in.stream, triggers);
-    done += in.next - begin;
-    tell(progress, done, total, fs::path(state_->name).filename().string());
-  }
+    const Stream& stream = state_->streams.at(place);
+    if (kind == of_events) taker.events(stream, values_in<Event>(bytes));
+    if (kind == of_imu) taker.imu(stream, values_in<ImuSample>(bytes));
+    if (kind == of_triggers) taker.triggers(stream, values_in<Trigger>(bytes));
+  });
 }
 
 }  // namespace tactile

@@ -39,7 +39,8 @@ class Hdf5RecordingWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Reads one, also if another program made it: whole numbers of any width, a stream's attributes where they are there.
+/// Reads one, also if another program made it: whole numbers of any width, a stream's attributes where they are there. A process
+/// of its own does the reading, since HDF5 may crash on a damaged file (`hdf5::read_apart`).
 class Hdf5RecordingReader {
  public:
   /// `size`, `source`: of the events where the file does not say them; it is an error to give what it says.

@@ -20,6 +20,13 @@ Id untimed(hid_t of_class) {
   return properties;
 }
 
+/// Properties under which a file's new objects are of that structure.
+Id structure_of(Structure structure) {
+  Id properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (structure == Structure::checked) H5Pset_libver_bounds(properties, H5F_LIBVER_V110, H5F_LIBVER_V110);
+  return properties;
+}
+
 Id text_type(std::size_t size) {
   Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<std::size_t>(size, 1));
@@ -55,7 +62,7 @@ Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class,
 
 Session::Session() {
   static std::recursive_mutex guard;
-  lock_ = std::unique_lock(guard);
+  if (!is_apart()) lock_ = std::unique_lock(guard);  // a process apart has one thread, and the lock is its parent's
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -76,7 +83,7 @@ std::string last_error() {
 }
 
 void fail(const std::string& where, const std::string& what) {
-  throw Error(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file");
+  throw Damaged(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file");
 }
 
 void fail_writing(const std::string& where, const std::string& what) {
@@ -87,18 +94,22 @@ void fail_writing(const std::string& where, const std::string& what) {
   throw Error(where + ": " + what + " (" + reason + "); expected a sound HDF5 file in a place with room");
 }
 
-Id create_file(const std::filesystem::path& file) {
-  const Id properties = untimed(H5P_FILE_CREATE);
-  Id id(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT), H5Fclose);
+Id create_file(const std::filesystem::path& file, Structure structure) {
+  const Id properties = untimed(H5P_FILE_CREATE), access = structure_of(structure);
+  Id id(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, properties, access), H5Fclose);
   if (id < 0) fail_writing(file.string(), "cannot be made");
   return id;
 }
 
 Id open_file(const std::filesystem::path& file, bool for_writing) {
   if (!std::filesystem::exists(file)) throw Error(file.string() + ": no such file; expected an HDF5 file");
-  Id id(H5Fopen(file.c_str(), for_writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (id < 0) fail(file.string(), "cannot be opened");
-  return id;
+  if (!is_apart()) check_readable(file);
+  const Id access = structure_of(Structure::checked);
+  Id id(H5Fopen(file.c_str(), for_writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose);
+  if (id >= 0) return id;
+  const std::string reason = last_error();
+  if (reason.find("errno = ") == std::string::npos) fail(file.string(), "cannot be opened");
+  throw Error(file.string() + ": cannot be opened (" + reason + "); expected a file that no other program writes to");
 }
 
 Id create_group(hid_t parent, const std::string& name, const std::string& where) {
@@ -257,7 +268,7 @@ void check_stored_size(hid_t table, const std::string& where) {
   const std::uint64_t limit = free_of_doubt + largest_expansion * H5Dget_storage_size(table);
   for (const hsize_t along : shape_of(table, where)) {
     if (__builtin_mul_overflow(size, along, &size)) size = limit + 1;
-    if (size > limit) throw Error(where + ": claims more values than its file can hold; expected a sound file");
+    if (size > limit) throw Damaged(where + ": claims more values than its file can hold; expected a sound file");
   }
 }
 

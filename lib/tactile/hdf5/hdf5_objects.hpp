@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/hdf5/read_apart.hpp"
 
 // HDF5 as tactile's files use it: identifiers that close themselves, and errors as `Error`. Only sources include this header.
 namespace tactile::hdf5 {
@@ -56,11 +57,18 @@ class Id {
 
 /// What HDF5 says went wrong, innermost first.
 std::string last_error();
-[[noreturn]] void fail(const std::string& where, const std::string& what);
+[[noreturn]] void fail(const std::string& where, const std::string& what);          ///< @throws Damaged
 [[noreturn]] void fail_writing(const std::string& where, const std::string& what);  ///< which may be for want of room
 
-Id create_file(const std::filesystem::path& file);                  ///< replaces what is there
-Id open_file(const std::filesystem::path& file, bool for_writing);  ///< @throws Error if it is missing or no HDF5
+enum class Structure {
+  plain,    ///< readable by HDF5 of any age
+  checked,  ///< with a checksum in each piece, by which damage is found; readable by HDF5 1.10 and later
+};
+
+Id create_file(const std::filesystem::path& file, Structure structure);  ///< replaces what is there
+/// @throws Error    if it is missing or not to be opened
+/// @throws Damaged  if it is no sound HDF5, found by `check_readable`
+Id open_file(const std::filesystem::path& file, bool for_writing);
 Id create_group(hid_t parent, const std::string& name, const std::string& where);
 Id open_table(hid_t parent, const std::string& name, const std::string& where);
 bool has_member(hid_t parent, const std::string& name);
@@ -112,7 +120,7 @@ void read_rows(hid_t table, hid_t memory_type, void* rows, hsize_t first, hsize_
 hsize_t rows_per_chunk(hid_t table, const std::string& where);
 /// @throws Error  that names the filter, if the table's values went through one that this HDF5 lacks
 void check_filters(hid_t table, const std::string& where);
-/// @throws Error  if a table claims to hold more than what it takes of its file can expand to
+/// @throws Damaged  if a table claims to hold more than what it takes of its file can expand to
 void check_stored_size(hid_t table, const std::string& where);
 
 template <class T>

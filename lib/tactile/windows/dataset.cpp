@@ -49,9 +49,40 @@ Touch touch_of(std::uint8_t value, const std::string& where) {
   return static_cast<Touch>(value);
 }
 
+/// Checks the file that a link of the dataset leads to, before HDF5 follows it.
+void check_linked_file(hid_t parent, const std::string& name, const fs::path& dataset) {
+  const std::string linked = h5::linked_file(parent, name);
+  if (!linked.empty()) h5::check_readable(dataset.parent_path() / linked);
+}
+
+/// The command that makes the dataset, or what `command` names, again.
+std::string command_for(const fs::path& dataset, const std::string& command) {
+  const fs::path folder = dataset.has_parent_path() ? dataset.parent_path() : fs::path(".");
+  if (dataset.filename() == "dataset.h5") return "'tactile " + command + " " + shell_word(folder.string()) + "'";
+  if (command == "windows") return "'tactile windows DATA --out " + shell_word(dataset.string()) + "'";
+  return "'tactile " + command + " " + shell_word(dataset.string()) + "'";
+}
+
+/// For a file whose values alone are damaged: the command would keep it.
+std::string remove_and_make(const fs::path& dataset, const std::string& part, const std::string& command) {
+  return "Remove " + dataset_layout::file_beside(dataset, part).string() + ", and " + command_for(dataset, command) +
+         " makes it again";
+}
+
+/// Calls `read`; where that finds damage, the error ends with what makes the file whole again.
+template <class Read>
+auto with_remedy(const std::string& remedy, const Read& read) {
+  try {
+    return read();
+  } catch (const h5::Damaged& e) {
+    throw Error(std::string(e.what()) + ". " + remedy);
+  }
+}
+
 /// The table of a history, which must be of this dataset and of one heatmap a sample.
-h5::Id open_heatmaps(hid_t group, const std::string& name, const std::string& manifest_hash, std::size_t samples,
-                     const std::string& where) {
+h5::Id open_heatmaps(hid_t group, const std::string& name, const fs::path& dataset, const std::string& manifest_hash,
+                     std::size_t samples, const std::string& where) {
+  check_linked_file(group, name, dataset);
   h5::Id table = h5::open_table(group, name, where);
   const std::vector<hsize_t> shape = h5::shape_of(table, where);
   if (shape.size() != 3 || shape[0] != samples || shape[1] < 1 || shape[2] < 1 || shape[1] > largest_side ||
@@ -119,7 +150,7 @@ struct Dataset::State {
 
 StoredHeatmaps Dataset::State::describe(hid_t group, const std::string& name) const {
   const std::string where = file.string() + ": /heatmaps/" + name;
-  const h5::Id table = open_heatmaps(group, name, manifest_hash, samples.size(), where);
+  const h5::Id table = open_heatmaps(group, name, file, manifest_hash, samples.size(), where);
   h5::check_stored_size(table, where);
   const std::vector<hsize_t> shape = h5::shape_of(table, where);
   return {.name = name,
@@ -185,6 +216,7 @@ void Dataset::State::read_runs(const std::string& where) {
 }
 
 void Dataset::State::check_events(const std::string& where) const {
+  check_linked_file(id, "events", file);
   const h5::Id group(H5Gopen2(id, "events", H5P_DEFAULT), H5Gclose);
   if (group < 0) h5::fail(where, "the events beside it cannot be opened");
   if (h5::read_text_attribute(group, "manifest_sha256", where + ": /events") != manifest_hash) {
@@ -204,8 +236,10 @@ Dataset::Dataset(fs::path file) : state_(std::make_unique<State>()) {
   if (!fs::exists(file)) throw Error(file.string() + ": no such dataset; expected one that 'tactile windows' made");
   const h5::Session session;
   state_->file = std::move(file);
-  state_->id = h5::open_file(state_->file, false);
-  state_->read();
+  with_remedy(command_for(state_->file, "windows") + " makes it again", [&] {
+    state_->id = h5::open_file(state_->file, false);
+    state_->read();
+  });
 }
 Dataset::~Dataset() = default;
 Dataset::Dataset(Dataset&&) noexcept = default;
@@ -237,12 +271,15 @@ std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first,
                 " events; expected at least " + std::to_string(count) + " from " + std::to_string(first) + " on");
   }
   const std::string where = state_->file.string() + ": /events";
-  state_->check_events(state_->file.string());  // the file beside it may have been replaced since
+  const std::string remedy = remove_and_make(state_->file, "events", "windows");
+  with_remedy(remedy, [&] { state_->check_events(state_->file.string()); });  // the file may have been replaced since
   std::vector<Event> events(count);
   const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
     std::vector<T> values(count);
-    h5::read_rows(h5::open_table(state_->id, std::string("events/") + name, where), h5::memory_type<T>(), values.data(),
-                  run.first_event + first, count, where + "/" + name);
+    with_remedy(remedy, [&] {
+      h5::read_rows(h5::open_table(state_->id, std::string("events/") + name, where), h5::memory_type<T>(), values.data(),
+                    run.first_event + first, count, where + "/" + name);
+    });
     for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
   };
   const SensorSize sensor = state_->sensor;
@@ -295,7 +332,7 @@ std::string Dataset::what_is_wrong_with(const std::string& name) const {
       const h5::Session session;
       const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
       state_->describe(group, name);
-      const h5::Id table = open_heatmaps(group, name, state_->manifest_hash, state_->samples.size(), where);
+      const h5::Id table = open_heatmaps(group, name, state_->file, state_->manifest_hash, state_->samples.size(), where);
       written = h5::read_text_attribute(table, "sha256", where);
     }
     Sha256 digest;
@@ -316,18 +353,20 @@ std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::s
   const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
   if (group < 0 || !h5::has_member(group, name))
     throw Error(where + ": no such history; expected one that 'tactile heatmaps' rendered");
-  const h5::Id table = open_heatmaps(group, name, state_->manifest_hash, state_->samples.size(), where);
-  h5::check_stored_size(table, where);
-  const std::vector<hsize_t> shape = h5::shape_of(table, where);
-  const std::size_t size = shape[1] * shape[2];
-  std::vector<std::uint8_t> heatmaps(sample_indexes.size() * size);
-  for (std::size_t i = 0; i < sample_indexes.size();) {
-    std::size_t end = i + 1;
-    while (end < sample_indexes.size() && sample_indexes[end] == sample_indexes[end - 1] + 1) ++end;
-    h5::read_rows(table, H5T_NATIVE_UINT8, &heatmaps[i * size], sample_indexes[i], end - i, where);
-    i = end;
-  }
-  return heatmaps;
+  return with_remedy(remove_and_make(state_->file, name, "heatmaps"), [&] {
+    const h5::Id table = open_heatmaps(group, name, state_->file, state_->manifest_hash, state_->samples.size(), where);
+    h5::check_stored_size(table, where);
+    const std::vector<hsize_t> shape = h5::shape_of(table, where);
+    const std::size_t size = shape[1] * shape[2];
+    std::vector<std::uint8_t> heatmaps(sample_indexes.size() * size);
+    for (std::size_t i = 0; i < sample_indexes.size();) {
+      std::size_t end = i + 1;
+      while (end < sample_indexes.size() && sample_indexes[end] == sample_indexes[end - 1] + 1) ++end;
+      h5::read_rows(table, H5T_NATIVE_UINT8, &heatmaps[i * size], sample_indexes[i], end - i, where);
+      i = end;
+    }
+    return heatmaps;
+  });
 }
 
 void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
@@ -377,7 +416,7 @@ HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& des
   state_->target = dataset_layout::file_beside(dataset.file(), description.name);
   state_->whole.emplace(state_->target, IfThere::replace);
   const std::string where = state_->target.string();
-  state_->file = h5::create_file(state_->whole->path());
+  state_->file = h5::create_file(state_->whole->path(), h5::Structure::checked);
   // A heatmap is a chunk, so that any choice of samples reads no other.
   state_->table = h5::create_table(state_->file, description.name, H5T_STD_U8LE,
                                    {static_cast<hsize_t>(description.height), static_cast<hsize_t>(description.width)}, 1, where);

@@ -66,7 +66,7 @@ class EventColumns {
 std::uint64_t write_events(DatasetPlan& plan, const fs::path& file, const std::string& manifest_hash, microseconds history,
                            const ProgressCallback& progress) {
   const std::string where = file.string();
-  h5::Id out = h5::create_file(file);
+  h5::Id out = h5::create_file(file, h5::Structure::checked);
   std::uint64_t written = 0;
   {
     const h5::Id group = h5::create_group(out, "events", where);
@@ -95,7 +95,7 @@ void write_column(hid_t file, const std::string& name, const Rows& rows, const s
 void write_tables(const DatasetPlan& plan, const fs::path& file, const std::string& events_file,
                   const std::string& manifest_hash) {
   const std::string where = file.string();
-  h5::Id out = h5::create_file(file);
+  h5::Id out = h5::create_file(file, h5::Structure::checked);
   h5::write_attribute(out, "format", dataset_layout::format, where);
   h5::write_attribute(out, "manifest_sha256", manifest_hash, where);
   h5::write_attribute(out, "settings", plan.settings.dump(), where);
@@ -206,8 +206,11 @@ Existing examine(const fs::path& file, std::optional<Dataset>& dataset) {
     return Existing::dataset;
   } catch (const Error&) {
     const h5::Session session;
-    const h5::Id id(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (id >= 0 && h5::has_attribute(id, "manifest_sha256")) return Existing::broken_dataset;
+    try {
+      if (h5::has_attribute(h5::open_file(file, false), "manifest_sha256")) return Existing::broken_dataset;
+    } catch (const h5::Damaged&) {
+      if (fs::exists(dataset_layout::file_beside(file, "events"))) return Existing::broken_dataset;  // of which it was part
+    }
   }
   throw Error(file.string() + ": is there and no dataset of tactile's; expected a dataset to replace, or no such file");
 }
