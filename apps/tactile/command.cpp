@@ -16,6 +16,7 @@
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_text.hpp"
 
 namespace tactile {
 namespace {
@@ -94,11 +95,17 @@ void stop_if_interrupted() {
 }
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
-  const std::string result = common.json ? json.dump(2) + "\n" : text;
+  const std::string result = common.json ? json_text(json, 2) + "\n" : text;
   std::fwrite(result.data(), 1, result.size(), stdout);
   if (std::fflush(stdout) == 0) return;
   const std::string expected = errno == EPIPE ? "a program that reads it to its end" : "a place with room";
   throw Error(fmt::format("standard output: cannot be written ({}); expected {}", std::strerror(errno), expected));
+}
+
+void end_with(const std::vector<std::string>& errors) {
+  if (errors.empty()) return;
+  for (std::size_t i = 0; i + 1 < errors.size(); ++i) fmt::print(stderr, "tactile: {}\n", errors[i]);
+  throw Error(errors.back());
 }
 
 ProgressCallback progress_line(const CommonArguments& common) {

@@ -12,6 +12,7 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,7 +21,7 @@
 #include "command.hpp"
 #include "help_text.hpp"
 #include "interruption.hpp"
-#include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
 #include "usage_error.hpp"
@@ -60,8 +61,14 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
   } catch (const Interrupted&) {
     fmt::print(stderr, "tactile: interrupted\n");
     return 130;
+  } catch (const std::bad_alloc&) {
+    const auto asked_for = app.get_subcommands();
+    fmt::print(stderr,
+               "tactile: memory does not suffice for '{}'; expected more of it: end other programs, or give fewer --threads\n",
+               asked_for.empty() ? "tactile" : asked_for.front()->get_name());
+    return 1;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "tactile: {}\n", e.what());
+    fmt::print(stderr, "tactile: {}\n", sentence_of(e));
     return 1;
   }
 }
