@@ -15,6 +15,7 @@
 #include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_text.hpp"
 
 namespace tactile {
 namespace {
@@ -93,7 +94,13 @@ void stop_if_interrupted() {
 }
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
-  print(common.json ? json.dump(2) + "\n" : text);
+  print(common.json ? json_text(json, 2) + "\n" : text);
+}
+
+void end_with(const std::vector<std::string>& errors) {
+  if (errors.empty()) return;
+  for (std::size_t i = 0; i + 1 < errors.size(); ++i) print_error(errors[i]);
+  throw Error(errors.back());
 }
 
 ProgressCallback progress_line(const CommonArguments& common) {

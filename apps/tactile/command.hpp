@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tactile/core/progress.hpp"
 
@@ -40,6 +41,10 @@ void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C
 
 /// Prints a result to stdout: the JSON with --json, else the text.
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text);
+
+/// Ends the command with 1 where there are errors: one a line, and `tactile` before each. To be called once what could be done is
+/// done and printed. @throws Error  the last of `errors`
+void end_with(const std::vector<std::string>& errors);
 
 /// Draws progress with an ETA on stderr where that is a terminal, once a step has lasted a second; ends the step on Ctrl-C. With
 /// --quiet it only does the latter.

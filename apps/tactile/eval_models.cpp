@@ -69,9 +69,9 @@ ModelBundle bundle_named(const EvalArguments& args) {
                     bundle.folder.string()));
   }
   std::vector<std::string> names;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(args.models, none)) {
-    if (fs::exists(entry.path() / "model.json")) names.push_back(entry.path().filename().string());
+  std::error_code none, unknown;
+  for (fs::directory_iterator entry(args.models, none), end; !none && entry != end; entry.increment(none)) {
+    if (fs::exists(entry->path() / "model.json", unknown)) names.push_back(entry->path().filename().string());
   }
   std::sort(names.begin(), names.end());
   throw Error(fmt::format("{}: no model; expected a folder with model.json{}", bundle.folder.string(),

@@ -11,8 +11,9 @@
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/model/train_model.hpp"
@@ -46,7 +47,7 @@ ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const 
         fmt::format("{}: no such run; expected object/run of {}, such as fan/02, or a run's folder", given, data.string()));
   }
   recording_in(folder);
-  return {run_folder_at(folder), {}};
+  return {named_run_at(folder), {}};
 }
 
 ModelBundle model_for_runs(const EvalArguments& args, const std::optional<Dataset>& dataset) {
@@ -138,8 +139,17 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   std::optional<Dataset> dataset;
   if (fs::exists(dataset_file(args.data))) dataset.emplace(dataset_file(args.data));
-  std::vector<ChosenRun> runs;
-  for (const std::string& given : args.runs) runs.push_back(chosen_run(given, args, dataset));
+  std::vector<std::string> errors;  // of runs that cannot be shown; the others are
+  const auto attempt = [&errors](const auto& step) {
+    try {
+      step();
+    } catch (const std::exception& e) {
+      errors.push_back(sentence_of(e));
+    }
+  };
+  std::vector<ChosenRun> asked_for;
+  for (const std::string& given : args.runs) attempt([&] { asked_for.push_back(chosen_run(given, args, dataset)); });
+  if (asked_for.empty()) return end_with(errors);
   const ModelBundle bundle = model_for_runs(args, dataset);
   const Classifier classifier(bundle.folder, common.threads, engine_named(args.engine));
   const ModelDescription& model = classifier.model();
@@ -152,19 +162,21 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
 
   const bool of_this_dataset = dataset && model.manifest_hash == dataset->manifest_hash();
-  std::vector<std::size_t> expected;
-  for (const ChosenRun& run : runs) {
-    if (of_this_dataset && run.in_dataset) check_unchanged(*dataset, *run.in_dataset);
-    expected.push_back(expected_ticks(run.folder.events(), classifier.rendering()));
-  }
+  std::vector<ChosenRun> runs;
   std::uint64_t total = 0, done = 0;
-  for (const std::size_t ticks : expected) total += ticks;
+  for (const ChosenRun& run : asked_for) {
+    attempt([&] {
+      if (of_this_dataset && run.in_dataset) check_unchanged(*dataset, *run.in_dataset);
+      total += expected_ticks(run.folder.events(), classifier.rendering());
+      runs.push_back(run);
+    });
+  }
 
   const ProgressCallback progress = progress_line(common);
   nlohmann::json json = {
       {"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", nlohmann::json::array()}};
   std::vector<std::vector<std::string>> rows;
-  for (const ChosenRun& run : runs) {
+  const auto show = [&](const ChosenRun& run) {
     const std::string name = run.folder.name();
     // Of this dataset's runs the hash is known, and was held against the file.
     const bool learned_from =
@@ -198,11 +210,14 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
                     prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
                     met.empty() ? "no labels" : met});
     spdlog::info("{}: {}", name, stem.string() + ".csv, .png, .svg");
-  }
+  };
+  for (const ChosenRun& run : runs) attempt([&] { show(run); });
+  if (rows.empty()) return end_with(errors);
   print_result(common, json,
                fmt::format("Every tick as {} sees it\n\n", bundle.name()) +
                    text_table({"run", "ticks", "false alarms", "intervals and their delay"}, rows) + "\nWritten to " +
                    stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, JSON, PNG and SVG each\n");
+  end_with(errors);
 }
 
 }  // namespace tactile

@@ -17,8 +17,9 @@
 #include "recording_json.hpp"
 #include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/run_files.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/events/recording_health.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "text_table.hpp"
@@ -49,15 +50,27 @@ struct Report {
   std::optional<LogRows> robot, video;
 };
 
-std::vector<Subject> subjects_in(const std::string& place) {
-  if (!fs::is_directory(place)) return {{place, place, std::nullopt}};
+/// What the places hold, and what of them is left out.
+struct Subjects {
+  std::vector<Subject> found;
+  std::vector<std::string> misnamed, unreadable;
+};
+
+void add_place(const std::string& place, Subjects& subjects) {
+  std::error_code unknown;
+  if (!fs::is_directory(place, unknown)) return subjects.found.push_back({place, place, std::nullopt});
   const RunFolder run = run_folder_at(place);
-  if (fs::exists(run.events())) return {{place, run.events(), run}};
-  std::vector<Subject> subjects;
-  for (const RunFolder& found : find_runs(place)) subjects.push_back({found.folder.string(), found.events(), found});
-  if (subjects.empty())
+  if (is_there(run.events())) {
+    subjects.found.push_back({place, run.events(), run});
+    if (const std::string why = what_is_misnamed(place); is_there(run.info()) && !why.empty()) subjects.misnamed.push_back(why);
+    return;
+  }
+  const RunsBelow below = look_for_runs(place);
+  for (const RunFolder& found : below.runs) subjects.found.push_back({found.folder.string(), found.events(), found});
+  subjects.misnamed.insert(subjects.misnamed.end(), below.misnamed.begin(), below.misnamed.end());
+  subjects.unreadable.insert(subjects.unreadable.end(), below.unreadable.begin(), below.unreadable.end());
+  if (below.runs.empty() && below.misnamed.empty() && below.unreadable.empty())
     throw Error(place + ": no events.aedat4 in it, nor runs below it; expected a recording, a run or a folder of runs");
-  return subjects;
 }
 
 /// What run.json counts as dropped; empty if it counts nothing.
@@ -116,8 +129,8 @@ Report examine(const Subject& subject, const InfoArguments& args, unsigned threa
       report.run = read_run_info(*subject.run);
       report.run->simulated = is_simulated(*subject.run);
     }
-  } catch (const Error& e) {
-    no_run = e.what();
+  } catch (const std::exception& e) {
+    no_run = sentence_of(e);
   }
   const HealthOptions options{.stream = args.stream,
                               .gap = std::chrono::milliseconds(args.gap_ms),
@@ -401,6 +414,7 @@ std::string text_of(const Report& report, const InfoArguments& args) {
 
 void report_on(const InfoArguments& args, const CommonArguments& common) {
   const ProgressCallback progress = progress_line(common);
+  Subjects subjects;
   std::vector<std::string> errors;
   nlohmann::json recordings = nlohmann::json::array();
   nlohmann::json failed = nlohmann::json::array();
@@ -409,18 +423,16 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   const auto attempt = [&](const std::string& name, const auto& step) {
     try {
       step();
-    } catch (const Error& e) {
-      errors.emplace_back(e.what());
-      failed.push_back({{"file", name}, {"error", e.what()}});
+    } catch (const std::exception& e) {
+      errors.push_back(sentence_of(e));
+      failed.push_back({{"file", name}, {"error", errors.back()}});
     }
   };
-  std::vector<Subject> subjects;
-  for (const std::string& place : args.places) {
-    attempt(place, [&] {
-      for (Subject& subject : subjects_in(place)) subjects.push_back(std::move(subject));
-    });
-  }
-  for (const Subject& subject : subjects) {
+  for (const std::string& place : args.places) attempt(place, [&] { add_place(place, subjects); });
+  for (const std::string& unreadable : subjects.unreadable)
+    attempt(unreadable.substr(0, unreadable.find(": ")), [&] { throw Error(unreadable); });
+  for (const std::string& misnamed : subjects.misnamed) spdlog::warn("{}", misnamed);
+  for (const Subject& subject : subjects.found) {
     attempt(subject.name, [&] {
       const Report report = examine(subject, args, common.threads, progress);
       recordings.push_back(json_of(report, args));
@@ -430,12 +442,10 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
       for (const std::string& reason : report.health.reasons) spdlog::error("{}: {}", subject.name, reason);
     });
   }
-  if (!recordings.empty() || common.json) print_result(common, {{"recordings", recordings}, {"failed", failed}}, text);
-  if (!errors.empty()) {
-    for (std::size_t i = 0; i + 1 < errors.size(); ++i) print_error(errors[i]);
-    throw Error(errors.back());
-  }
-  if (sick) throw CheckFailed{};
+  if (!recordings.empty() || common.json)
+    print_result(common, {{"recordings", recordings}, {"failed", failed}, {"misnamed", subjects.misnamed}}, text);
+  end_with(errors);
+  if (sick || (args.check && !subjects.misnamed.empty())) throw CheckFailed{};
 }
 
 }  // namespace
@@ -450,9 +460,9 @@ void add_info_command(CLI::App& app) {
   command->add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
       ->check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       ->capture_default_str();
-  command->add_flag(
-      "--check", args->check,
-      "Compare a run's files with their SHA-256, or its packets with their checksums; end with 2 if one is sick, and log why");
+  command->add_flag("--check", args->check,
+                    "Compare a run's files with their SHA-256, or its packets with their checksums; end with 2 if one is sick or "
+                    "misnamed, and log why");
 }
 
 }  // namespace tactile

@@ -14,7 +14,9 @@
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/report/run_picture.hpp"
 #include "truth_tables.hpp"
@@ -63,53 +65,78 @@ CLI::Validator is_region() {
       "x,y,width,height [px]");
 }
 
+/// The folders in `place`, by name. What cannot be read is passed over: looking for runs has named it.
+std::vector<fs::path> folders_in(const fs::path& place) {
+  std::vector<fs::path> folders;
+  std::error_code failed, unknown;
+  for (fs::directory_iterator entry(place, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (fs::is_directory(entry->path(), unknown)) folders.push_back(entry->path());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
+
 /// The runs of an object, where its own folder is given.
 std::vector<RunFolder> runs_of_object(const fs::path& place) {
   std::vector<RunFolder> runs;
-  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
-    if (is_run_id(entry.path().filename().string()) && fs::exists(entry.path() / "events.aedat4"))
-      runs.push_back(run_folder_at(entry.path()));
+  for (const fs::path& folder : folders_in(place)) {
+    if (is_named_as_run(folder) && is_there(folder / "events.aedat4")) runs.push_back(named_run_at(folder));
   }
-  std::sort(runs.begin(), runs.end(), [](const RunFolder& a, const RunFolder& b) { return a.run < b.run; });
   return runs;
 }
 
 /// Folders that are named as runs and have no recording: of an object, or of all objects of a data folder.
 std::vector<std::string> without_recording(const fs::path& place) {
   std::vector<std::string> names;
-  const auto look = [&](const fs::directory_entry& entry) {
-    if (entry.is_directory() && is_run_id(entry.path().filename().string()) && !fs::exists(entry.path() / "events.aedat4"))
-      names.push_back(entry.path().string());
+  const auto look = [&](const fs::path& folder) {
+    if (is_named_as_run(folder) && !is_there(folder / "events.aedat4")) names.push_back(folder.string());
   };
-  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
-    look(entry);
-    if (!entry.is_directory() || !is_object_name(entry.path().filename().string())) continue;
-    for (const fs::directory_entry& run : fs::directory_iterator(entry)) look(run);
+  for (const fs::path& folder : folders_in(place)) {
+    look(folder);
+    if (!is_object_name(folder.filename().string())) continue;
+    for (const fs::path& run : folders_in(folder)) look(run);
   }
   std::sort(names.begin(), names.end());
   return names;
 }
 
-/// Runs, folders of an object's runs, and data folders as all of their runs; each once.
-std::vector<RunFolder> runs_in(const std::vector<std::string>& places) {
-  std::vector<RunFolder> runs;
+/// Runs, folders of an object's runs, and data folders as all of their runs; each run once.
+RunsBelow runs_in(const std::vector<std::string>& places) {
+  RunsBelow all;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   for (const std::string& place : places) {
-    if (fs::is_regular_file(place)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs");
-    if (fs::exists(fs::path(place) / "events.aedat4")) {
-      runs.push_back(run_folder_at(place));
+    std::error_code unknown;
+    if (fs::is_regular_file(place, unknown)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs");
+    if (fs::is_directory(place, unknown) && is_there(fs::path(place) / "events.aedat4")) {
+      all.runs.push_back(named_run_at(place));
       continue;
     }
-    std::vector<RunFolder> found = find_runs(place);
+    RunsBelow found = look_for_runs(place);
+    for (const std::string& misnamed : found.misnamed) spdlog::warn("{}", misnamed);
     if (const auto names = without_recording(place); !names.empty())
       spdlog::warn("without events.aedat4, and left out: {}", fmt::join(names, ", "));
-    if (found.empty()) found = runs_of_object(place);
-    if (found.empty())
-      throw Error(place + ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
-    runs.insert(runs.end(), found.begin(), found.end());
+    if (found.runs.empty()) found.runs = runs_of_object(place);
+    if (found.runs.empty()) {
+      for (const std::string& unreadable : found.unreadable) spdlog::error("{}", unreadable);
+      throw Error(place +
+                  (found.misnamed.empty() && found.unreadable.empty()
+                       ? ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them"
+                       : ": holds no run that can be used; expected DATA/<object>/<run>/events.aedat4, named and readable as "
+                         "told above"));
+    }
+    append(all.runs, found.runs);
+    append(all.misnamed, found.misnamed);
+    append(all.unreadable, found.unreadable);
   }
   std::set<fs::path> seen;
-  std::erase_if(runs, [&](const RunFolder& run) { return !seen.insert(fs::weakly_canonical(run.folder)).second; });
-  return runs;
+  std::erase_if(all.runs, [&](const RunFolder& run) {
+    std::error_code unknown;
+    const fs::path place = fs::weakly_canonical(run.folder, unknown);
+    return !seen.insert(unknown ? run.folder : place).second;
+  });
+  return all;
 }
 
 /// What came of the runs, told and checked.
@@ -127,10 +154,10 @@ class Pictures {
   void draw(const RunSignals& signals, const Labels& labels) {
     try {
       draw_label_picture(picture_of(signals, labels), picture_file_of(signals.run));
-    } catch (const Error& e) {
+    } catch (const std::exception& e) {
       const std::scoped_lock lock(guard_);
       if (failures_.empty()) first_ = signals.run.name();
-      failures_.emplace_back(e.what());
+      failures_.push_back(sentence_of(e));
     }
   }
 
@@ -167,7 +194,9 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!arguments.no_pictures) {
     // A picture that is older than the labels shows what they were before somebody edited them.
     options.has_companions = [](const RunFolder& run) {
-      return fs::exists(picture_file_of(run)) && fs::last_write_time(picture_file_of(run)) >= fs::last_write_time(run.labels());
+      std::error_code missing;
+      const auto drawn = fs::last_write_time(picture_file_of(run), missing);
+      return !missing && drawn >= fs::last_write_time(run.labels(), missing);
     };
     options.make_companions = [&](const RunSignals& signals, const Labels& labels) { pictures.draw(signals, labels); };
   }
@@ -196,7 +225,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
 Outcome read_runs(std::vector<RunFolder> runs) {
   std::vector<std::string> without;
   std::erase_if(runs, [&](const RunFolder& run) {
-    if (fs::exists(run.labels())) return false;
+    if (is_there(run.labels())) return false;
     without.push_back(run.name());
     return true;
   });
@@ -208,8 +237,8 @@ Outcome read_runs(std::vector<RunFolder> runs) {
       Labels labels = read_labels(run.labels());
       const CameraTime first = first_event_of(labels, run);
       outcome.labelled.push_back({run, std::move(labels), first});
-    } catch (const Error& e) {
-      outcome.failures.emplace_back(e.what());
+    } catch (const std::exception& e) {
+      outcome.failures.push_back(sentence_of(e));
     }
   }
   return outcome;
@@ -217,17 +246,19 @@ Outcome read_runs(std::vector<RunFolder> runs) {
 
 void run_label(const CommonArguments& common, const LabelArguments& arguments) {
   check_exchange(arguments.exchange);
-  const std::vector<RunFolder> runs = runs_in(arguments.places);
-  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, runs);
+  const RunsBelow found = runs_in(arguments.places);
+  const std::vector<RunFolder>& runs = found.runs;
+  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, found);
   if (arguments.exchange.exports()) {
-    return export_labels(common, arguments.exchange, runs, arguments.force, [&](std::span<const RunFolder> unlabelled) {
-      const Outcome outcome = label_all(common, arguments, {unlabelled.begin(), unlabelled.end()});
-      if (!outcome.failures.empty()) throw Error(outcome.failures.front());
+    return export_labels(common, arguments.exchange, found, arguments.force, [&](std::span<const RunFolder> unlabelled) {
+      return label_all(common, arguments, {unlabelled.begin(), unlabelled.end()}).failures;
     });
   }
-  const Outcome outcome = arguments.summary ? read_runs(runs) : label_all(common, arguments, runs);
+  Outcome outcome = arguments.summary ? read_runs(runs) : label_all(common, arguments, runs);
+  outcome.failures.insert(outcome.failures.end(), found.unreadable.begin(), found.unreadable.end());
   const std::vector<LabelledRun>& labelled = outcome.labelled;
-  nlohmann::json json = {{"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}};
+  nlohmann::json json = {
+      {"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}, {"misnamed", found.misnamed}};
   std::string text = labelled.empty() ? "" : runs_table(labelled);
   if (arguments.summary && !labelled.empty()) {
     json["objects"] = objects_json(labelled);
@@ -239,10 +270,11 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
     const TruthTables truth = compare_all(labelled);
     json["truth"] = truth.json;
     text += truth.text;
+    outcome.failures.insert(outcome.failures.end(), truth.errors.begin(), truth.errors.end());
+    json["failed"] = outcome.failures;
   }
   print_result(common, json, text);
-  for (std::size_t i = 0; i + 1 < outcome.failures.size(); ++i) spdlog::error("{}", outcome.failures[i]);
-  if (!outcome.failures.empty()) throw Error(outcome.failures.back());
+  end_with(outcome.failures);
   if (arguments.strict && std::any_of(labelled.begin(), labelled.end(), is_flagged)) throw CheckFailed{};
 }
 

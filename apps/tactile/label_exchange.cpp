@@ -13,6 +13,7 @@
 
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/exchange/audacity.hpp"
@@ -69,11 +70,13 @@ void check_place(const fs::path& file, const std::vector<RunFolder>& runs) {
 }
 
 bool holds(const FileToWrite& file) {
-  return fs::is_regular_file(file.path) && fs::file_size(file.path) == file.text.size() && read_text(file.path) == file.text;
+  std::error_code unknown;
+  return fs::is_regular_file(file.path, unknown) && fs::file_size(file.path, unknown) == file.text.size() &&
+         read_text(file.path) == file.text;
 }
 
 void check_free(const FileToWrite& file, bool replace) {
-  if (replace || !fs::exists(file.path) || holds(file)) return;
+  if (replace || !is_there(file.path) || holds(file)) return;
   throw Error(fmt::format("{}: is there already, perhaps with somebody's edits; expected another name, or --force to replace it",
                           file.path.string()));
 }
@@ -102,7 +105,8 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
   const std::optional<ExchangeFormat> format = format_in(arguments);
   std::vector<fs::path> files;
   for (const std::string& from : arguments.from) {
-    if (!fs::is_directory(from)) {
+    std::error_code unknown;
+    if (!fs::is_directory(from, unknown)) {
       files.emplace_back(from);
       continue;
     }
@@ -111,7 +115,7 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
       for (const char* name : {"audacity", "elan", "label-studio", "csv"}) {
         const auto known = exchange_format_named(name);
         const fs::path file = fs::path(from) / (file_stem_of(run) + std::string(ending_of(*known)));
-        if ((!format || format == known) && fs::exists(file)) files.push_back(file);
+        if ((!format || format == known) && is_there(file)) files.push_back(file);
       }
     }
     if (files.size() == before) {
@@ -159,8 +163,9 @@ void check_exchange(const LabelExchangeArguments& arguments) {
   }
 }
 
-void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,
-                   bool replace, const std::function<void(std::span<const RunFolder>)>& label_first) {
+void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found, bool replace,
+                   const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first) {
+  std::vector<RunFolder> runs = found.runs;
   const fs::path to = arguments.to;
   const std::optional<ExchangeFormat> known = format_in(arguments) ? format_in(arguments) : exchange_format_by_ending(to);
   if (!known) {
@@ -170,23 +175,42 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
         arguments.to));
   }
   const ExchangeFormat format = *known;
-  std::vector<FileToWrite> files = files_of(to, format, runs);
-  for (const FileToWrite& file : files) check_place(file.path, runs);
+  for (const FileToWrite& file : files_of(to, format, runs)) check_place(file.path, runs);
   std::vector<RunFolder> unlabelled;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(unlabelled),
-               [](const RunFolder& run) { return !fs::exists(run.labels()); });
-  if (!unlabelled.empty()) label_first(unlabelled);
+               [](const RunFolder& run) { return !is_there(run.labels()); });
+  std::vector<std::string> errors = found.unreadable;
+  if (!unlabelled.empty()) {
+    const std::vector<std::string> failures = label_first(unlabelled);
+    errors.insert(errors.end(), failures.begin(), failures.end());
+    std::erase_if(runs, [](const RunFolder& run) { return !is_there(run.labels()); });
+    std::erase_if(unlabelled, [](const RunFolder& run) { return !is_there(run.labels()); });
+  }
 
   const ProgressCallback progress = progress_line(common);
   std::vector<LabelsToExport> labels(runs.size());
   std::mutex guard;
   std::size_t done = 0;
+  std::vector<std::string> why_not(runs.size());
   parallel_for(runs.size(), common.threads, [&](std::size_t i) {
-    labels[i] = labels_to_export(runs[i], origin_in(arguments), format == ExchangeFormat::elan);
-    if (format == ExchangeFormat::label_studio) labels[i].signals = signals_of(runs[i], labels[i]);
+    try {
+      labels[i] = labels_to_export(runs[i], origin_in(arguments), format == ExchangeFormat::elan);
+      if (format == ExchangeFormat::label_studio) labels[i].signals = signals_of(runs[i], labels[i]);
+    } catch (const std::exception& e) {
+      why_not[i] = sentence_of(e);
+    }
     const std::scoped_lock lock(guard);
     tell(progress, ++done, runs.size(), runs[i].name());
   });
+  for (std::size_t i = runs.size(); i-- > 0;) {
+    if (why_not[i].empty()) continue;
+    errors.push_back(why_not[i]);
+    const auto place = static_cast<std::ptrdiff_t>(i);
+    runs.erase(runs.begin() + place);
+    labels.erase(labels.begin() + place);
+  }
+  if (runs.empty()) return end_with(errors);
+  std::vector<FileToWrite> files = files_of(to, format, runs);
   const auto runs_of = [&](const FileToWrite& file) { return std::span(labels).subspan(file.first_run, file.runs); };
   for (FileToWrite& file : files) file.text = text_of(format, runs_of(file), file.path);
   nlohmann::json json = {{"exported", nlohmann::json::array()}, {"labelled", nlohmann::json::array()}, {"config", nullptr}};
@@ -212,10 +236,13 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   for (const FileToWrite& file : files) {
     if (!holds(file)) write_whole(file.path, file.text, replace ? IfThere::replace : IfThere::refuse);
   }
+  json["failed"] = errors;
   print_result(common, json, text);
+  end_with(errors);
 }
 
-void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found) {
+  const std::vector<RunFolder>& runs = found.runs;
   const std::vector<ImportedRun> edited = read_edits(files_in(arguments, runs), format_in(arguments), origin_in(arguments), runs);
   nlohmann::json imported = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -238,6 +265,7 @@ void import_labels(const CommonArguments& common, const LabelExchangeArguments& 
   if (!unseen.empty()) spdlog::info("nobody has answered for {}: unchanged", fmt::join(unseen, ", "));
   print_result(common, {{"imported", imported}},
                text_table({"run", "as before", "newly confirmed", "moved", "added", "rejected", ""}, rows));
+  end_with(found.unreadable);
 }
 
 }  // namespace tactile

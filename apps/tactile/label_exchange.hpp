@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
 
 namespace tactile {
 
@@ -28,12 +28,14 @@ void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& argum
 /// @throws Error  if --format or --origin is given, which say nothing without --export or --import
 void check_exchange(const LabelExchangeArguments& arguments);
 
-/// Writes the labels of the runs for another tool; those that have none are labelled by `label_first` before.
-/// @throws Error  if a file is there with other contents and `replace` is not given, or the labels cannot be put into the format
-void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs,
-                   bool replace, const std::function<void(std::span<const RunFolder>)>& label_first);
+/// Writes the labels of the runs for another tool. Those that have none are labelled before by `label_first`, which returns what
+/// went wrong. A run that cannot be exported is left out.
+/// @throws Error  if a file is there with other contents and `replace` is not given, or the labels cannot be put into the format;
+///                once the other runs are exported, if one was left out
+void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found, bool replace,
+                   const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first);
 
 /// Takes what a person edited in another tool into the runs' labels: all of it, or after an `Error` none.
-void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs);
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found);
 
 }  // namespace tactile

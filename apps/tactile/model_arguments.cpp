@@ -42,6 +42,7 @@ bool make_missing_dataset(const std::string& data, const CommonArguments& common
   spdlog::info("{} is missing: it is made by the defaults of 'tactile windows'", file.string());
   const DatasetSummary summary = write_dataset(data, file, {}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
+  for (const std::string& error : summary.errors) spdlog::error("{}", error);
   spdlog::info("{}: {} samples", file.string(), summary.samples);
   return true;
 }

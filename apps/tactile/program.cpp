@@ -27,7 +27,7 @@
 #include "help_text.hpp"
 #include "interruption.hpp"
 #include "standard_streams.hpp"
-#include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
 #include "usage_error.hpp"
@@ -49,7 +49,7 @@ int fail_for_lack_of_memory() noexcept {
   } catch (const std::bad_alloc&) {
     std::_Exit(fail_for_lack_of_memory());
   } catch (const std::exception& e) {
-    print_error(e.what());
+    print_error(sentence_of(e));
   } catch (...) {
     // What it was cannot be known.
   }
@@ -108,7 +108,7 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& c
   } catch (const std::bad_alloc&) {
     return fail_for_lack_of_memory();
   } catch (const std::exception& e) {
-    print_error(e.what());
+    print_error(sentence_of(e));
     return 1;
   }
   if (exit_code != 0 && exit_code != 2) return exit_code;  // why has been printed

@@ -19,7 +19,9 @@
 #include "quantity_text.hpp"
 #include "tactile/capture/new_run.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/host_clock.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -135,7 +137,7 @@ class Walk {
       if (!done_.empty() && !done_.back().errors.empty()) error = done_.back().errors.front();
     } catch (const std::exception& e) {  // what was recorded until then is told all the same
       line_.clear();
-      error = e.what();
+      error = sentence_of(e);
     }
     return {std::move(done_), error};
   }
@@ -166,6 +168,12 @@ class Walk {
 };
 
 void Walk::walk() {
+  if (wanted_.is_session && is_there(wanted_.data)) {
+    const RunsBelow below = look_for_runs(wanted_.data);
+    for (const auto* sentences : {&below.misnamed, &below.unreadable}) {
+      for (const std::string& sentence : *sentences) line_.warn(sentence);
+    }
+  }
   while (object_index_ <= plan_.objects.size()) {
     switch (wait_to_begin()) {
       case Answer::begin:

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/json_view.hpp"
 #include "tactile/report/report.hpp"
@@ -46,16 +47,16 @@ struct FoundModel {
 std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path& models) {
   std::vector<FoundModel> found;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(models, none)) {
-    const fs::path file = entry.path() / "model.json";
+  for (fs::directory_iterator entry(models, none), end; !none && entry != end; entry.increment(none)) {
+    const fs::path file = entry->path() / "model.json";
     if (!is_file(file)) continue;
     try {
       const nlohmann::json document = read_json(file);
       const JsonView model(document, file.string());
       if (model["dataset"]["manifest_hash"].text() != manifest_hash) continue;
-      found.push_back({.folder = entry.path(),
+      found.push_back({.folder = entry->path(),
                        .single_run = model["split"]["kind"].text() == "single-run",
-                       .evaluated = is_file(entry.path() / "eval.json"),
+                       .evaluated = is_file(entry->path() / "eval.json"),
                        .trained_at = model["trained_at"].text()});
     } catch (const Error& e) {
       spdlog::warn("passed over: {}", e.what());
@@ -122,6 +123,10 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
 void report(const ReportArguments& args, const CommonArguments& common) {
   auto [input, place] = input_of(args);
   if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = read_trade(trade);
+  RunsBelow below;
+  std::error_code unknown;
+  if (!input.data.empty() && fs::is_directory(input.data, unknown)) below = look_for_runs(input.data);
+  for (const std::string& misnamed : below.misnamed) spdlog::warn("{}", misnamed);
   const ReportSummary summary = write_report(input, args.out.empty() ? place : fs::path(args.out), [](std::string_view figure) {
     stop_if_interrupted();
     spdlog::info("drawing {}", figure);
@@ -143,8 +148,11 @@ void report(const ReportArguments& args, const CommonArguments& common) {
                 {"page", summary.page.string()},
                 {"figures", summary.figures},
                 {"missing", summary.missing},
+                {"misnamed", below.misnamed},
                 {"claims", {{"count", summary.claims}, {"hold", summary.hold}, {"do_not", summary.do_not}}}},
                text);
+  below.unreadable.insert(below.unreadable.end(), summary.errors.begin(), summary.errors.end());
+  end_with(below.unreadable);
 }
 
 }  // namespace

@@ -10,7 +10,9 @@
 #include <map>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/run_files.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/labels/clock_fit.hpp"
 #include "tactile/labels/truth_comparison.hpp"
 #include "text_table.hpp"
@@ -52,7 +54,7 @@ bool plan_says(const nlohmann::json& parameters, const char* key) {
 }
 
 bool is_damaged(const RunFolder& run) {
-  if (!std::filesystem::exists(run.info())) return true;
+  if (!is_there(run.info())) return true;
   const RunInfo info = read_run_info(run);
   if (!info.complete) return true;
   const RunFiles files = check_files(run, info, FileComparison::size);
@@ -60,15 +62,19 @@ bool is_damaged(const RunFolder& run) {
 }
 
 std::string session_of(const RunFolder& run) {
-  return std::filesystem::exists(run.info()) ? read_run_info(run).session : std::string();
+  try {
+    return is_there(run.info()) ? read_run_info(run).session : std::string();
+  } catch (const Error&) {
+    return {};  // comparing the run names it
+  }
 }
 
-std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs) {
+/// @param errors  takes why a run could not be compared
+std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs, std::vector<std::string>& errors) {
   std::map<std::string, std::size_t> sessions;
   for (const LabelledRun& labelled : runs) ++sessions[session_of(labelled.run)];
   std::vector<ComparedRun> compared;
-  for (const LabelledRun& labelled : runs) {
-    if (!std::filesystem::exists(labelled.run.truth())) continue;
+  const auto compare_one = [&](const LabelledRun& labelled) {
     const Truth truth = read_truth(labelled.run.truth());
     ComparedRun run;
     run.labelled = &labelled;
@@ -84,6 +90,14 @@ std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs) {
     run.has_both = has(Touch::press) && has(Touch::slip);
     run.damaged = is_damaged(labelled.run);
     compared.push_back(std::move(run));
+  };
+  for (const LabelledRun& labelled : runs) {
+    if (!is_there(labelled.run.truth())) continue;
+    try {
+      compare_one(labelled);
+    } catch (const std::exception& e) {
+      errors.push_back(sentence_of(e));
+    }
   }
   return compared;
 }
@@ -272,7 +286,9 @@ std::string of_count(std::size_t part, std::size_t whole, const std::string& wha
 }  // namespace
 
 TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
-  const std::vector<ComparedRun> runs = compare(labelled);
+  std::vector<std::string> unread;
+  const std::vector<ComparedRun> runs = compare(labelled, unread);
+  if (runs.empty() && !unread.empty()) return {.json = {}, .text = {}, .errors = unread};
   if (runs.empty()) throw Error("--compare-truth: none of the runs has a truth.json; expected simulated runs");
   const auto count = [&](const std::function<bool(const ComparedRun&)>& holds) {
     return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), holds));
@@ -322,6 +338,7 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
   const std::vector<std::string> silent = silent_errors(runs);
   const std::array<ClocksByAnchor, 2> by_anchor = clocks_by_anchor(runs);
   TruthTables tables;
+  tables.errors = std::move(unread);
   tables.json = {{"runs", runs.size()},
                  {"intervals", intervals},
                  {"missed", missed},

@@ -12,9 +12,10 @@ namespace tactile {
 struct TruthTables {
   nlohmann::json json;
   std::string text;
+  std::vector<std::string> errors;  ///< why runs could not be compared, a sentence each
 };
 
-/// @throws Error  if none of the runs has a truth.json
+/// @throws Error  if none of the runs has a truth.json that can be read
 TruthTables compare_all(const std::vector<LabelledRun>& runs);
 
 }  // namespace tactile

@@ -59,7 +59,8 @@ nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
           {"samples", summary.samples},
           {"events", summary.events},
           {"runs", runs},
-          {"warnings", summary.warnings}};
+          {"warnings", summary.warnings},
+          {"errors", summary.errors}};
 }
 
 /// @param differing  what is other than in the dataset that was there
@@ -127,6 +128,7 @@ void write_windows(const WindowsArguments& args, const CommonArguments& common) 
   const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   print_result(common, json_of(summary, file), text_of(summary, file, differing));
+  end_with(summary.errors);
 }
 
 }  // namespace

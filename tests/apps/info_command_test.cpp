@@ -295,6 +295,42 @@ TEST_F(InfoOfARun, IsSickWhereTheSensorsSizeIsAnother) {
 
 TEST_F(InfoOfARun, IsSickWithoutRunJson) { EXPECT_EQ(run_tactile("info --check data/fan/03", folder.path()).exit_code, 2); }
 
+TEST_F(InfoOfARun, FailsTheCheckWhereARunIsMisnamed) {
+  describe(true, 160, 120);
+  ASSERT_EQ(run_tactile("info --check data", folder.path()).exit_code, 0);
+  fs::rename(folder / "data/fan/03", folder / "data/fan/3");
+  const auto checked = run_tactile("info --check --json data", folder.path());
+  EXPECT_EQ(checked.exit_code, 2);
+  EXPECT_NE(checked.err.find("data/fan/3: is left out, since a run's name is two digits from 01 on; rename it to 03"),
+            std::string::npos)
+      << checked.err;
+  EXPECT_EQ(nlohmann::json::parse(checked.out).at("misnamed").size(), 1U);
+  EXPECT_EQ(run_tactile("info data", folder.path()).exit_code, 0);
+  const auto typed = run_tactile("info --check data/fan/3", folder.path());
+  EXPECT_EQ(typed.exit_code, 2);
+  EXPECT_NE(typed.err.find("rename it to 03"), std::string::npos) << typed.err;
+  fs::rename(folder / "data/fan/3", folder / "data/fan/03.discarded-1");
+  EXPECT_EQ(run_tactile("info --check data/fan/03.discarded-1", folder.path()).exit_code, 0);
+}
+
+TEST_F(InfoOfARun, ReportsTheOthersBesideALinkThatLeadsToItself) {
+  fs::create_symlink("04", folder / "data/fan/04");
+  fs::create_symlink("loop", folder / "data/loop");
+  const auto result = run_tactile("info --json data data/loop", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("recordings").size(), 1U);
+  EXPECT_EQ(json.at("failed").size(), 3U) << result.out;
+  EXPECT_EQ(result.err.find("filesystem error"), std::string::npos) << result.err;
+}
+
+TEST_F(InfoOfARun, IsSickWhereRunJsonIsNull) {
+  write_json(folder / "data/fan/03/run.json", nullptr);
+  const auto result = run_tactile("info --check data", folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("run.json: 'object' is missing"), std::string::npos) << result.err;
+}
+
 TEST_F(InfoOfARun, NeedsARecording) {
   fs::remove(run.events());
   const test::CommandResult result = run_tactile("info data/fan/03", folder.path());

@@ -42,6 +42,54 @@ TEST_F(LabelCommand, ComparesWithTheTruthToMilliseconds) {
   EXPECT_LE(truth.at("errors_ms").at("slip_onset").at("max"), 20.0);
 }
 
+TEST_F(LabelCommand, NamesMisnamedRunsWithTheNameThatTheyNeed) {
+  std::filesystem::rename(folder / "data/fan", folder / "data/Fan");
+  const auto all = run_tactile("label --no-pictures --json", folder.path());
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_NE(all.err.find("data/Fan: its run is left out"), std::string::npos) << all.err;
+  const auto json = nlohmann::json::parse(all.out);
+  EXPECT_EQ(json.at("runs").size(), 1U);
+  EXPECT_NE(json.at("misnamed").at(0).get<std::string>().find("rename it to fan"), std::string::npos);
+  for (const char* place : {"data/Fan/01", "data/Fan"}) {
+    const auto typed = run_tactile(std::string("label ") + place, folder.path());
+    EXPECT_EQ(typed.exit_code, 1);
+    EXPECT_NE(typed.err.find("data/Fan/01: an object's name is lower-case letters, digits and inner hyphens; rename the folder "
+                             "Fan to fan"),
+              std::string::npos)
+        << typed.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "data/Fan/01/labels.json"));
+}
+
+TEST_F(LabelCommand, LabelsTheOthersWhereOneCannotBeRead) {
+  std::filesystem::create_symlink("loop", folder / "data/loop");
+  const auto result = run_tactile("label --no-pictures --json", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("tactile: data/loop: cannot be read (Too many levels of symbolic links)"), std::string::npos)
+      << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("runs").size(), 2U);
+  EXPECT_EQ(json.at("failed").size(), 1U);
+  std::filesystem::remove(folder / "data/loop");
+
+  const auto file = folder / "data/fan/01/labels.json";
+  auto labels = nlohmann::json::parse(read_text(file));
+  labels.at("intervals").at(0).at("class") = 5;
+  write_whole(file, labels.dump());
+  write_whole(folder / "data/usb-hub/01/truth.json", "[]");
+  const auto bad = run_tactile("label --no-pictures --compare-truth --json", folder.path());
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.err.find("data/fan/01/labels.json: 'class' is a number; expected a text"), std::string::npos) << bad.err;
+  EXPECT_NE(bad.err.find("data/usb-hub/01/truth.json: 'intervals' is missing"), std::string::npos) << bad.err;
+  EXPECT_EQ(bad.err.find("json.exception"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(bad.out).at("runs").size(), 1U);
+
+  const auto exported = run_tactile("label --export out --format csv --json", folder.path());
+  EXPECT_EQ(exported.exit_code, 1);
+  EXPECT_NE(exported.err.find("'class' is a number"), std::string::npos) << exported.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/usb-hub-01.csv"));
+}
+
 TEST_F(LabelCommand, KeepsLabelsThatAPersonConfirmedUnlessForced) {
   ASSERT_EQ(run_tactile("label", folder.path()).exit_code, 0);
   const auto file = folder.path() / "data/fan/01/labels.json";

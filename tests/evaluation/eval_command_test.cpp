@@ -267,6 +267,10 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   EXPECT_TRUE(runs[0].at("learned_from").get<bool>()) << "its start did";
   EXPECT_TRUE(runs[1].at("learned_from").get<bool>());
   EXPECT_FALSE(runs[2].at("learned_from").get<bool>());
+  const auto one_missing = run_tactile("eval --json --model next --run nowhere/01,fan/03", trained.folder.path());
+  EXPECT_EQ(one_missing.exit_code, 1);
+  EXPECT_NE(one_missing.err.find("nowhere/01: no such run"), std::string::npos) << one_missing.err;
+  EXPECT_EQ(nlohmann::json::parse(one_missing.out).at("runs").size(), 1U) << "the others are shown";
 
   // With fan held out, a start that saw it would tell; one that did not, may be gone on from.
   const auto leaking =

@@ -66,6 +66,15 @@ TEST(Weights, OfOtherShapesOrNamesAreRefused) {
   EXPECT_NE(error_of(folder / "w", {{"b.weight", {2, 3}}}), "");
 }
 
+TEST(Weights, OfAnotherTypeAreRefusedByTheType) {
+  const test::TemporaryFolder folder;
+  write_weights(folder / "w", some_weights());
+  std::string text = read_text(folder / "w");
+  text.replace(text.find("\"F32\""), 5, "\"I32\"");
+  write_whole(folder / "w", text);
+  EXPECT_TRUE(error_of(folder / "w").ends_with("/w: a.bias: its values are of type 'I32'; expected F32")) << error_of(folder / "w");
+}
+
 TEST(Weights, WithValuesOutsideTheFileAreRefused) {
   const test::TemporaryFolder folder;
   write_weights(folder / "w", some_weights());

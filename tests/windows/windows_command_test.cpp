@@ -7,6 +7,8 @@
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "windows/made_runs.hpp"
 
@@ -78,6 +80,29 @@ TEST_F(WindowsCommand, KilledWhileItReplacesADatasetLeavesTheOldOneOrTheNewOne) 
   EXPECT_GT(killed, 2);
   EXPECT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
   EXPECT_EQ(run_tactile("windows --verify", folder.path()).exit_code, 0);
+}
+
+TEST_F(WindowsCommand, NamesMisnamedRunsAndEndsWithOneWhereARunCannotBeRead) {
+  std::filesystem::rename(folder / "data/usb-hub", folder / "data/USB_Hub");
+  const auto misnamed = run_tactile("windows --json", folder.path());
+  EXPECT_EQ(misnamed.exit_code, 0) << misnamed.err;
+  EXPECT_NE(misnamed.err.find("data/USB_Hub: its run is left out"), std::string::npos) << misnamed.err;
+  EXPECT_NE(nlohmann::json::parse(misnamed.out).at("warnings").at(0).get<std::string>().find("rename it to usb-hub"),
+            std::string::npos);
+  write_whole(folder / "data/fan/02/run.json", "null");
+  const auto broken = run_tactile("windows --json", folder.path());
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_EQ(broken.err.find("json.exception"), std::string::npos) << broken.err;
+  EXPECT_NE(broken.err.find("tactile: data/fan/02/run.json: 'object' is missing; fan/02 is left out"), std::string::npos)
+      << broken.err;
+  EXPECT_EQ(nlohmann::json::parse(broken.out).at("errors").size(), 1U);
+  EXPECT_EQ(Dataset(folder / "data/dataset.h5").runs().size(), 1U);
+}
+
+TEST_F(WindowsCommand, PrintsJsonOfANameThatIsNoUtf8) {
+  const auto result = run_tactile("windows --json --out \"$(printf 'caf\\351').h5\"", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("dataset"), "caf\xEF\xBF\xBD.h5");
 }
 
 TEST_F(WindowsCommand, RefusesOptionsOutOfRange) {

@@ -247,10 +247,47 @@ TEST_F(WriteDataset, LeavesARunOutWhoseRunJsonIsBroken) {
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_FALSE(summary.runs[1].in_dataset);
   EXPECT_EQ(summary.runs[1].remark, "its run.json cannot be used");
-  EXPECT_TRUE(mentions(summary.warnings, "fan/02: left out, its run.json cannot be used"));
+  EXPECT_TRUE(mentions(summary.errors, "fan/02/run.json: line 1 is no JSON"));
+  EXPECT_TRUE(mentions(summary.errors, "; fan/02 is left out"));
   EXPECT_EQ(Dataset(file()).runs().size(), 2U);
   for (const char* run : {"fan/01", "usb-hub/01"}) write_whole(data() / run / "run.json", "");
   EXPECT_NE(message_of([&] { write_dataset(data(), folder / "other.h5"); }).find("no run can be used"), std::string::npos);
+}
+
+TEST_F(WriteDataset, LeavesRunsOutWhoseFilesCannotBeUsedAndTakesTheOthers) {
+  test::make_three_runs(data());
+  const auto break_json = [&](const char* file, const auto& change) {
+    nlohmann::json json = read_json(data() / file);
+    change(json);
+    write_json(data() / file, json);
+  };
+  test::make_run(data(), {.object = "box", .run = "01", .seed = 7});
+  test::make_run(data(), {.object = "box", .run = "02", .seed = 8});
+  test::make_run(data(), {.object = "box", .run = "03", .seed = 9});
+  break_json("box/01/labels.json", [](nlohmann::json& json) { json.at("intervals").at(0).at("class") = 5; });
+  break_json("box/02/run.json", [](nlohmann::json& json) { json = nullptr; });
+  fs::remove(data() / "box/03/labels.json");
+  fs::create_symlink("labels.json", data() / "box/03/labels.json");
+  fs::create_symlink("04", data() / "box/04");
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(Dataset(file()).runs().size(), 3U);
+  EXPECT_EQ(summary.errors.size(), 4U);
+  EXPECT_TRUE(mentions(summary.errors, "box/01/labels.json: 'class' is a number; expected a text; box/01 is left out"));
+  EXPECT_TRUE(mentions(summary.errors, "box/02/run.json: 'object' is missing; box/02 is left out"));
+  EXPECT_TRUE(mentions(summary.errors, "box/03/labels.json: cannot be read (Too many levels of symbolic links)"));
+  EXPECT_TRUE(mentions(summary.errors, "box/04: cannot be read (Too many levels of symbolic links)"));
+}
+
+TEST_F(WriteDataset, WarnsOfMisnamedRuns) {
+  test::make_three_runs(data());
+  fs::rename(data() / "usb-hub", data() / "USB hub");
+  fs::rename(data() / "fan/02", data() / "fan/2");
+  const DatasetSummary summary = write_dataset(data(), file());
+  EXPECT_EQ(Dataset(file()).runs().size(), 1U);
+  EXPECT_TRUE(mentions(summary.warnings, "rename it to usb-hub"));
+  EXPECT_TRUE(mentions(summary.warnings, "rename it to 02"));
+  fs::rename(data() / "fan", data() / "Fan");
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("rename it to fan"), std::string::npos);
 }
 
 TEST_F(WriteDataset, TellsOfARunWhoseFolderBearsAnotherName) {

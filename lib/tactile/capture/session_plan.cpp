@@ -7,7 +7,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -93,7 +93,7 @@ SessionPlan read_session_plan(const fs::path& file) {
 }
 
 int complete_runs(const fs::path& data, const SessionPlan& plan, const std::string& object) {
-  if (!fs::is_directory(data)) return 0;
+  if (!is_there(data)) return 0;
   const std::vector<RunFolder> runs = find_runs(data);
   return static_cast<int>(std::count_if(runs.begin(), runs.end(), [&](const RunFolder& run) {
     if (run.object != object) return false;

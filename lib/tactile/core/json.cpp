@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
+#include "tactile/core/json_text.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -123,12 +125,13 @@ nlohmann::json read_json(const std::filesystem::path& file) {
   }
 }
 
-void write_json(const std::filesystem::path& file, const nlohmann::json& json) {
-  // Paths, and the names that devices and other programs give, are any bytes; what is no UTF-8 becomes U+FFFD.
-  write_whole(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+void write_json(const std::filesystem::path& file, const nlohmann::json& json) { write_whole(file, json_text(json, 2) + "\n"); }
+
+std::string json_text(const nlohmann::json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string hash_of(const nlohmann::json& json) { return sha256_of(json.dump()); }
+std::string hash_of(const nlohmann::json& json) { return sha256_of(json_text(json)); }
 
 std::string differences(const nlohmann::json& before, const nlohmann::json& now) {
   constexpr std::size_t most = 4;
@@ -147,7 +150,7 @@ std::string differences(const nlohmann::json& before, const nlohmann::json& now)
     if (told == most) return text + "; and " + std::to_string(others.size() - most) + " more";
     std::string name = path.substr(std::min<std::size_t>(1, path.size()));
     std::replace(name.begin(), name.end(), '/', '.');
-    text += (told++ == 0 ? "" : "; ") + name + ": " + values.first.dump() + " before, " + values.second.dump() + " now";
+    text += (told++ == 0 ? "" : "; ") + name + ": " + json_text(values.first) + " before, " + json_text(values.second) + " now";
   }
   return text;
 }
@@ -167,7 +170,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 }
 
 void throw_bad_member(std::string_view key, std::string_view where, std::string_view why) {
-  throw Error(std::string(where) + ": '" + std::string(key) + "' " + std::string(why));
+  throw Error(std::string(where) + ": '" + std::string(key) + "' " + plain_words(why));
 }
 
 }  // namespace tactile

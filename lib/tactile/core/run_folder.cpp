@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <tuple>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -22,32 +21,26 @@ bool is_object_name(std::string_view name) {
 }
 
 RunFolder run_folder_at(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw Error(folder.string() + ": no such folder; expected a run, DATA/<object>/<run>");
+  std::error_code why;
+  if (!fs::is_directory(folder, why)) {
+    const bool is_unknown = why && why != std::errc::no_such_file_or_directory;
+    throw Error(folder.string() + (is_unknown ? ": cannot be read (" + why.message() + ")" : std::string(": no such folder")) +
+                "; expected a run, DATA/<object>/<run>");
+  }
   fs::path whole = fs::absolute(folder).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();  // "fan/03/" ends in an empty part
   return {folder, whole.parent_path().filename().string(), whole.filename().string()};
 }
 
-std::vector<RunFolder> find_runs(const fs::path& data) {
-  if (!fs::is_directory(data)) throw Error(data.string() + ": no such folder; expected a folder of runs, DATA/<object>/<run>");
-  std::vector<RunFolder> runs;
-  for (const fs::directory_entry& object : fs::directory_iterator(data)) {
-    if (!object.is_directory() || !is_object_name(object.path().filename().string())) continue;
-    for (const fs::directory_entry& run : fs::directory_iterator(object)) {
-      if (!run.is_directory() || !is_run_id(run.path().filename().string())) continue;
-      RunFolder found{run.path(), object.path().filename().string(), run.path().filename().string()};
-      if (fs::exists(found.events())) runs.push_back(std::move(found));
-    }
-  }
-  std::sort(runs.begin(), runs.end(),
-            [](const RunFolder& a, const RunFolder& b) { return std::tie(a.object, a.run) < std::tie(b.object, b.run); });
-  return runs;
-}
+std::vector<RunFolder> find_runs(const fs::path& data) { return look_for_runs(data).runs; }
 
 fs::path recording_in(const fs::path& folder) {
   const fs::path file = folder / "events.aedat4";
-  if (fs::is_regular_file(file)) return file;
-  const std::vector<RunFolder> runs = fs::is_directory(folder) ? find_runs(folder) : std::vector<RunFolder>{};
+  std::error_code why;
+  if (fs::is_regular_file(file, why)) return file;
+  if (why && why != std::errc::no_such_file_or_directory)
+    throw Error(file.string() + ": cannot be read (" + why.message() + "); expected a readable recording");
+  const std::vector<RunFolder> runs = fs::is_directory(folder, why) ? find_runs(folder) : std::vector<RunFolder>{};
   if (runs.empty()) throw Error(folder.string() + ": holds no events.aedat4; expected a run's folder or a recording");
   throw Error(folder.string() + ": is a folder of " + (runs.size() == 1 ? "a run" : std::to_string(runs.size()) + " runs") +
               "; expected one run, such as " + runs.front().folder.string());

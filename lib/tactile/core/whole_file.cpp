@@ -214,10 +214,13 @@ void write_whole(const fs::path& file, std::string_view text, IfThere if_there) 
 }
 
 std::string read_text(const fs::path& file, std::size_t limit) {
-  if (!fs::exists(file)) throw Error(file.string() + ": is missing; expected a readable file");
-  std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file)) throw Error(file.string() + ": cannot be read; expected a readable file");
   std::error_code unknown;
+  const fs::file_type type = fs::status(file, unknown).type();
+  if (type == fs::file_type::not_found) throw Error(file.string() + ": is missing; expected a readable file");
+  if (type == fs::file_type::none)
+    throw Error(file.string() + ": cannot be read (" + unknown.message() + "); expected a readable file");
+  std::ifstream in(file, std::ios::binary);
+  if (!in || type == fs::file_type::directory) throw Error(file.string() + ": cannot be read; expected a readable file");
   if (fs::is_regular_file(file, unknown)) {
     const std::uintmax_t size = fs::file_size(file, unknown);
     if (!unknown && size > limit)

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
+#include "tactile/core/error_text.hpp"
+#include "tactile/core/json_text.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/labels/human_edits.hpp"
 #include "tactile/labels/session_clocks.hpp"
@@ -39,7 +41,11 @@ std::optional<std::string> session_of(const RunFolder& run) {
   }
 }
 
-fs::path data_folder_of(const RunFolder& run) { return fs::weakly_canonical(run.folder).parent_path().parent_path(); }
+fs::path data_folder_of(const RunFolder& run) {
+  std::error_code unknown;
+  const fs::path folder = fs::weakly_canonical(run.folder, unknown);
+  return (unknown ? fs::absolute(run.folder).lexically_normal() : folder).parent_path().parent_path();
+}
 
 /// By data folder and session, all runs of it.
 class Sessions {
@@ -73,7 +79,10 @@ std::vector<Group> groups_of(const std::vector<RunFolder>& runs) {
     } else {
       group = &groups.emplace_back();
     }
-    const auto same = [&](const RunFolder& run) { return fs::equivalent(run.folder, runs[i].folder); };
+    const auto same = [&](const RunFolder& run) {
+      std::error_code unknown;
+      return fs::equivalent(run.folder, runs[i].folder, unknown);
+    };
     const auto place = std::find_if(group->runs.begin(), group->runs.end(), same);
     group->asked_for.push_back(static_cast<std::size_t>(place - group->runs.begin()));
     group->result_index.push_back(i);
@@ -87,7 +96,7 @@ std::string key_of(const Group& group, const std::vector<nlohmann::json>& inputs
                    const LabelOptions& options) {
   nlohmann::json made_from = {{"method", method_version}, {"settings", settings_of(options)}, {"run", run.name()}};
   for (std::size_t i = 0; i < group.runs.size(); ++i) made_from["inputs"][group.runs[i].name()] = inputs[i];
-  return sha256_of(made_from.dump());
+  return sha256_of(json_text(made_from));
 }
 
 /// Reads the signals of each run, or the reason why not.
@@ -108,7 +117,7 @@ class GroupLabeller {
       try {
         inputs[i] = hashes_of_inputs(group.runs[i]);
       } catch (const std::exception& e) {
-        errors[i] = e.what();
+        errors[i] = sentence_of(e);
       }
     });
 
@@ -132,7 +141,7 @@ class GroupLabeller {
       try {
         read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
       } catch (const std::exception& e) {
-        read[i].error = e.what();
+        read[i].error = sentence_of(e);
       }
     });
     std::vector<const RunSignals*> whole;
@@ -152,13 +161,13 @@ class GroupLabeller {
         Labels labels = label_signals(signals, clocks[static_cast<std::size_t>(place)], options_.label);
         labels.provenance["inputs"] = inputs[i];
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
-        if (!options_.force && fs::exists(signals.run.labels()))
+        if (!options_.force && is_there(signals.run.labels()))
           labels = keep_human_edits(std::move(labels), read_labels(signals.run.labels()));
         write_labels(signals.run.labels(), labels);
         if (options_.make_companions) options_.make_companions(signals, labels);
         result.labels = std::move(labels);
       } catch (const std::exception& e) {
-        result.error = e.what();
+        result.error = sentence_of(e);
       }
       tell_done(result.run);
     });
@@ -167,15 +176,16 @@ class GroupLabeller {
  private:
   /// The labels that are there, if they follow from the same files and settings.
   void take_standing(const RunFolder& run, const std::string& key, RunOutcome& result) const {
-    if (options_.force || !fs::exists(run.labels())) return;
+    if (options_.force || !is_there(run.labels())) return;
     if (options_.has_companions && !options_.has_companions(run)) return;
     try {
       Labels labels = read_labels(run.labels());
-      if (labels.provenance.value("key", "") != key) return;
+      const auto made_with = labels.provenance.find("key");
+      if (made_with == labels.provenance.end() || *made_with != key) return;
       result.labels = std::move(labels);
       result.unchanged = true;
     } catch (const std::exception& e) {
-      result.error = std::string(e.what()) + "; mend it, or replace it with --force";
+      result.error = sentence_of(e) + "; mend it, or replace it with --force";
     }
   }
 

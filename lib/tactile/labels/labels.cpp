@@ -4,6 +4,7 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 
 namespace tactile {
@@ -65,7 +66,9 @@ json list_in(const json& object, const char* key, const std::string& where) {
 }
 
 FittedClock clock_in(const json& object, const std::string& where) {
-  FittedClock clock{.relation = object.get<ClockRelation>(),
+  FittedClock clock{.relation = {.offset_us = member<std::int64_t>(object, "offset_us", where),
+                                 .drift_ppm = member<double>(object, "drift_ppm", where),
+                                 .reference_us = member<std::int64_t>(object, "reference_us", where)},
                     .residual_us = member<double>(object, "residual_us", where),
                     .anchors = member<int>(object, "anchors", where),
                     .method = member<std::string>(object, "method", where),
@@ -195,16 +198,17 @@ Labels read_labels(const std::filesystem::path& file) {
       }
     }
     for (const json& flag : list_in(object, "flags", where)) {
-      const json index = flag.value("interval", json(nullptr));
+      const json index = flag.contains("interval") ? member<json>(flag, "interval", where) : json(nullptr);
       if (!index.is_null() && !index.is_number_unsigned())
         throw Error(where + ": a flag's 'interval' is no index; expected one from 0, or null");
       labels.flags.push_back({.interval_index = index.is_null() ? std::nullopt : std::optional(index.get<std::size_t>()),
                               .reason = member<std::string>(flag, "reason", where),
-                              .confirmed = flag.value("confirmed", false)});
+                              .confirmed = flag.contains("confirmed") && member<bool>(flag, "confirmed", where)});
     }
     labels.provenance = object.value("provenance", json::object());
   } catch (const json::exception& e) {
-    throw Error(where + ": not laid out as labels are (" + e.what() + "); expected what 'tactile label' writes");
+    throw Error(where + ": not laid out as labels are (a value " + plain_words(e.what()) +
+                "); expected what 'tactile label' writes");
   }
   name_intervals(labels.intervals);
   check_intervals(labels.intervals, where);

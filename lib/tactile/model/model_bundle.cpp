@@ -201,13 +201,16 @@ std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& desc
 std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::function<bool(const ModelDescription&)>& wanted) {
   std::optional<ModelBundle> newest;
   std::string trained_at;
-  if (!fs::is_directory(models)) return newest;
+  std::error_code failed;
+  if (!fs::is_directory(models, failed)) return newest;
   std::vector<fs::path> folders;
-  for (const auto& entry : fs::directory_iterator(models)) folders.push_back(entry.path());
+  for (fs::directory_iterator entry(models, failed), end; !failed && entry != end; entry.increment(failed))
+    folders.push_back(entry->path());
+  if (failed) throw Error(models.string() + ": cannot be read (" + failed.message() + "); expected a folder of models");
   std::sort(folders.begin(), folders.end());
   for (const fs::path& folder : folders) {
     const ModelBundle bundle{folder};
-    if (bundle.name().front() == '.' || !fs::is_regular_file(bundle.description())) continue;
+    if (bundle.name().front() == '.' || !fs::is_regular_file(bundle.description(), failed)) continue;
     try {
       const ModelDescription description = read_description(bundle);
       if (!wanted(description) || (newest && description.trained_at < trained_at)) continue;

@@ -10,6 +10,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile {
@@ -52,7 +53,7 @@ void write_weights(const std::filesystem::path& file, const Weights& weights,
     header[parameter.shape.name] = {{"dtype", "F32"}, {"shape", parameter.shape.sizes}, {"data_offsets", {offset, end}}};
     offset = end;
   }
-  std::string header_text = header.dump();
+  std::string header_text = json_text(header);
   header_text.append((length_bytes - header_text.size() % length_bytes) % length_bytes, ' ');  // values begin aligned
   const std::uint64_t length = header_text.size();
   std::string text(length_bytes, '\0');
@@ -86,9 +87,10 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
     const std::string parameter = where + ": " + shape.name;
     const auto sizes = member<std::vector<std::int64_t>>(entry, "shape", parameter);
     const auto offsets = member<std::vector<std::uint64_t>>(entry, "data_offsets", parameter);
-    if (member<std::string>(entry, "dtype", parameter) != "F32" || sizes != shape.sizes) {
-      throw Error(parameter + ": of sizes " + sizes_in_words(sizes) + "; expected F32 of sizes " + sizes_in_words(shape.sizes));
-    }
+    if (const auto type = member<std::string>(entry, "dtype", parameter); type != "F32")
+      throw Error(parameter + ": its values are of type '" + type + "'; expected F32");
+    if (sizes != shape.sizes)
+      throw Error(parameter + ": of sizes " + sizes_in_words(sizes) + "; expected " + sizes_in_words(shape.sizes));
     const std::size_t bytes = shape.count() * sizeof(float);
     if (offsets.size() != 2 || offsets[0] > value_bytes || offsets[1] > value_bytes || offsets[1] < offsets[0] ||
         offsets[1] - offsets[0] != bytes) {

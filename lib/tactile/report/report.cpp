@@ -9,7 +9,8 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/error_text.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/report/frames_picture.hpp"
@@ -233,18 +234,24 @@ class Report {
   }
 
   void frames() {
-    std::optional<RunFolder> run;
+    std::vector<RunFolder> runs;
     std::error_code ignored;
-    if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) {
-      for (const RunFolder& candidate : find_runs(input_.data)) {
-        // The paper's own example, else the first labelled run.
-        if (!fs::exists(candidate.labels(), ignored)) continue;
-        if (!run || (candidate.object == "water-bottle" && run->object != "water-bottle")) run = candidate;
-      }
-    }
+    if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) runs = find_runs(input_.data);
+    // The paper's own example, else the first labelled run.
+    std::stable_partition(runs.begin(), runs.end(), [](const RunFolder& run) { return run.object == "water-bottle"; });
     const HeatmapOptions options{.history = microseconds{std::llround(1000 * input_.history_ms)}};
     std::vector<TouchFrame> frames;
-    if (run) frames = frames_of(*run, options);
+    std::optional<RunFolder> run;
+    for (std::size_t i = 0; i < runs.size() && !run; ++i) {
+      if (!is_there(runs[i].labels())) continue;
+      try {
+        frames = frames_of(runs[i], options);
+        run = runs[i];
+      } catch (const std::exception& e) {
+        errors_.push_back(sentence_of(e));
+        missing_.push_back(fmt::format("Frames of {} cannot be drawn: {}.", runs[i].name(), errors_.back()));
+      }
+    }
     if (frames.empty()) {
       missing_.push_back("Frames of a press and a slip need a folder of labelled runs; none was found.");
       return;
@@ -670,6 +677,7 @@ class Report {
                           .page = out_ / "report.html",
                           .figures = drawn_,
                           .missing = missing_,
+                          .errors = errors_,
                           .claims = input_.claims.size()};
     for (const ReportedClaim& claim : input_.claims) {
       summary.hold += claim.reported.verdict == "holds" ? 1U : 0U;
@@ -704,7 +712,7 @@ class Report {
   fs::path out_;
   const FigureCallback& tell_;
   HtmlPage page_;
-  std::vector<std::string> missing_;
+  std::vector<std::string> missing_, errors_;
   std::vector<std::string> drawn_;
 };
 

@@ -17,6 +17,7 @@ struct ReportSummary {
   std::filesystem::path page;                    ///< one HTML file, which needs no other
   std::vector<std::string> figures;              ///< by name: `figures/NAME.svg` and `.png` beside the page
   std::vector<std::string> missing;              ///< what was not measured or could not be drawn, in sentences
+  std::vector<std::string> errors;               ///< why runs could not be drawn, in sentences
   std::size_t claims = 0, hold = 0, do_not = 0;  ///< of the paper's claims; of the others one cannot tell
 };
 

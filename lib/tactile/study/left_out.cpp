@@ -7,7 +7,9 @@
 #include <iterator>
 #include <optional>
 
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/labels/labels.hpp"
 
 namespace tactile {
@@ -49,11 +51,17 @@ std::vector<LeftOut> left_out_of(const Dataset& dataset, std::span<const RunFold
   std::vector<LeftOut> left_out;
   for (const RunFolder& folder : runs) {
     const std::string name = folder.name();
-    if (!std::filesystem::exists(folder.labels())) {
+    if (!is_there(folder.labels())) {
       left_out.push_back({name, "run", "it has no labels"});
       continue;
     }
-    const Labels labels = read_labels(folder.labels());
+    Labels labels;
+    try {
+      labels = read_labels(folder.labels());
+    } catch (const std::exception& e) {
+      left_out.push_back({name, "run", sentence_of(e)});
+      continue;
+    }
     const auto found = std::find_if(dataset.runs().begin(), dataset.runs().end(),
                                     [&](const DatasetRun& run) { return run.object == folder.object && run.run == folder.run; });
     if (found == dataset.runs().end()) {

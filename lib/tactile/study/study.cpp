@@ -9,7 +9,8 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/run_folder.hpp"
+#include "tactile/core/json_text.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -78,9 +79,7 @@ json hashes_of(std::initializer_list<fs::path> files) {
   return hashes;
 }
 
-std::vector<RunFolder> runs_below(const fs::path& data) {
-  return fs::is_directory(data) ? find_runs(data) : std::vector<RunFolder>{};
-}
+std::vector<RunFolder> runs_below(const fs::path& data) { return is_there(data) ? find_runs(data) : std::vector<RunFolder>{}; }
 
 /// A model that the study trains.
 struct StudyModel {
@@ -140,6 +139,11 @@ class Study {
 
   void make_dataset() {
     simulate_runs();
+    if (warn_ && is_there(options_.data)) {
+      const RunsBelow below = look_for_runs(options_.data);
+      for (const auto* sentences : {&below.misnamed, &below.unreadable})
+        std::for_each(sentences->begin(), sentences->end(), warn_);
+    }
     const std::vector<RunFolder> runs = runs_below(options_.data);
     if (runs.empty())
       throw Error(options_.data.string() + ": no runs; expected DATA/<object>/<run>, or no such folder to simulate them");
@@ -174,7 +178,7 @@ class Study {
                              progress);
                   }};
     const json known = runner_.inputs_of("simulate");
-    const bool is_ours = known.is_object() && known.value("data", "") == from_study(options_.data);
+    const bool is_ours = known.is_object() && known.contains("data") && known.at("data") == from_study(options_.data);
     simulated_here_ = is_ours || runs_below(options_.data).empty();
     if (simulated_here_) return runner_.run(step);
     // Runs of somebody else's are taken as they are: what would choose among simulated ones must not seem to choose among them.
@@ -246,7 +250,8 @@ class Study {
                  .work =
                      [&](const ProgressCallback& progress) {
                        warn_of_another_dataset(windows);
-                       write_dataset(options_.data, dataset_file(), windows, threads_, progress);
+                       const DatasetSummary made = write_dataset(options_.data, dataset_file(), windows, threads_, progress);
+                       if (warn_) std::for_each(made.errors.begin(), made.errors.end(), warn_);
                      }});
   }
 
@@ -794,7 +799,7 @@ class Study {
     write_if_changed(options_.out / "accuracy.csv", accuracy_csv(rows));
     write_if_changed(options_.out / "unseen.csv", unseen_csv(unseen_rows));
     write_if_changed(options_.out / "claims.csv", claims_csv(on_reported, on_all));
-    write_if_changed(options_.out / "study.json", study.dump(2) + "\n");
+    write_if_changed(options_.out / "study.json", json_text(study, 2) + "\n");
     return study;
   }
 

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -203,7 +204,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
     }
     return ways;
   } catch (const nlohmann::json::exception& e) {
-    throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), e.what()));
+    throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), "a value " + plain_words(e.what())));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tactile/core/json_text.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
@@ -115,7 +116,7 @@ json trade_json(const TradeFindings& findings) {
 
 void write_trade(const json& trade, const fs::path& folder) {
   write_whole(folder / "trade.csv", trade_csv(trade));
-  write_whole(folder / "trade.json", trade.dump(2) + "\n");
+  write_whole(folder / "trade.json", json_text(trade, 2) + "\n");
 }
 
 std::string trade_csv(const json& trade) {

@@ -26,11 +26,10 @@ namespace {
 constexpr hsize_t largest_side = 32767;  // of a heatmap [px]
 
 nlohmann::json parsed(const std::string& text, const std::string& where) {
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(where + ": its settings are no JSON (" + e.what() + "); expected a file that tactile made");
-  }
+  nlohmann::json settings = nlohmann::json::parse(text, nullptr, false);
+  if (settings.is_discarded()) throw Error(where + ": its settings are no JSON; expected a file that tactile made");
+  if (!settings.is_object()) throw Error(where + ": its settings are no object; expected a file that tactile made");
+  return settings;
 }
 
 [[noreturn]] void throw_inconsistent(const std::string& where, const std::string& what) {

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/events/simulated_recording.hpp"
@@ -78,6 +80,13 @@ void draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& o
   run.outcome.remark = list_of(remarks, "; ");
 }
 
+/// Why runs are left out so far.
+std::string all_reasons(const DatasetPlan& plan) {
+  std::vector<std::string> reasons = plan.warnings;
+  reasons.insert(reasons.end(), plan.errors.begin(), plan.errors.end());
+  return list_of(reasons, "; ");
+}
+
 void leave_out(DatasetPlan& plan, const PlannedRun& run, std::string why) {
   plan.left_out.push_back(run.outcome);
   plan.left_out.back().remark = std::move(why);
@@ -86,7 +95,7 @@ void leave_out(DatasetPlan& plan, const PlannedRun& run, std::string why) {
 /// What run.json says of a run; without one, what its folder tells.
 RunInfo info_of(const RunFolder& folder) {
   RunInfo info;
-  if (fs::exists(folder.info())) {
+  if (is_there(folder.info())) {
     info = read_run_info(folder);
   } else {
     info.object = folder.object;
@@ -102,7 +111,7 @@ void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::stri
   std::vector<std::string> without_info;
   for (const PlannedRun& run : runs) {
     const std::string name = run.folder.name();
-    if (!fs::exists(run.folder.info())) without_info.push_back(name);
+    if (!is_there(run.folder.info())) without_info.push_back(name);
     if (!run.info.complete)
       warnings.push_back(name + ": run.json says that the recording was never closed; what is there is used");
     if (run.info.object != run.folder.object || run.info.run != run.folder.run)
@@ -119,7 +128,10 @@ void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::stri
 /// The labelled runs below `data` that may be used together; the others are named in the plan.
 std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
   std::vector<PlannedRun> found;
-  for (RunFolder& folder : find_runs(data)) {
+  RunsBelow below = look_for_runs(data);
+  plan.warnings = std::move(below.misnamed);
+  plan.errors = std::move(below.unreadable);
+  for (RunFolder& folder : below.runs) {
     PlannedRun run{.folder = std::move(folder),
                    .info = {},
                    .outcome = {},
@@ -132,14 +144,14 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     run.outcome.run = run.folder.run;
     try {
       run.info = info_of(run.folder);
-    } catch (const Error& e) {
-      plan.warnings.push_back(run.folder.name() + ": left out, its run.json cannot be used (" + e.what() + ")");
+    } catch (const std::exception& e) {
+      plan.errors.push_back(sentence_of(e) + "; " + run.folder.name() + " is left out");
       leave_out(plan, run, "its run.json cannot be used");
       continue;
     }
     found.push_back(std::move(run));
   }
-  if (found.empty() && plan.left_out.empty())
+  if (found.empty() && plan.left_out.empty() && plan.warnings.empty() && plan.errors.empty())
     throw Error(data.string() + ": no runs; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them");
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
@@ -148,7 +160,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     if (any_real && run.info.simulated && !options.mix) {
       leave_out(plan, run, "simulated, and there are real runs");
       simulated.push_back(run.folder.name());
-    } else if (!fs::exists(run.folder.labels())) {
+    } else if (!is_there(run.folder.labels())) {
       leave_out(plan, run, "no labels.json");
       unlabelled.push_back(run.folder.name());
     } else {
@@ -157,8 +169,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   }
   if (!simulated.empty())
     plan.warnings.push_back("simulated runs are left out since there are real ones (--mix takes both): " + list_of(simulated));
-  if (found.empty())
-    throw Error(data.string() + ": no run can be used (" + list_of(plan.warnings, "; ") + "); expected sound ones");
+  if (found.empty()) throw Error(data.string() + ": no run can be used (" + all_reasons(plan) + "); expected sound ones");
   if (chosen.empty()) {
     throw Error(data.string() + ": none of its " + std::to_string(unlabelled.size()) +
                 (any_real && !simulated.empty() ? " real" : "") +
@@ -210,31 +221,43 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
   check(options.sampling);
   DatasetPlan plan;
   std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
-  std::vector<std::string> flags(chosen.size());
+  std::vector<std::string> flags(chosen.size()), errors(chosen.size());
   std::mutex guard;
   std::uint64_t done = 0;
   parallel_for(chosen.size(), threads, [&](std::size_t i) {
     PlannedRun& run = chosen[i];
-    const Labels labels = read_labels(run.folder.labels());
-    if (labels.run_is_flagged() && !options.include_flagged) {
-      std::vector<std::string> reasons;
-      for (const LabelFlag& flag : labels.flags) {
-        if (!flag.interval_index && !flag.confirmed) reasons.push_back(flag.reason);
+    const auto plan_run = [&] {
+      const Labels labels = read_labels(run.folder.labels());
+      if (labels.run_is_flagged() && !options.include_flagged) {
+        std::vector<std::string> reasons;
+        for (const LabelFlag& flag : labels.flags) {
+          if (!flag.interval_index && !flag.confirmed) reasons.push_back(flag.reason);
+        }
+        flags[i] = "flagged: " + list_of(reasons, "; ");
+      } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
+        flags[i] = "its events have changed since it was labelled, run 'tactile label' again";
+      } else {
+        run.labels_sha256 = sha256_of_file(run.folder.labels());
+        find_ends(run);
+        flags[i] = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
+        if (run.sensor.width > 0 && flags[i].empty()) draw_samples(run, labels, options);
+        if (run.sensor.width <= 0) flags[i] = "neither its recording nor a run.json tells the sensor's size";
       }
-      flags[i] = "flagged: " + list_of(reasons, "; ");
-    } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
-      flags[i] = "its events have changed since it was labelled, run 'tactile label' again";
-    } else {
-      run.labels_sha256 = sha256_of_file(run.folder.labels());
-      find_ends(run);
-      flags[i] = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
-      if (run.sensor.width > 0 && flags[i].empty()) draw_samples(run, labels, options);
-      if (run.sensor.width <= 0) flags[i] = "neither its recording nor a run.json tells the sensor's size";
+    };
+    try {
+      plan_run();
+    } catch (const std::exception& e) {
+      errors[i] = sentence_of(e);
     }
     const std::scoped_lock lock(guard);
     tell(progress, ++done, 2 * chosen.size(), run.folder.name());
   });
   for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!errors[i].empty()) {
+      plan.errors.push_back(errors[i] + "; " + chosen[i].folder.name() + " is left out");
+      leave_out(plan, chosen[i], "it cannot be read");
+      continue;
+    }
     if (flags[i].empty()) {
       plan.runs.push_back(std::move(chosen[i]));
       continue;
@@ -244,7 +267,7 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
     leave_out(plan, chosen[i], flags[i]);
   }
   if (plan.runs.empty())
-    throw Error(data.string() + ": no run is left (" + list_of(plan.warnings, "; ") +
+    throw Error(data.string() + ": no run is left (" + all_reasons(plan) +
                 "); expected a labelled one at least that is not flagged and has not changed since");
   plan.sensor = common_sensor(plan.runs);
 

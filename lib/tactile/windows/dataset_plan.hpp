@@ -38,6 +38,7 @@ struct DatasetPlan {
   std::vector<PlannedRun> runs;  ///< those in the dataset
   std::vector<WindowedRun> left_out;
   std::vector<std::string> warnings;
+  std::vector<std::string> errors;  ///< a sentence for each run or folder that is left out since it cannot be read
   SensorSize sensor;
   bool simulated = false;
 
@@ -53,7 +54,7 @@ struct OpenRun {
   std::int32_t stream_id;
 };
 
-/// Reads every run below `data` once. @throws Error as `write_dataset`
+/// Reads every run below `data` once; the plan names those that cannot be read. @throws Error as `write_dataset`
 DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesystem::path& file, const WindowsOptions& options,
                          unsigned threads, const ProgressCallback& progress);
 

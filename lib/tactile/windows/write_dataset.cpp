@@ -221,8 +221,11 @@ bool same_folders(std::span<const DatasetRun> a, std::span<const DatasetRun> b) 
 }
 
 DatasetSummary summary_of(const DatasetPlan& plan) {
-  DatasetSummary summary{
-      .runs = plan.left_out, .warnings = plan.warnings, .manifest_hash = hash_of(plan.manifest), .simulated = plan.simulated};
+  DatasetSummary summary{.runs = plan.left_out,
+                         .warnings = plan.warnings,
+                         .errors = plan.errors,
+                         .manifest_hash = hash_of(plan.manifest),
+                         .simulated = plan.simulated};
   for (const PlannedRun& run : plan.runs) {
     summary.runs.push_back(run.outcome);
     summary.samples += run.samples.size();

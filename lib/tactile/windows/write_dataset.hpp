@@ -31,6 +31,7 @@ struct DatasetSummary {
   Outcome outcome = Outcome::written;
   std::vector<WindowedRun> runs;      ///< every run found, by object, then run
   std::vector<std::string> warnings;  ///< what a person should know, a sentence each
+  std::vector<std::string> errors;    ///< what kept runs from being read, a sentence each; they are left out
   std::string manifest_hash;
   bool simulated = false;
   std::uint64_t samples = 0;
@@ -44,13 +45,12 @@ struct DatasetSummary {
 /// another manifest is replaced whole: at every moment `file` is either the old dataset or the new one, with the events that
 /// belong to it; the old one's histories are removed last.
 ///
-/// Runs without labels or with an unreadable run.json, flagged runs, and simulated ones where real ones are too, are left out and
-/// named; a run that lacks a class is in the dataset but gives no samples. Without run.json a run is what its folder and its
-/// recording say.
+/// Runs without labels, with files that cannot be read or are not what they should be, flagged runs, and simulated ones where
+/// real ones are too, are left out and named; a run that lacks a class is in the dataset but gives no samples. Without run.json a
+/// run is what its folder and its recording say.
 ///
 /// @param threads  0: as many as the machine has cores; the bytes do not depend on it
-/// @throws Error  if no run has labels or samples, a file cannot be read, recordings go back in time or differ in sensor size, or
-///                `file` is there and no dataset
+/// @throws Error  if no run has labels or samples, recordings differ in sensor size, or `file` is there and no dataset
 DatasetSummary write_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
                              const WindowsOptions& options = {}, unsigned threads = 0, const ProgressCallback& progress = {});
 

@@ -1,0 +1,65 @@
+#include "tactile/core/error_text.hpp"
+
+#include <array>
+#include <filesystem>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+/// A kind of JSON value, of the library's name for it.
+std::string kind_in_words(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kinds{{{"null", "null"},
+                                                                                {"object", "an object"},
+                                                                                {"array", "a list"},
+                                                                                {"string", "a text"},
+                                                                                {"boolean", "true or false"},
+                                                                                {"number", "a number"}}};
+  for (const auto& [theirs, ours] : kinds) {
+    if (name.starts_with(theirs)) return std::string(ours);
+  }
+  return "a value of another kind";
+}
+
+/// What stands between `before` and `after` in `text`; empty if they do not stand there.
+std::string_view between(std::string_view text, std::string_view before, std::string_view after) {
+  const std::size_t begin = text.find(before);
+  if (begin == std::string_view::npos) return {};
+  const std::size_t from = begin + before.size(), end = after.empty() ? text.size() : text.find(after, from);
+  return end == std::string_view::npos ? std::string_view() : text.substr(from, end - from);
+}
+
+}  // namespace
+
+std::string plain_words(std::string_view text) {
+  if (!text.starts_with("[json.exception.")) return std::string(text);
+  if (const auto expected = between(text, "type must be ", ", but is "); !expected.empty())
+    return "is " + kind_in_words(between(text, ", but is ", "")) + "; expected " + kind_in_words(expected);
+  if (const auto key = between(text, "key '", "' not found"); !key.empty()) return "lacks the member '" + std::string(key) + "'";
+  if (text.find("array index ") != std::string_view::npos) return "is a list that is too short";
+  if (const auto found = between(text, ") with ", ""); !found.empty())
+    return "is " + kind_in_words(found) + "; expected an object or a list";
+  if (text.find("out_of_range") != std::string_view::npos) return "holds a number that is too large";
+  return "is not laid out as expected";
+}
+
+std::string sentence_of(const std::exception& error) {
+  if (dynamic_cast<const Error*>(&error) != nullptr) return error.what();
+  if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
+    return file->path1().string() + ": cannot be used (" + file->code().message() +
+           "); expected a file or folder that can be read, and written where it is an output";
+  }
+  if (dynamic_cast<const nlohmann::json::exception*>(&error) != nullptr)
+    return "a value in a JSON file " + plain_words(error.what()) + "; expected a file as tactile writes it";
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr || dynamic_cast<const std::length_error*>(&error) != nullptr)
+    return "memory does not suffice; expected more of it, fewer --threads, or a smaller recording";
+  return error.what();
+}
+
+}  // namespace tactile

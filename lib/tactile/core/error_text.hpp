@@ -1,0 +1,16 @@
+#pragma once
+
+#include <exception>
+#include <string>
+#include <string_view>
+
+namespace tactile {
+
+/// What went wrong, as a sentence for people. The text of an `Error` is one already; what the standard library and the JSON
+/// library throw names files and members, if at all, in words of their own.
+std::string sentence_of(const std::exception& error);
+
+/// What the JSON library says of a value, in plain words: "is a number; expected a text". Any other text as it is.
+std::string plain_words(std::string_view json_library_text);
+
+}  // namespace tactile
