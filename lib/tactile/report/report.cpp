@@ -233,18 +233,19 @@ class Report {
   }
 
   void frames() {
-    std::optional<RunFolder> run;
+    std::vector<RunFolder> runs;
     std::error_code ignored;
-    if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) {
-      for (const RunFolder& candidate : find_runs(input_.data)) {
-        // The paper's own example, else the first labelled run.
-        if (!fs::exists(candidate.labels(), ignored)) continue;
-        if (!run || (candidate.object == "water-bottle" && run->object != "water-bottle")) run = candidate;
-      }
-    }
+    if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) runs = find_runs(input_.data);
+    std::erase_if(runs, [&](const RunFolder& one) { return !fs::exists(one.labels(), ignored); });
+    // The paper's own example, else the first labelled run with a press and a slip.
+    std::stable_partition(runs.begin(), runs.end(), [](const RunFolder& one) { return one.object == "water-bottle"; });
     const HeatmapOptions options{.history = microseconds{std::llround(1000 * input_.history_ms)}};
     std::vector<TouchFrame> frames;
-    if (run) frames = frames_of(*run, options);
+    auto run = runs.begin();
+    for (; run != runs.end(); ++run) {
+      frames = frames_of(*run, options);
+      if (!frames.empty()) break;
+    }
     if (frames.empty()) {
       missing_.push_back("Frames of a press and a slip need a folder of labelled runs; none was found.");
       return;
