@@ -21,6 +21,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/model/split_remarks.hpp"
 #include "tactile/model/train_model.hpp"
 
 namespace tactile {
@@ -92,8 +93,11 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
     spdlog::warn("{} was trained on another dataset than {} is now; it is judged on the {} runs that it did not learn from",
                  bundle->name(), file.string(), runs.size());
   }
+  const std::vector<SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
+  const std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
   const Evaluation evaluation = evaluate(dataset, classifier, runs, options, progress_line(common));
-  const nlohmann::json json = evaluation;
+  nlohmann::json json = evaluation;
+  json["warnings"] = warnings;
   const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
   print_result(common, json, text_of(evaluation) + written);
 }
@@ -105,7 +109,7 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
     throw Error(fmt::format("{}: no such dataset; expected one with models of it, run '{}' first", file.string(),
                             train_command(args, {})));
   }
-  make_missing_dataset(args.data, common);
+  make_missing_dataset(args.data, args.strict, common);
   const Dataset dataset(file);
   std::optional<ModelBundle> known = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
   if (!known) known = newest_of(args, dataset, SplitKind::unseen);
@@ -123,12 +127,19 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
 
   const EngineKind engine = engine_named(args.engine);
   const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
+  const std::vector<SplitOptions> splits{with.model().settings.split, without.model().settings.split};
+  std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
   const auto runs = runs_neither_saw(dataset, with.model(), without.model());
+  for (const std::string& object : objects_only_in(dataset, test_runs_of(dataset, without.model()), runs)) {
+    warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
+    spdlog::warn("{}", warnings.back());
+  }
   const EvaluationOptions options = options_of(args, common);
   const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
   const Evaluation evaluation = evaluate(dataset, without, runs, options, progress_line(common));
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
+  json["warnings"] = warnings;
   const std::string written = write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation);
   print_result(
       common, json,
@@ -159,6 +170,7 @@ void add_eval_command(CLI::App& app) {
       ->needs(unseen);
   command->add_flag("--no-train", args->no_train,
                     "With --unseen: a missing model is an error that names the command to train it");
+  add_strict_option(*command, args->strict);
   command
       ->add_option("--guard-ms", args->guard_ms,
                    "For so long after an interval, alarms are counted apart [ms]; the dataset's own guard if not given")

@@ -14,7 +14,7 @@ namespace tactile {
 struct EvalArguments {
   std::string data = "data";
   std::string models = "models", model;
-  bool unseen = false, no_train = false;
+  bool unseen = false, no_train = false, strict = false;
   double guard_ms = -1;
   std::string confirm = "1/1";
   bool gate = false;

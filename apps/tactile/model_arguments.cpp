@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -15,9 +16,27 @@
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/confirmation.hpp"
+#include "tactile/model/split_remarks.hpp"
+#include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
+namespace {
+
+/// The split; where it cannot be made, why runs have no samples is told before.
+Split split_or_reasons(const Dataset& dataset, const SplitOptions& options) {
+  try {
+    return split_of(dataset, options);
+  } catch (const Error&) {
+    std::vector<RunFolder> runs;
+    for (const DatasetRun& run : dataset.runs()) runs.push_back(run_of(dataset, run.object, run.run));
+    const std::vector<RunWithoutSamples> without = runs_without_samples(dataset, runs);
+    if (!without.empty()) spdlog::warn("{}", sentence_on(without, runs.size(), data_folder_of(dataset), "tactile windows"));
+    throw;
+  }
+}
+
+}  // namespace
 
 std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
@@ -36,30 +55,57 @@ CLI::Validator is_confirmation() {
       "k/n");
 }
 
-bool make_missing_dataset(const std::string& data, const CommonArguments& common) {
+bool make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
   if (std::filesystem::exists(file)) return false;
   spdlog::info("{} is missing: it is made by the defaults of 'tactile windows'", file.string());
-  const DatasetSummary summary = write_dataset(data, file, {}, common.threads, progress_line(common));
+  const DatasetSummary summary = write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   for (const std::string& error : summary.errors) spdlog::error("{}", error);
   spdlog::info("{}: {} samples", file.string(), summary.samples);
   return true;
 }
 
+std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict) {
+  std::vector<std::string> sentences;
+  std::optional<RunFolder> flagged;
+  const auto add = [&](const std::vector<std::string>& some) {
+    for (const std::string& sentence : some) {
+      if (std::find(sentences.begin(), sentences.end(), sentence) == sentences.end()) sentences.push_back(sentence);
+    }
+  };
+  for (const SplitOptions& options : splits) {
+    const SplitRemarks remarks = remarks_on(dataset, options, split_or_reasons(dataset, options));
+    if (strict) refuse_objects_left_out(remarks.left_out);
+    add(remarks.substitutes);
+    add(remarks.left_out);
+    if (splits.size() == 1) add(remarks.untested);
+    if (!flagged) flagged = remarks.flagged;
+  }
+  if (flagged) sentences.push_back(how_to_lift_flags(*flagged, "tactile windows"));
+  for (const std::string& sentence : sentences) spdlog::warn("{}", sentence);
+  return sentences;
+}
+
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset) {
-  if (!named.empty()) return named;
-  std::set<std::string> objects;
+  std::set<std::string> objects, with_samples, flagged;
   for (const DatasetRun& run : dataset.runs()) objects.insert(run.object);
+  for (const Sample& sample : dataset.samples()) with_samples.insert(dataset.runs()[sample.run_index].object);
+  for (const RunWithoutSamples& run : runs_of_objects_left_out(dataset)) flagged.insert(run.object);
   std::vector<std::string> held_out;
-  for (const std::string& object : default_held_out()) {
-    if (objects.contains(object)) held_out.push_back(object);
+  for (const std::string& object : named.empty() ? default_held_out() : named) {
+    // One that is flagged and not in the dataset is passed over; of a name that is not known at all the split tells.
+    if (objects.contains(object) || (!named.empty() && !flagged.contains(object))) held_out.push_back(object);
   }
-  if (held_out.empty() || held_out.size() == objects.size()) {
-    throw Error(fmt::format("{}: {} of its objects is among the paper's five to hold out; expected --held-out with some of {}",
-                            dataset.file().string(), held_out.empty() ? "none" : "every one", fmt::join(objects, ", ")));
-  }
-  return held_out;
+  std::set<std::string> left = with_samples;
+  for (const std::string& object : held_out) left.erase(object);
+  const bool any_known = std::any_of(held_out.begin(), held_out.end(), [&](const std::string& object) {
+    return with_samples.contains(object) || !objects.contains(object);
+  });
+  if (any_known && !left.empty()) return held_out;
+  throw Error(fmt::format("{}: {} of its objects with samples is {}; expected --held-out with some of {}",
+                          dataset.file().string(), any_known ? "every one" : "none",
+                          named.empty() ? "among the paper's five to hold out" : "held out", fmt::join(with_samples, ", ")));
 }
 
 std::string training_size(const Dataset& dataset, const ModelSettings& settings) {

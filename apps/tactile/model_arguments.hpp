@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,11 @@ namespace tactile {
 std::filesystem::path dataset_file(const std::string& data);
 
 /// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
-bool make_missing_dataset(const std::string& data, const CommonArguments& common);
+bool make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
+
+/// Warns of runs and objects of these splits that are not those asked for, and of what lifts flags.
+/// @return  the sentences  @throws Error  if an object has no run with samples and `strict` is set
+std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict);
 
 /// k/n of `--confirm`.
 CLI::Validator is_confirmation();

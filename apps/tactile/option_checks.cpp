@@ -102,4 +102,8 @@ ValueText value_text(const CLI::Option& option) {
   return text;
 }
 
+void add_strict_option(CLI::App& command, bool& strict) {
+  command.add_flag("--strict", strict, "An object is an error if none of its runs gives samples; else it is left out");
+}
+
 }  // namespace tactile

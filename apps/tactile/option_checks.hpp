@@ -48,4 +48,7 @@ CLI::Validator in_range(T low, T high) {
                         range_text(from, to));
 }
 
+/// `--strict` of every command that needs samples of each object.
+void add_strict_option(CLI::App& command, bool& strict);
+
 }  // namespace tactile

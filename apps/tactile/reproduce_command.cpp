@@ -45,6 +45,7 @@ struct ReproduceArguments {
   std::uint64_t seed = 1;
   std::string splits = "0";
   std::string engine = "fast";
+  bool include_flagged = false, strict = false;
   bool without_report = false;
 };
 
@@ -77,6 +78,8 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   if (args.runs > 0) options.runs = args.runs;
   options.force = args.force;
+  options.include_flagged = args.include_flagged;
+  options.strict = args.strict;
   options.histories.clear();
   for (const double history_ms : args.histories_ms) options.histories.push_back(heatmap_options(history_ms, {}).history);
   options.train_run = args.train_run;
@@ -263,7 +266,9 @@ void add_reproduce_command(CLI::App& app) {
       ->delimiter(',')
       ->check(in_range(0.001, 1e5))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      ->check(is_run())
+      ->capture_default_str();
   command
       ->add_option("--held-out", args->held_out,
                    "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
@@ -285,6 +290,8 @@ void add_reproduce_command(CLI::App& app) {
       ->check(CLI::Validator(check_splits, "N|all"))
       ->capture_default_str();
   add_engine_option(*command, args->engine);
+  command->add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  add_strict_option(*command, args->strict);
   command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
   command->add_option("--models", args->models, "Folder of models")->capture_default_str();
   command->add_option("--out", args->out, "Folder of the study")->capture_default_str();

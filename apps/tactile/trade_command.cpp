@@ -20,6 +20,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/gnuplot.hpp"
 #include "tactile/report/reported_trade.hpp"
+#include "tactile/study/study_runs.hpp"
 #include "tactile/trade/trade.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -42,7 +43,7 @@ struct TradeArguments {
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, gates{"off", "on"};
-  bool full = false, no_growth = false, no_figures = false;
+  bool full = false, no_growth = false, no_figures = false, strict = false;
   unsigned corners = 6;
   std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms;
   std::string apply;
@@ -254,6 +255,15 @@ void warn_of_another_dataset(const TradeArguments& args) {
   }
 }
 
+/// Where runs or objects are not those asked for.
+void warn_of_runs(const TradeOptions& options, bool strict) {
+  const Dataset dataset(options.data / "dataset.h5");
+  const SplitOptions split{.kind = SplitKind::single_run, .train_run = options.train_run};
+  warn_of_splits(dataset, {&split, 1}, strict);
+  for (const std::string& remark : remarks_on(dataset, study_runs(dataset, options.train_run, options.choice_runs)))
+    spdlog::warn("{}", remark);
+}
+
 void trade(const TradeArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const TradeOptions options = options_of(args, common);
@@ -262,7 +272,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
         "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside "
         "it");
   }
-  if (!make_missing_dataset(args.data, common)) warn_of_another_dataset(args);
+  if (!make_missing_dataset(args.data, args.strict, common)) warn_of_another_dataset(args);
+  warn_of_runs(options, args.strict);
   const TradeSummary summary = run_trade(
       options, [&] { return progress_line(common); },
       [](const std::string& step, bool kept) {
@@ -341,7 +352,9 @@ void add_trade_command(CLI::App& app) {
   add_list("--pass", args->passes, "sparse: the network skips what is empty; dense: not")->check(one_of({"sparse", "dense"}));
   add_list("--confirm", args->confirmations, "k/n")->check(is_confirmation());
   add_list("--gate", args->gates, "off, on")->check(one_of({"off", "on"}));
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      ->capture_default_str();
+  add_strict_option(*command, args->strict);
   add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; all others are reported on");
   command->add_option("--epochs", args->epochs, "Passes over the training samples")
       ->check(in_range(1U, 100'000U))

@@ -39,7 +39,7 @@ struct TrainArguments {
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   std::string models = "models", name, from;
-  bool force = false, resume = false;
+  bool force = false, resume = false, strict = false;
   double save_every_s = 30;
 };
 
@@ -112,7 +112,7 @@ std::string text_of(const ModelBundle& bundle, const TrainArguments& args, const
 }
 
 nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model, const std::string& outcome, bool dataset_made,
-                       const TrainingSummary& summary) {
+                       const std::vector<std::string>& warnings, const TrainingSummary& summary) {
   return {{"model", bundle.folder.string()},
           {"name", bundle.name()},
           {"outcome", outcome},
@@ -122,6 +122,7 @@ nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model,
           {"samples", model.samples},
           {"train_runs", model.train_runs},
           {"test_runs", model.test_runs},
+          {"warnings", warnings},
           {"settings", model.settings},
           {"threads", model.threads},
           {"weights_sha256", model.weights_sha256},
@@ -174,16 +175,18 @@ void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& set
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   ModelSettings settings = settings_of(args);
-  const bool dataset_made = make_missing_dataset(args.data, common);
+  const bool dataset_made = make_missing_dataset(args.data, args.strict, common);
   const Dataset dataset(dataset_file(args.data));
   if (settings.split.kind == SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
+  const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
   const ModelBundle from = model_to_go_on_from(args);
   if (!args.from.empty()) settings.from = starting_point(from, dataset, settings);
   const ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? default_name(settings) : args.name)};
   const BundleState state = state_of(bundle, dataset, settings);
   if (state == BundleState::unchanged && !args.force) {
     const ModelDescription model = read_description(bundle);
-    print_result(common, json_of(bundle, model, "unchanged", dataset_made, {}), text_of(bundle, args, model, "unchanged", {}));
+    print_result(common, json_of(bundle, model, "unchanged", dataset_made, warnings, {}),
+                 text_of(bundle, args, model, "unchanged", {}));
     return;
   }
   if (state == BundleState::changed && !args.force) {
@@ -220,7 +223,8 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   if (resumes && model.threads != common.threads)
     spdlog::info("gone on with {} threads, as it began: others move the last bits", model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
-  print_result(common, json_of(bundle, model, outcome, dataset_made, summary), text_of(bundle, args, model, outcome, summary));
+  print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary),
+               text_of(bundle, args, model, outcome, summary));
 }
 
 std::string check_bundle_name(const std::string& name) {
@@ -242,7 +246,9 @@ void add_train_command(CLI::App& app) {
   command->add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
       ->check(one_of({"single-run", "unseen"}))
       ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object")->check(is_run())->capture_default_str();
+  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      ->check(is_run())
+      ->capture_default_str();
   command
       ->add_option(
           "--held-out", args->held_out,
@@ -250,6 +256,7 @@ void add_train_command(CLI::App& app) {
           "given")
       ->delimiter(',')
       ->type_name("NAME,...");
+  add_strict_option(*command, args->strict);
   command->add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
       ->check(is_seed())
       ->capture_default_str();

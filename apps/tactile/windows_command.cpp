@@ -24,7 +24,7 @@ struct WindowsArguments {
   double window_ms = 500, guard_ms = 100, history_ms = 50;
   std::int64_t tick_us = 2000;
   std::uint64_t seed = 1;
-  bool mix = false, include_flagged = false, verify = false;
+  bool mix = false, include_flagged = false, strict = false, verify = false;
 };
 
 const char* name_of(DatasetSummary::Outcome outcome) {
@@ -123,7 +123,8 @@ void write_windows(const WindowsArguments& args, const CommonArguments& common) 
                                             .history = whole_us(args.history_ms, "--history-ms"),
                                             .seed = args.seed},
                                .mix = args.mix,
-                               .include_flagged = args.include_flagged};
+                               .include_flagged = args.include_flagged,
+                               .strict = args.strict};
   const std::vector<std::string> differing = settings_unlike_those_in(file, options);
   const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
@@ -156,6 +157,7 @@ void add_windows_command(CLI::App& app) {
   command->add_option("--seed", args->seed, "Of what is drawn at random")->check(is_seed())->capture_default_str();
   command->add_flag("--mix", args->mix, "Simulated and real runs in one dataset; else the real ones where there are both");
   command->add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  add_strict_option(*command, args->strict);
   command->add_flag("--verify", args->verify,
                     "Write nothing: derive the dataset again by its own settings and compare; ends with 2 if it differs");
 }

@@ -19,9 +19,9 @@ TEST(LeftOut, NamesRunsAndIntervalsWithTheirReasons) {
   test::make_run(data.path(), {.object = "fan", .run = "05", .seed = 5, .labelled = false});
   const auto left_out = left_out_of(Dataset(data / "dataset.h5"), find_runs(data.path()));
   const std::vector<std::vector<std::string>> expected{{"fan/02", "run", "flagged: two sessions mixed"},
-                                                       {"fan/03", "run", "no samples: it lacks press"},
+                                                       {"fan/03", "run", "no samples: press-1 is flagged"},
                                                        {"fan/03", "press-1", "flagged: it rings"},
-                                                       {"fan/05", "run", "it has no labels"}};
+                                                       {"fan/05", "run", "no samples: no labels"}};
   ASSERT_EQ(left_out.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i)
     EXPECT_EQ((std::vector<std::string>{left_out[i].run, left_out[i].what, left_out[i].reason}), expected[i]);

@@ -38,15 +38,53 @@ TEST(UnseenSplit, TrainsOnOneRunOfTheOthersAndTestsOnEveryRunOfTheHeldOut) {
   EXPECT_EQ(split.test_runs, (Indexes{3, 4, 5, 6}));
 }
 
-TEST(Split, NamesTheNextWholeRunWhereTheTrainingRunHasNoSamples) {
+TEST(Split, TakesTheNextWholeRunInPlaceOfATrainingRunWithoutSamples) {
   auto runs = three_objects();
   runs[0].has_samples = false;
-  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected one that has, the next is --train-run 02");
+  const Split second = split_runs(runs, {});
+  EXPECT_EQ(second.train_runs, (Indexes{1, 3, 5}));
+  EXPECT_EQ(second.test_runs, (Indexes{0, 2, 4, 6})) << "the run that is trained on is not tested on";
   runs[1].has_samples = false;
-  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected one that has, the next is --train-run 03");
-  EXPECT_NE(message_of(runs, {.train_run = "09"}).find("--train-run 03"), std::string::npos);
+  EXPECT_EQ(split_runs(runs, {}).train_runs, (Indexes{2, 3, 5}));
+  EXPECT_EQ(split_runs(three_objects(), {.train_run = "09"}).train_runs, (Indexes{0, 3, 5})) << "a run that no object has";
+}
+
+TEST(Split, GoesOnWithTheFirstRunAfterTheLast) {
+  auto runs = three_objects();
   runs[2].has_samples = false;
-  EXPECT_EQ(message_of(runs, {}), "box/01: this training run has no samples; expected some, but no run of 'box' has any");
+  const Split split = split_runs(runs, {.train_run = "03"});
+  EXPECT_EQ(split.train_runs, (Indexes{0, 3, 5})) << "box has 01 after 03; the others have no 03";
+  runs[0].has_samples = false;
+  EXPECT_EQ(split_runs(runs, {.train_run = "03"}).train_runs, (Indexes{1, 3, 5}));
+  EXPECT_EQ(split_runs(runs, {.train_run = "02"}).train_runs, (Indexes{1, 4, 6}));
+}
+
+TEST(Split, OrdersRunsByTheirIdsNotByTheirPlaces) {
+  const std::vector<RunName> runs{{"box", "03"}, {"box", "01", false}, {"box", "02"}};
+  EXPECT_EQ(split_runs(runs, {}).train_runs, (Indexes{2}));
+  EXPECT_EQ(split_runs(runs, {.train_run = "03"}).train_runs, (Indexes{0}));
+}
+
+TEST(Split, LeavesOutAnObjectWithoutAnyWholeRun) {
+  auto runs = three_objects();
+  for (const std::uint32_t fan : {3, 4}) runs[fan].has_samples = false;
+  const Split split = split_runs(runs, {});
+  EXPECT_EQ(split.train_runs, (Indexes{0, 5}));
+  EXPECT_EQ(split.test_runs, (Indexes{1, 2, 6}));
+  const Split unseen = split_runs(runs, {.kind = SplitKind::unseen, .held_out = {"sprayer"}});
+  EXPECT_EQ(unseen.train_runs, (Indexes{0}));
+  EXPECT_EQ(unseen.test_runs, (Indexes{5, 6}));
+  EXPECT_NE(message_of(runs, {.kind = SplitKind::unseen, .held_out = {"fan"}}).find("left to test on"), std::string::npos);
+  for (RunName& run : runs) run.has_samples = false;
+  EXPECT_NE(message_of(runs, {}).find("no run with samples is left to train on"), std::string::npos);
+}
+
+TEST(UnseenSplit, TakesTheNextWholeRunOfWhatIsNotHeldOut) {
+  auto runs = three_objects();
+  runs[0].has_samples = false;
+  const Split split = split_runs(runs, {.kind = SplitKind::unseen, .held_out = {"fan", "sprayer"}});
+  EXPECT_EQ(split.train_runs, (Indexes{1}));
+  EXPECT_EQ(split.test_runs, (Indexes{3, 4, 5, 6}));
 }
 
 TEST(Split, MindsOnlyTheRunsItTrainsOn) {

@@ -166,7 +166,9 @@ TEST_F(WriteDataset, TakesNoSamplesFromAFlaggedIntervalAndNamesIt) {
   test::make_run(data(), run);
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_EQ(summary.runs.front().samples, (std::array<std::uint64_t, 3>{30, 30, 30}));
-  EXPECT_EQ(summary.runs.front().remark, "flagged and left out: press 1");
+  EXPECT_EQ(summary.runs.front().remark, "flagged and left out: press-2");
+  EXPECT_TRUE(mentions(summary.warnings, "fan/01: flagged and left out: press-2"));
+  EXPECT_FALSE(mentions(summary.warnings, "no samples")) << "the other press is enough";
   const Dataset dataset(file());
   EXPECT_EQ(dataset.intervals().size(), 2U);
   for (const Sample& sample : dataset.samples()) {
@@ -183,14 +185,49 @@ TEST_F(WriteDataset, NamesARunThatLacksAClassAndGivesItNoSamples) {
   test::make_three_runs(data());
   test::make_run(data(), {.object = "box", .seed = 9, .intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
   const DatasetSummary summary = write_dataset(data(), file());
-  EXPECT_EQ(summary.runs.front().remark, "no samples, it lacks slip");
-  EXPECT_TRUE(mentions(summary.warnings, "box/01: no samples, it lacks slip"));
+  EXPECT_EQ(summary.runs.front().remark, "no samples: no slip");
+  EXPECT_TRUE(mentions(summary.warnings, "1 of 4 runs has no samples: no slip in box/01."));
+  EXPECT_TRUE(mentions(summary.warnings, "box: left out, none of its runs has samples: no slip in box/01"));
+  EXPECT_FALSE(mentions(summary.warnings, "--include-flagged")) << "no flag is the reason";
   const Dataset dataset(file());
   ASSERT_EQ(dataset.runs().size(), 4U);
   EXPECT_EQ(dataset.runs()[0].events, 0U);
   EXPECT_TRUE(dataset.events(0).empty());
   EXPECT_TRUE(std::none_of(dataset.samples().begin(), dataset.samples().end(),
                            [](const Sample& sample) { return sample.run_index == 0; }));
+}
+
+TEST_F(WriteDataset, NamesEachFlagWithItsRunsAndHowToLiftIt) {
+  const std::vector<LabelFlag> on_slip{{1, "its end is only known to within 232 ms", false}};
+  for (const char* run : {"01", "02", "03"}) test::make_run(data(), {.object = "mug", .run = run, .seed = 1, .flags = on_slip});
+  test::make_run(data(), {.object = "mug", .run = "04", .seed = 4});
+  test::make_run(data(), {.object = "jar", .seed = 5, .flags = {{0, "it rings", false}, {1, "it slides", false}}});
+  test::make_run(data(), {.object = "jar", .run = "02", .seed = 6, .flags = {{std::nullopt, "weak peak", false}}});
+  test::make_run(data(), {.object = "jar", .run = "03", .seed = 7, .labelled = false});
+  const DatasetSummary summary = write_dataset(data(), file());
+  const std::string view = "'tactile view " + (data() / "jar/01").string() + "'";
+  EXPECT_TRUE(mentions(summary.warnings,
+                       "6 of 7 runs have no samples: press-1 and slip-1 are flagged in jar/01; the whole run is flagged in "
+                       "jar/02; no labels in jar/03; slip-1 is flagged in mug/01, mug/02, mug/03. Look with " +
+                           view));
+  EXPECT_TRUE(mentions(summary.warnings, "set 'confirmed' of its flag in labels.json to true and run 'tactile windows' again"));
+  EXPECT_TRUE(mentions(summary.warnings, "jar: left out, none of its runs has samples: "));
+  EXPECT_FALSE(mentions(summary.warnings, "mug: left out"));
+  EXPECT_EQ(summary.runs[3].remark, "no samples: slip-1 is flagged (its end is only known to within 232 ms)");
+}
+
+TEST_F(WriteDataset, StrictRefusesAnObjectWithoutAnyWholeRun) {
+  test::make_three_runs(data());
+  test::make_run(data(), {.object = "mug", .seed = 8, .flags = {{1, "it slides", false}}});
+  const WindowsOptions strict{.strict = true};
+  EXPECT_EQ(message_of([&] { write_dataset(data(), file(), strict); }),
+            "mug: left out, none of its runs has samples: slip-1 is flagged in mug/01; expected a run with samples of every "
+            "object, as --strict asks for");
+  EXPECT_FALSE(fs::exists(file()));
+  test::make_run(data(), {.object = "mug", .run = "02", .seed = 9});
+  EXPECT_EQ(write_dataset(data(), file(), strict).outcome, DatasetSummary::Outcome::written) << "one whole run is enough";
+  fs::remove_all(data() / "mug/02");
+  EXPECT_NO_THROW(write_dataset(data(), file(), {.include_flagged = true, .strict = true}));
 }
 
 TEST_F(WriteDataset, LeavesARunOutThatSeemsToLastAYear) {
@@ -213,7 +250,10 @@ TEST_F(WriteDataset, LeavesARunOutThatSeemsToLastAYear) {
 
 TEST_F(WriteDataset, WithoutAnySamplesIsAnErrorThatSaysWhatIsLacking) {
   test::make_run(data(), {.intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
-  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("fan/01: no samples, it lacks slip"), std::string::npos);
+  EXPECT_NE(message_of([&] {
+              write_dataset(data(), file());
+            }).find("expected a run with press and slip that are not flagged; 1 of 1 run has no samples: no slip in fan/01."),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(file()));
 }
 

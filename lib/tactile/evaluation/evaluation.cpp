@@ -512,6 +512,12 @@ std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelD
                                             const ModelDescription& held_out) {
   std::vector<std::uint32_t> runs = test_runs_of(dataset, held_out);
   std::erase_if(runs, [&](std::uint32_t run) { return learned_from(seen, dataset.runs()[run].events_sha256); });
+  if (samples_of_runs(dataset, runs).empty()) {
+    throw Error(
+        fmt::format("{}: of the objects held out, no run with samples is left that neither model learned from; expected "
+                    "two runs of one at least",
+                    dataset.file().string()));
+  }
   return runs;
 }
 

@@ -148,7 +148,7 @@ UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, 
                                 std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
                                 const ProgressCallback& progress = {});
 
-/// The runs that neither of two splits trains on, of the objects that `held_out` holds out.
+/// The runs that neither model learned from, of the objects that `held_out` holds out. @throws Error  if none has samples
 std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelDescription& seen,
                                             const ModelDescription& held_out);
 

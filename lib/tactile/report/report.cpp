@@ -237,20 +237,20 @@ class Report {
     std::vector<RunFolder> runs;
     std::error_code ignored;
     if (!input_.data.empty() && fs::is_directory(input_.data, ignored)) runs = find_runs(input_.data);
-    // The paper's own example, else the first labelled run.
-    std::stable_partition(runs.begin(), runs.end(), [](const RunFolder& run) { return run.object == "water-bottle"; });
+    std::erase_if(runs, [](const RunFolder& one) { return !is_there(one.labels()); });
+    // The paper's own example, else the first labelled run with a press and a slip.
+    std::stable_partition(runs.begin(), runs.end(), [](const RunFolder& one) { return one.object == "water-bottle"; });
     const HeatmapOptions options{.history = microseconds{std::llround(1000 * input_.history_ms)}};
     std::vector<TouchFrame> frames;
-    std::optional<RunFolder> run;
-    for (std::size_t i = 0; i < runs.size() && !run; ++i) {
-      if (!is_there(runs[i].labels())) continue;
+    auto run = runs.begin();
+    for (; run != runs.end(); ++run) {
       try {
-        frames = frames_of(runs[i], options);
-        run = runs[i];
+        frames = frames_of(*run, options);
       } catch (const std::exception& e) {
         errors_.push_back(sentence_of(e));
-        missing_.push_back(fmt::format("Frames of {} cannot be drawn: {}.", runs[i].name(), errors_.back()));
+        missing_.push_back(fmt::format("Frames of {} cannot be drawn: {}.", run->name(), errors_.back()));
       }
+      if (!frames.empty()) break;
     }
     if (frames.empty()) {
       missing_.push_back("Frames of a press and a slip need a folder of labelled runs; none was found.");

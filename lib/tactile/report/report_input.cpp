@@ -282,6 +282,11 @@ std::string list_of(const JsonView& runs) {
   return names.empty() ? "none" : fmt::format("{} runs: {}", names.size(), text);
 }
 
+/// Each with the full stop that lines of a log go without.
+void add_sentences(std::vector<std::string>& sentences, const JsonView& lines) {
+  for (const std::string& line : lines.texts()) sentences.push_back(line.ends_with('.') ? line : line + ".");
+}
+
 }  // namespace
 
 ReportInput read_study(const fs::path& folder) {
@@ -322,6 +327,7 @@ ReportInput read_study(const fs::path& folder) {
     input.remarks.push_back(trainings);
     input.missing.push_back("What another seed would change: no interval holds it. 'tactile reproduce --seeds N' trains more.");
   }
+  add_sentences(input.remarks, study["remarks"]);
   ReportedTable left_out{.caption = "Runs and intervals left out of training, choice and test, and why",
                          .head = {"run", "what", "reason"},
                          .rows = {}};
@@ -560,6 +566,7 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
       const JsonView json(*documents.back(), eval_file.string());
       if (std::isfinite(history_ms)) by_history.emplace_back(history_ms, json["accuracy"]);
       if (is_first) {
+        add_sentences(input.remarks, json["warnings"]);
         ReportedEvaluation evaluation = evaluation_of(json);
         evaluation.id = "reported";
         evaluation.model = name;

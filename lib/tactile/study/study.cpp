@@ -21,6 +21,7 @@
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/model/classifier.hpp"
+#include "tactile/model/split_remarks.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/study/claims.hpp"
@@ -34,6 +35,7 @@
 #include "tactile/study/study_runs.hpp"
 #include "tactile/study/training_step.hpp"
 #include "tactile/windows/dataset_settings.hpp"
+#include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
@@ -122,6 +124,7 @@ class Study {
     make_dataset();
     const Dataset dataset(dataset_file());
     dataset_ = &dataset;
+    warn_of_runs_without_samples();
     divide_runs();
     plan_and_train();
     StudySummary summary;
@@ -230,15 +233,22 @@ class Study {
     WindowsOptions windows;
     windows.sampling.seed = options_.seed;
     windows.sampling.history = std::max(shortest_stored, options_.histories.back());
+    windows.include_flagged = options_.include_flagged;
+    windows.strict = options_.strict;
     json events;
     for (const RunFolder& run : runs) events[run.name()] = state_of_file(run.events());
     std::vector<std::string> words{"windows", options_.data.string()};
     if (options_.seed != 1) words.insert(words.end(), {"--seed", std::to_string(options_.seed)});
     if (windows.sampling.history != shortest_stored)
       words.insert(words.end(), {"--history-ms", ms_text(windows.sampling.history)});
+    json inputs = {{"sampling", windows.sampling}, {"labels", labels_of(runs)}, {"events", events}};
+    if (options_.include_flagged) {
+      words.emplace_back("--include-flagged");
+      inputs["include_flagged"] = true;  // named only where it is on, so that steps done without it are kept
+    }
     runner_.run({.name = "windows",
                  .command = command_of(words),
-                 .inputs = {{"sampling", windows.sampling}, {"labels", labels_of(runs)}, {"events", events}},
+                 .inputs = inputs,
                  .outputs =
                      [this] {
                        try {
@@ -292,23 +302,51 @@ class Study {
 
   // --- which runs, and which models
 
+  void warn(const std::string& sentence) const {
+    if (warn_) warn_(sentence);
+  }
+
+  /// In each call, for the step that leaves them out may be kept.
+  void warn_of_runs_without_samples() {
+    const std::vector<RunFolder> runs = runs_below(options_.data);
+    const std::vector<RunWithoutSamples> without = runs_without_samples(*dataset_, runs);
+    if (options_.strict) refuse_objects_left_out(objects_left_out(runs_of_objects_left_out(*dataset_), {}));
+    if (!without.empty()) warn(sentence_on(without, runs.size(), options_.data, "tactile reproduce"));
+  }
+
+  /// What of the study's runs is not as asked for; told now, and in the results.
+  void remark_on_runs() {
+    const SplitOptions single{.kind = SplitKind::single_run, .train_run = options_.train_run};
+    const SplitRemarks split = tactile::remarks_on(*dataset_, single, split_of(*dataset_, single));
+    for (const auto& sentences : {split.substitutes, split.left_out, tactile::remarks_on(*dataset_, runs_)})
+      remarks_.insert(remarks_.end(), sentences.begin(), sentences.end());
+    for (const std::string& remark : remarks_) warn(remark);
+  }
+
   void divide_runs() {
     runs_ = study_runs(*dataset_, options_.train_run, preset_.choice_runs);
+    remark_on_runs();
     for (const auto& [name, runs] :
          {std::pair("choice", &runs_.choice), std::pair("reported", &runs_.reported), std::pair("all_test", &runs_.all_test)})
       sets_.push_back({name, *runs, names_of(*dataset_, *runs)});
     std::set<std::string> objects;
     for (const std::uint32_t run : runs_.train) objects.insert(dataset_->runs()[run].object);
     objects_.assign(objects.begin(), objects.end());
+    std::set<std::string> left_out;
+    for (const RunWithoutSamples& run : runs_of_objects_left_out(*dataset_)) left_out.insert(run.object);
     for (const std::string& object : options_.held_out.empty() ? default_held_out() : options_.held_out) {
       if (objects.contains(object)) {
         held_out_.push_back(object);
-      } else if (!options_.held_out.empty()) {
+      } else if (!options_.held_out.empty() && !left_out.contains(object)) {
         throw Error(
             fmt::format("held-out object '{}': no training run of it; expected some of {}", object, fmt::join(objects_, ", ")));
       }
     }
     std::sort(held_out_.begin(), held_out_.end());
+    if (held_out_.empty() && !options_.held_out.empty()) {
+      throw Error(fmt::format("held-out objects {}: none of them has a run with samples; expected some of {}",
+                              fmt::join(options_.held_out, ", "), fmt::join(objects_, ", ")));
+    }
     if (held_out_.size() < objects_.size()) return;
     if (!options_.held_out.empty()) {
       throw Error(fmt::format("held-out objects {}: nothing is left to learn from; expected fewer than there are",
@@ -508,38 +546,40 @@ class Study {
     const DatasetRun& run = dataset_->runs()[shown];
     full_run_ = name_of(run);
     full_run_file_ = options_.out / "runs" / (run.object + "-" + run.run + ".csv");
-    runner_.run({.name = "run-" + run.object + "-" + run.run,
-                 .command = command_of({"eval", options_.data.string(), "--run", full_run_, "--models", options_.models.string(),
-                                        "--model", model.name(), "--out", (options_.out / "runs").string(), "--engine",
-                                        std::string(name_of(options_.engine))}),
-                 .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
-                                        {"weights", read_description(model.bundle).weights_sha256},
-                                        {"form", evaluation_form},
-                                        {"truth", truths_of({shown})}}),
-                 .outputs =
-                     [this] {
-                       return hashes_of({full_run_file_, outcome_of_full_run()});
-                     },
-                 .work =
-                     [&](const ProgressCallback& progress) {
-                       check_unchanged(*dataset_, shown);
-                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
-                       const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
-                       std::map<CameraTime, Touch> samples;
-                       for (const Sample& sample : dataset_->samples()) {
-                         if (sample.run_index == shown) samples[sample.t] = sample.touch;
-                       }
-                       const std::size_t total = expected_ticks(folder.events(), classifier.rendering());
-                       std::size_t done = 0;
-                       const auto prediction =
-                           predict_run(folder, classifier, {.guard = dataset_->sampling().guard, .threads = threads_},
-                                       [&](std::size_t ticks) {
-                                         done += ticks;
-                                         tactile::tell(progress, done, total, "every tick of " + full_run_);
-                                       });
-                       write_prediction(full_run_file_, prediction, samples);
-                       write_json(outcome_of_full_run(), outcome_json(prediction));
-                     }});
+    runner_.run(
+        {.name = "run-" + run.object + "-" + run.run,
+         .command = command_of({"eval", options_.data.string(), "--run", full_run_, "--models", options_.models.string(),
+                                "--model", model.name(), "--out", (options_.out / "runs").string(), "--engine",
+                                std::string(name_of(options_.engine))}),
+         .inputs = with_engine({{"manifest", dataset_->manifest_hash()},
+                                {"weights", read_description(model.bundle).weights_sha256},
+                                {"form", evaluation_form},
+                                {"truth", truths_of({shown})}}),
+         .outputs =
+             [this] {
+               return hashes_of({full_run_file_, outcome_of_full_run()});
+             },
+         .work =
+             [&](const ProgressCallback& progress) {
+               check_unchanged(*dataset_, shown);
+               const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+               const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
+               std::map<CameraTime, Touch> samples;
+               for (const Sample& sample : dataset_->samples()) {
+                 if (sample.run_index == shown) samples[sample.t] = sample.touch;
+               }
+               const std::size_t total = expected_ticks(folder.events(), classifier.rendering());
+               std::size_t done = 0;
+               const auto prediction = predict_run(
+                   folder, classifier,
+                   {.guard = dataset_->sampling().guard, .include_flagged = options_.include_flagged, .threads = threads_},
+                   [&](std::size_t ticks) {
+                     done += ticks;
+                     tactile::tell(progress, done, total, "every tick of " + full_run_);
+                   });
+               write_prediction(full_run_file_, prediction, samples);
+               write_json(outcome_of_full_run(), outcome_json(prediction));
+             }});
   }
 
   // --- results
@@ -711,6 +751,7 @@ class Study {
             {"histories_ms", histories},
             {"epochs", epochs_},
             {"engine", name_of(options_.engine)},
+            {"include_flagged", options_.include_flagged},
             {"splits", splits_.size()},
             {"objects", simulated_here_ && !options_.objects.empty() ? json(options_.objects) : json()},
             {"runs", simulated_here_ && options_.runs ? json(*options_.runs) : json()}};
@@ -750,6 +791,7 @@ class Study {
                   {"splits", json::array()},
                   {"splits_mean", nullptr}};
     for (const RunSet& set : sets_) study["runs"][set.name] = set.names;
+    study["remarks"] = remarks_;
     study["left_out"] = left_out_of(*dataset_, runs_below(options_.data));
 
     std::vector<std::unique_ptr<SeenAndHeldOut>> comparisons;
@@ -839,6 +881,7 @@ class Study {
   bool simulated_here_ = false;
 
   StudyRuns runs_;
+  std::vector<std::string> remarks_;  ///< in what they are not as asked for
   std::vector<RunSet> sets_;
   std::vector<std::string> objects_, held_out_;
   std::map<microseconds, std::vector<StudyModel>> models_;  ///< one for each seed

@@ -23,6 +23,9 @@ struct StudyOptions {
   std::optional<int> runs = {};           ///< per object; the preset's where it is not given
   bool force = false;                     ///< replace runs that were simulated with other settings
 
+  bool include_flagged = false;  ///< flagged runs and intervals are used too
+  bool strict = false;           ///< an object of which no run has samples is an error
+
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};  ///< t_h, each a whole number of ticks
   std::string train_run = "01";
   std::vector<std::string> held_out;    ///< empty: those of `default_held_out` that the dataset has

@@ -4,6 +4,8 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -54,30 +56,35 @@ std::string list_of(const std::vector<std::string>& names, std::string_view betw
   return text;
 }
 
-void draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& options) {
+/// Draws the run's samples. @return  why it has none, if so
+std::optional<NoSamples> draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& options) {
   std::vector<SampledInterval> intervals;
   std::vector<std::string> flagged;
   for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
     const bool used = options.include_flagged || !labels.interval_is_flagged(i);
     intervals.push_back({labels.intervals[i].interval(), used});
     if (used) run.intervals.push_back(labels.intervals[i].interval());
-    if (!used) flagged.push_back(std::string(name_of(labels.intervals[i].touch)) + " " + std::to_string(i));
+    if (!used) flagged.push_back(labels.intervals[i].id);
   }
   const std::uint64_t seed = seed_for(options.sampling.seed, {"windows", run.folder.object, run.folder.run});
   run.samples = balanced_samples(0, intervals, run.first_event, run.last_event, seed, options.sampling);
   for (const Sample& sample : run.samples) ++run.outcome.samples[static_cast<std::size_t>(sample.touch)];
 
-  std::vector<std::string> remarks;
-  if (run.samples.empty()) {
+  if (!run.samples.empty()) {
+    if (!flagged.empty()) run.outcome.remark = "flagged and left out: " + list_of(flagged);
+    return std::nullopt;
+  }
+  std::optional<NoSamples> reason = why_no_samples(labels, options.include_flagged);
+  if (!reason) {
     const auto offered = ticks_on_offer(intervals, run.first_event, run.last_event, options.sampling);
     std::vector<std::string> lacking;
     for (const Touch touch : all_touches) {
       if (offered[static_cast<std::size_t>(touch)] == 0) lacking.emplace_back(name_of(touch));
     }
-    remarks.push_back("no samples, it lacks " + list_of(lacking, " and "));
+    reason = has_no("ticks of " + list_of(lacking, " and "));
   }
-  if (!flagged.empty()) remarks.push_back("flagged and left out: " + list_of(flagged));
-  run.outcome.remark = list_of(remarks, "; ");
+  run.outcome.remark = "no samples: " + reason->words + (reason->flags.empty() ? "" : " (" + reason->flags + ")");
+  return reason;
 }
 
 /// Why runs are left out so far.
@@ -90,6 +97,10 @@ std::string all_reasons(const DatasetPlan& plan) {
 void leave_out(DatasetPlan& plan, const PlannedRun& run, std::string why) {
   plan.left_out.push_back(run.outcome);
   plan.left_out.back().remark = std::move(why);
+}
+
+void add_without_samples(DatasetPlan& plan, const PlannedRun& run, NoSamples reason) {
+  plan.without_samples.push_back({run.folder.object, run.folder.run, std::move(reason)});
 }
 
 /// What run.json says of a run; without one, what its folder tells.
@@ -147,6 +158,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     } catch (const std::exception& e) {
       plan.errors.push_back(sentence_of(e) + "; " + run.folder.name() + " is left out");
       leave_out(plan, run, "its run.json cannot be used");
+      add_without_samples(plan, run, has_no("run.json that can be used"));
       continue;
     }
     found.push_back(std::move(run));
@@ -159,9 +171,11 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   for (PlannedRun& run : found) {
     if (any_real && run.info.simulated && !options.mix) {
       leave_out(plan, run, "simulated, and there are real runs");
+      ++plan.passed_over;
       simulated.push_back(run.folder.name());
     } else if (!is_there(run.folder.labels())) {
       leave_out(plan, run, "no labels.json");
+      add_without_samples(plan, run, has_no("labels"));
       unlabelled.push_back(run.folder.name());
     } else {
       chosen.push_back(std::move(run));
@@ -207,6 +221,27 @@ std::string folder_name(const RunFolder& run, const fs::path& dataset) {
   return (below ? relative : folder).string();
 }
 
+/// Names the runs without samples and the objects that have no other, and what lifts flags.
+/// @throws Error  if no run has samples, or `strict` and an object has none
+void warn_of_runs_without_samples(DatasetPlan& plan, const fs::path& data, const std::set<std::string>& with_samples,
+                                  bool strict) {
+  std::vector<RunWithoutSamples>& none = plan.without_samples;
+  if (none.empty()) return;
+  std::sort(none.begin(), none.end(), [](const RunWithoutSamples& a, const RunWithoutSamples& b) {
+    return std::tie(a.object, a.run) < std::tie(b.object, b.run);
+  });
+  const std::string sentence =
+      sentence_on(none, plan.runs.size() + plan.left_out.size() - plan.passed_over, data, "tactile windows");
+  if (with_samples.empty()) {
+    throw Error(data.string() + ": expected a run with press and slip that are not flagged; " + sentence +
+                (plan.warnings.empty() && plan.errors.empty() ? "" : " " + all_reasons(plan)));
+  }
+  const std::vector<std::string> objects = objects_left_out(none, with_samples);
+  if (strict) refuse_objects_left_out(objects);
+  plan.warnings.push_back(sentence);
+  plan.warnings.insert(plan.warnings.end(), objects.begin(), objects.end());
+}
+
 /// Whether the labels are of these events; true where they do not tell, as those that a person wrote.
 bool made_from(const Labels& labels, const std::string& events_sha256) {
   const nlohmann::json inputs =
@@ -221,7 +256,8 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
   check(options.sampling);
   DatasetPlan plan;
   std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
-  std::vector<std::string> flags(chosen.size()), errors(chosen.size());
+  std::vector<std::string> why_left_out(chosen.size()), errors(chosen.size());
+  std::vector<std::optional<NoSamples>> why_none(chosen.size());
   std::mutex guard;
   std::uint64_t done = 0;
   parallel_for(chosen.size(), threads, [&](std::size_t i) {
@@ -229,58 +265,60 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
     const auto plan_run = [&] {
       const Labels labels = read_labels(run.folder.labels());
       if (labels.run_is_flagged() && !options.include_flagged) {
-        std::vector<std::string> reasons;
-        for (const LabelFlag& flag : labels.flags) {
-          if (!flag.interval_index && !flag.confirmed) reasons.push_back(flag.reason);
-        }
-        flags[i] = "flagged: " + list_of(reasons, "; ");
+        why_none[i] = why_no_samples(labels, options.include_flagged);
+        why_left_out[i] = "flagged: " + why_none[i]->flags;
       } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
-        flags[i] = "its events have changed since it was labelled, run 'tactile label' again";
+        why_left_out[i] = "its events have changed since it was labelled, run 'tactile label' again";
+        why_none[i] = has_no("labels of its present events");
       } else {
         run.labels_sha256 = sha256_of_file(run.folder.labels());
         find_ends(run);
-        flags[i] = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
-        if (run.sensor.width > 0 && flags[i].empty()) draw_samples(run, labels, options);
-        if (run.sensor.width <= 0) flags[i] = "neither its recording nor a run.json tells the sensor's size";
+        why_left_out[i] =
+            why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
+        if (run.sensor.width <= 0) why_left_out[i] = "neither its recording nor a run.json tells the sensor's size";
+        why_none[i] = why_left_out[i].empty() ? draw_samples(run, labels, options) : has_no("recording that can be used");
       }
     };
     try {
       plan_run();
     } catch (const std::exception& e) {
       errors[i] = sentence_of(e);
+      why_left_out[i] = "it cannot be read";
+      why_none[i] = has_no("files that can be read");
     }
     const std::scoped_lock lock(guard);
     tell(progress, ++done, 2 * chosen.size(), run.folder.name());
   });
+  std::set<std::string> with_samples;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (!errors[i].empty()) {
-      plan.errors.push_back(errors[i] + "; " + chosen[i].folder.name() + " is left out");
-      leave_out(plan, chosen[i], "it cannot be read");
-      continue;
+    const bool by_flag = why_none[i] && why_none[i]->flagged;
+    if (why_none[i]) {
+      add_without_samples(plan, chosen[i], *why_none[i]);
+    } else {
+      with_samples.insert(chosen[i].folder.object);
     }
-    if (flags[i].empty()) {
+    if (why_left_out[i].empty()) {
       plan.runs.push_back(std::move(chosen[i]));
       continue;
     }
-    plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + flags[i] +
-                            (flags[i].starts_with("flagged") ? " (--include-flagged takes it)" : ""));
-    leave_out(plan, chosen[i], flags[i]);
+    if (!errors[i].empty()) {
+      plan.errors.push_back(errors[i] + "; " + chosen[i].folder.name() + " is left out");
+    } else if (!by_flag) {
+      plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + why_left_out[i]);
+    }
+    leave_out(plan, chosen[i], why_left_out[i]);
   }
-  if (plan.runs.empty())
-    throw Error(data.string() + ": no run is left (" + all_reasons(plan) +
-                "); expected a labelled one at least that is not flagged and has not changed since");
+  warn_of_runs_without_samples(plan, data, with_samples, options.strict);
   plan.sensor = common_sensor(plan.runs);
 
   std::map<std::string, std::string> run_with;
-  std::vector<std::string> lacking;
-  bool any_samples = false;
   for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
     PlannedRun& run = plan.runs[index];
     for (Sample& sample : run.samples) sample.run_index = index;
     run.outcome.in_dataset = true;
     plan.simulated = plan.simulated || run.info.simulated;
-    any_samples = any_samples || !run.samples.empty();
-    if (!run.outcome.remark.empty()) lacking.push_back(run.folder.name() + ": " + run.outcome.remark);
+    if (!run.samples.empty() && !run.outcome.remark.empty())
+      plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark);
     const auto [other, is_new] = run_with.emplace(run.events_sha256, run.folder.name());
     if (!is_new)
       plan.warnings.push_back(run.folder.name() + ": holds the same recording as " + other->second +
@@ -291,11 +329,6 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
                          .events_sha256 = run.events_sha256,
                          .labels_sha256 = run.labels_sha256});
   }
-  if (!any_samples) {
-    throw Error(data.string() + ": no run has ticks of none, press and slip (" + list_of(lacking, "; ") +
-                "); expected at least one with all three");
-  }
-  plan.warnings.insert(plan.warnings.end(), lacking.begin(), lacking.end());
   plan.settings = dataset_settings_of(options);
   plan.manifest = dataset_layout::manifest_of(plan.settings, plan.sensor, plan.simulated, plan.rows);
   return plan;

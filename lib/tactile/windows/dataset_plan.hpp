@@ -11,6 +11,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 // What a dataset is to hold, derived from run folders: shared by writing one and verifying one.
@@ -37,6 +38,8 @@ struct PlannedRun {
 struct DatasetPlan {
   std::vector<PlannedRun> runs;  ///< those in the dataset
   std::vector<WindowedRun> left_out;
+  std::size_t passed_over = 0;                     ///< of those left out: simulated beside real ones
+  std::vector<RunWithoutSamples> without_samples;  ///< of all but those passed over, by object, then run
   std::vector<std::string> warnings;
   std::vector<std::string> errors;  ///< a sentence for each run or folder that is left out since it cannot be read
   SensorSize sensor;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "tactile/core/error.hpp"
 
@@ -10,20 +11,15 @@ namespace {
 
 using RunIndexes = std::vector<std::uint32_t>;
 
-std::uint32_t training_run(std::span<const RunName> runs, const std::string& object, const RunIndexes& of_object,
-                           const std::string& wanted) {
+/// The run that is learned from: the wanted one, else the next in order, after the last the first; nothing if none has samples.
+std::optional<std::uint32_t> training_run(std::span<const RunName> runs, const RunIndexes& of_object, const std::string& wanted) {
+  std::map<std::string, std::uint32_t> whole;
   for (const std::uint32_t index : of_object) {
-    if (runs[index].run == wanted && runs[index].has_samples) return index;
+    if (runs[index].has_samples) whole.emplace(runs[index].run, index);
   }
-  std::vector<std::string> whole;
-  for (const std::uint32_t index : of_object) {
-    if (runs[index].has_samples) whole.push_back(runs[index].run);
-  }
-  const std::string lacking = object + "/" + wanted + ": this training run has no samples; ";
-  if (whole.empty()) throw Error(lacking + "expected some, but no run of '" + object + "' has any");
-  std::sort(whole.begin(), whole.end());
-  const auto next = std::upper_bound(whole.begin(), whole.end(), wanted);
-  throw Error(lacking + "expected one that has, the next is --train-run " + (next == whole.end() ? whole.front() : *next));
+  if (whole.empty()) return std::nullopt;
+  const auto next = whole.lower_bound(wanted);
+  return next == whole.end() ? whole.begin()->second : next->second;
 }
 
 std::string names_of(const std::map<std::string, RunIndexes>& by_object) {
@@ -65,19 +61,20 @@ Split split_runs(std::span<const RunName> runs, const SplitOptions& options) {
       split.test_runs.insert(split.test_runs.end(), of_object.begin(), of_object.end());
       continue;
     }
-    const std::uint32_t trained_on = training_run(runs, object, of_object, options.train_run);
-    split.train_runs.push_back(trained_on);
+    const std::optional<std::uint32_t> trained_on = training_run(runs, of_object, options.train_run);
+    if (!trained_on) continue;
+    split.train_runs.push_back(*trained_on);
     if (unseen) continue;
     std::copy_if(of_object.begin(), of_object.end(), std::back_inserter(split.test_runs),
-                 [&](std::uint32_t index) { return index != trained_on; });
+                 [&](std::uint32_t index) { return index != *trained_on; });
   }
   const std::string which = "split " + std::string(name_of(options.kind)) + " with --train-run " + options.train_run;
   if (split.train_runs.empty())
-    throw Error(which + ": no run is left to train on; expected at least one object that is not held out");
+    throw Error(which + ": no run with samples is left to train on; expected one of at least one object that is not held out");
   const auto has_samples = [&](std::uint32_t index) { return runs[index].has_samples; };
   if (std::none_of(split.test_runs.begin(), split.test_runs.end(), has_samples)) {
     throw Error(which + ": no run with samples is left to test on; expected at least " +
-                (unseen ? "one held-out object" : "two runs of an object"));
+                (unseen ? "one of a held-out object" : "two of an object"));
   }
   std::sort(split.train_runs.begin(), split.train_runs.end());
   std::sort(split.test_runs.begin(), split.test_runs.end());

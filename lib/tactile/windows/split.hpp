@@ -34,11 +34,11 @@ struct RunName {
   bool has_samples = true;
 };
 
-/// single-run: trains on run `train_run` of every object, tests on every other run. unseen: trains on it for the objects not held
-/// out, tests on every run of those held out.
-/// @throws Error  if a held-out object does not exist, nothing is left to train or test on, or a training run has no samples
-/// (names the
-///                next whole one)
+/// single-run: trains on run `train_run` of every object, tests on every other run of it. unseen: trains on it for the objects
+/// not held out, tests on every run of those held out.
+/// Where an object's `train_run` is missing or has no samples, the next of its runs that has some takes its place, after the last
+/// the first. An object without any such run is neither trained nor tested on, unless it is held out.
+/// @throws Error  if a held-out object does not exist, or nothing is left to train or test on
 Split split_runs(std::span<const RunName> runs, const SplitOptions& options);
 
 }  // namespace tactile

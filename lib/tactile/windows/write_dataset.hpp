@@ -15,6 +15,7 @@ struct WindowsOptions {
   SamplingOptions sampling{};
   bool mix = false;              ///< simulated and real runs in one dataset; else the real ones where there are both
   bool include_flagged = false;  ///< flags stand in nobody's way
+  bool strict = false;           ///< an object of which no run has samples is an error
 };
 
 /// What became of one run.
@@ -46,11 +47,12 @@ struct DatasetSummary {
 /// belong to it; the old one's histories are removed last.
 ///
 /// Runs without labels, with files that cannot be read or are not what they should be, flagged runs, and simulated ones where
-/// real ones are too, are left out and named; a run that lacks a class is in the dataset but gives no samples. Without run.json a
-/// run is what its folder and its recording say.
+/// real ones are too, are left out and named; a run that lacks a class is in the dataset but gives no samples, and is named with
+/// its reason. Without run.json a run is what its folder and its recording say.
 ///
 /// @param threads  0: as many as the machine has cores; the bytes do not depend on it
-/// @throws Error  if no run has labels or samples, recordings differ in sensor size, or `file` is there and no dataset
+/// @throws Error  if no run has labels or samples, no run of an object has samples and `strict` is set, recordings differ in
+///                sensor size, or `file` is there and no dataset
 DatasetSummary write_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
                              const WindowsOptions& options = {}, unsigned threads = 0, const ProgressCallback& progress = {});
 
