@@ -424,7 +424,7 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
     try {
       step();
     } catch (const std::exception& e) {
-      errors.push_back(sentence_of(e));
+      errors.push_back(sentence_of(e, name));
       failed.push_back({{"file", name}, {"error", errors.back()}});
     }
   };

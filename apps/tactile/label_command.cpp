@@ -238,7 +238,7 @@ Outcome read_runs(std::vector<RunFolder> runs) {
       const CameraTime first = first_event_of(labels, run);
       outcome.labelled.push_back({run, std::move(labels), first});
     } catch (const std::exception& e) {
-      outcome.failures.push_back(sentence_of(e));
+      outcome.failures.push_back(sentence_of(e, run.name()));
     }
   }
   return outcome;

@@ -197,7 +197,7 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
       labels[i] = labels_to_export(runs[i], origin_in(arguments), format == ExchangeFormat::elan);
       if (format == ExchangeFormat::label_studio) labels[i].signals = signals_of(runs[i], labels[i]);
     } catch (const std::exception& e) {
-      why_not[i] = sentence_of(e);
+      why_not[i] = sentence_of(e, runs[i].name());
     }
     const std::scoped_lock lock(guard);
     tell(progress, ++done, runs.size(), runs[i].name());

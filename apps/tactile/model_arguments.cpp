@@ -23,7 +23,7 @@
 namespace tactile {
 namespace {
 
-/// The split; where it cannot be made, why runs have no samples is told before.
+/// The split; where it cannot be made, a warning says why runs have no samples.
 Split split_or_reasons(const Dataset& dataset, const SplitOptions& options) {
   try {
     return split_of(dataset, options);
@@ -94,7 +94,7 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
   for (const RunWithoutSamples& run : runs_of_objects_left_out(dataset)) flagged.insert(run.object);
   std::vector<std::string> held_out;
   for (const std::string& object : named.empty() ? default_held_out() : named) {
-    // One that is flagged and not in the dataset is passed over; of a name that is not known at all the split tells.
+    // One that is flagged and not in the dataset is left out. The split refuses a name that is not known at all.
     if (objects.contains(object) || (!named.empty() && !flagged.contains(object))) held_out.push_back(object);
   }
   std::set<std::string> left = with_samples;

@@ -96,7 +96,7 @@ std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs, std::vect
     try {
       compare_one(labelled);
     } catch (const std::exception& e) {
-      errors.push_back(sentence_of(e));
+      errors.push_back(sentence_of(e, labelled.run.name()));
     }
   }
   return compared;

@@ -53,13 +53,13 @@ TEST_F(RemarksOnASplit, NameTheRunThatIsTrainedOnAndWhatIsWrongWithTheOther) {
   make("pot", "02");
   make("pot", "03");
   const Dataset made = dataset();
-  const SplitRemarks told = remarks(made);
-  EXPECT_EQ(told.substitutes, (Names{"jar: trained on run 02 in place of 01, which is flagged",
-                                     "mug: trained on run 02 in place of 01, whose slip-1 is flagged",
-                                     "pot: trained on run 02 in place of 01, which is not there"}));
-  EXPECT_EQ(told.untested, (Names{"mug: not tested, none of its runs but 02 has samples"}));
-  ASSERT_TRUE(told.flagged);
-  EXPECT_TRUE(std::filesystem::exists(told.flagged->labels())) << told.flagged->folder;
+  const SplitRemarks found = remarks(made);
+  EXPECT_EQ(found.substitutes, (Names{"jar: trained on run 02 in place of 01, which is flagged",
+                                      "mug: trained on run 02 in place of 01, whose slip-1 is flagged",
+                                      "pot: trained on run 02 in place of 01, which is not there"}));
+  EXPECT_EQ(found.untested, (Names{"mug: not tested, none of its runs but 02 has samples"}));
+  ASSERT_TRUE(found.flagged);
+  EXPECT_TRUE(std::filesystem::exists(found.flagged->labels())) << found.flagged->folder;
   EXPECT_EQ(split_of(made, {}).train_runs.size(), 4U);
 
   const SplitOptions unseen{.kind = SplitKind::unseen, .held_out = {"mug", "jar"}};
@@ -77,10 +77,10 @@ TEST_F(RemarksOnASplit, NameObjectsWithoutAnyWholeRunInTheDatasetOrBesideIt) {
   test::make_run(data.path(), {.object = "pot", .seed = 9});  // recorded since
   const Names expected{"jar: left out, none of its runs has samples: the whole run is flagged in jar/01, jar/02",
                        "mug: left out, none of its runs has samples: slip-1 is flagged in mug/01, mug/02"};
-  const SplitRemarks told = remarks(made);
-  EXPECT_EQ(told.left_out, expected);
-  EXPECT_TRUE(told.substitutes.empty());
-  EXPECT_EQ(test::error_of([&] { refuse_objects_left_out(told.left_out); }),
+  const SplitRemarks found = remarks(made);
+  EXPECT_EQ(found.left_out, expected);
+  EXPECT_TRUE(found.substitutes.empty());
+  EXPECT_EQ(test::error_of([&] { refuse_objects_left_out(found.left_out); }),
             expected[0] + "; " + expected[1] + "; expected a run with samples of every object, as --strict asks for");
 }
 

@@ -72,9 +72,10 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
   const auto unseen = json_of("eval --unseen");
   const auto compared = unseen.at("unseen").at("runs").get<Names>();
   EXPECT_EQ(std::find(compared.begin(), compared.end(), "fan/02"), compared.end()) << "one of the models was trained on it";
-  const auto told = unseen.at("warnings").get<Names>();
-  EXPECT_EQ(std::count(told.begin(), told.end(), "fan: not compared, a model has learned from each of its runs that has samples"),
-            1);
+  const auto remarks = unseen.at("warnings").get<Names>();
+  EXPECT_EQ(
+      std::count(remarks.begin(), remarks.end(), "fan: not compared, a model has learned from each of its runs that has samples"),
+      1);
   EXPECT_TRUE(unseen.at("unseen").at("objects").contains("sprayer"));
 
   ends_well("export --onnx model.onnx --safetensors model.safetensors");

@@ -49,7 +49,7 @@ TEST(Split, TakesTheNextWholeRunInPlaceOfATrainingRunWithoutSamples) {
   EXPECT_EQ(split_runs(three_objects(), {.train_run = "09"}).train_runs, (Indexes{0, 3, 5})) << "a run that no object has";
 }
 
-TEST(Split, GoesOnWithTheFirstRunAfterTheLast) {
+TEST(Split, TakesTheFirstRunAfterTheLast) {
   auto runs = three_objects();
   runs[2].has_samples = false;
   const Split split = split_runs(runs, {.train_run = "03"});

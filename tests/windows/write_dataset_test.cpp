@@ -208,7 +208,7 @@ TEST_F(WriteDataset, NamesEachFlagWithItsRunsAndHowToLiftIt) {
   const std::string view = "'tactile view " + (data() / "jar/01").string() + "'";
   EXPECT_TRUE(mentions(summary.warnings,
                        "6 of 7 runs have no samples: press-1 and slip-1 are flagged in jar/01; the whole run is flagged in "
-                       "jar/02; no labels in jar/03; slip-1 is flagged in mug/01, mug/02, mug/03. Look with " +
+                       "jar/02; no labels in jar/03; slip-1 is flagged in mug/01, mug/02, mug/03. Look at it with " +
                            view));
   EXPECT_TRUE(mentions(summary.warnings, "set 'confirmed' of its flag in labels.json to true and run 'tactile windows' again"));
   EXPECT_TRUE(mentions(summary.warnings, "jar: left out, none of its runs has samples: "));

@@ -49,17 +49,18 @@ std::string plain_words(std::string_view text) {
   return "is not laid out as expected";
 }
 
-std::string sentence_of(const std::exception& error) {
+std::string sentence_of(const std::exception& error, std::string_view about) {
   if (dynamic_cast<const Error*>(&error) != nullptr) return error.what();
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     return file->path1().string() + ": cannot be used (" + file->code().message() +
            "); expected a file or folder that can be read, and written where it is an output";
   }
+  const std::string begin = about.empty() ? std::string() : std::string(about) + ": ";
   if (dynamic_cast<const nlohmann::json::exception*>(&error) != nullptr)
-    return "a value in a JSON file " + plain_words(error.what()) + "; expected a file as tactile writes it";
+    return begin + "a value in a JSON file " + plain_words(error.what()) + "; expected a file as tactile writes it";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr || dynamic_cast<const std::length_error*>(&error) != nullptr)
-    return "memory does not suffice; expected more of it, fewer --threads, or a smaller recording";
-  return error.what();
+    return begin + "memory does not suffice; expected more of it, fewer --threads, or a smaller recording";
+  return begin + error.what();
 }
 
 }  // namespace tactile

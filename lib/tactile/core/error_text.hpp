@@ -8,7 +8,8 @@ namespace tactile {
 
 /// What went wrong, as a sentence for people. The text of an `Error` is one already; what the standard library and the JSON
 /// library throw names files and members, if at all, in words of their own.
-std::string sentence_of(const std::exception& error);
+/// @param about  the run or file that was worked on: begins the sentence where the error itself names none
+std::string sentence_of(const std::exception& error, std::string_view about = {});
 
 /// What the JSON library says of a value, in plain words: "is a number; expected a text". Any other text as it is.
 std::string plain_words(std::string_view json_library_text);

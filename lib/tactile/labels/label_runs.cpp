@@ -117,7 +117,7 @@ class GroupLabeller {
       try {
         inputs[i] = hashes_of_inputs(group.runs[i]);
       } catch (const std::exception& e) {
-        errors[i] = sentence_of(e);
+        errors[i] = sentence_of(e, group.runs[i].name());
       }
     });
 
@@ -141,7 +141,7 @@ class GroupLabeller {
       try {
         read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
       } catch (const std::exception& e) {
-        read[i].error = sentence_of(e);
+        read[i].error = sentence_of(e, group.runs[i].name());
       }
     });
     std::vector<const RunSignals*> whole;
@@ -167,7 +167,7 @@ class GroupLabeller {
         if (options_.make_companions) options_.make_companions(signals, labels);
         result.labels = std::move(labels);
       } catch (const std::exception& e) {
-        result.error = sentence_of(e);
+        result.error = sentence_of(e, result.run.name());
       }
       tell_done(result.run);
     });
@@ -185,7 +185,7 @@ class GroupLabeller {
       result.labels = std::move(labels);
       result.unchanged = true;
     } catch (const std::exception& e) {
-      result.error = sentence_of(e) + "; mend it, or replace it with --force";
+      result.error = sentence_of(e, run.name()) + "; mend it, or replace it with --force";
     }
   }
 

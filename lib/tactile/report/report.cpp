@@ -247,7 +247,7 @@ class Report {
       try {
         frames = frames_of(*run, options);
       } catch (const std::exception& e) {
-        errors_.push_back(sentence_of(e));
+        errors_.push_back(sentence_of(e, run->name()));
         missing_.push_back(fmt::format("Frames of {} cannot be drawn: {}.", run->name(), errors_.back()));
       }
       if (!frames.empty()) break;

@@ -314,7 +314,7 @@ class Study {
     if (!without.empty()) warn(sentence_on(without, runs.size(), options_.data, "tactile reproduce"));
   }
 
-  /// What of the study's runs is not as asked for; told now, and in the results.
+  /// What of the study's runs is not as asked for: a warning now, and in the results.
   void remark_on_runs() {
     const SplitOptions single{.kind = SplitKind::single_run, .train_run = options_.train_run};
     const SplitRemarks split = tactile::remarks_on(*dataset_, single, split_of(*dataset_, single));

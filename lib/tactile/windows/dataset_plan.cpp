@@ -282,8 +282,8 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
     try {
       plan_run();
     } catch (const std::exception& e) {
-      errors[i] = sentence_of(e);
-      why_left_out[i] = "it cannot be read";
+      errors[i] = sentence_of(e, run.folder.name());
+      why_left_out[i] = errors[i];
       why_none[i] = has_no("files that can be read");
     }
     const std::scoped_lock lock(guard);

@@ -162,7 +162,6 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
   DatasetPlan plan;
   try {
     plan = plan_dataset(data, file, options, threads, progress);
-    check.differences.insert(check.differences.end(), plan.errors.begin(), plan.errors.end());
   } catch (const Error& e) {
     if (!fs::exists(data)) throw;
     check.differences.emplace_back(e.what());  // labels that are none, say: no dataset comes of these runs

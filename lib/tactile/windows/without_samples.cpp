@@ -159,7 +159,8 @@ void refuse_objects_left_out(std::span<const std::string> sentences) {
 
 std::string how_to_lift_flags(const RunFolder& run, const std::string& command) {
   return fmt::format(
-      "Look with 'tactile view {}'; where a flagged label is right, set 'confirmed' of its flag in labels.json to true and run "
+      "Look at it with 'tactile view {}'; where a flagged label is right, set 'confirmed' of its flag in labels.json to true and "
+      "run "
       "'{}' again. '{} --include-flagged' takes flagged labels as they are.",
       shell_word(run.folder.string()), command, command);
 }
