@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "events/made_recording.hpp"
+#include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
@@ -49,7 +50,7 @@ struct Heard {
 Heard hear(DvStreamClient& client) {
   Heard heard;
   for (;;) {
-    const Received received = client.receive(60s);
+    const Received received = client.receive(long_enough);
     if (received != Received::packet) {
       EXPECT_EQ(received, Received::closed);
       return heard;
@@ -70,7 +71,7 @@ TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--json"}));
   const NetworkAddress address = events_address(serving);
   EXPECT_EQ(address.host, "127.0.0.1");
-  DvStreamClient client(address);
+  DvStreamClient client(address, long_enough);
   EXPECT_EQ(client.stream().source, "DVXplorer_DXM00042");
   EXPECT_EQ(client.stream().size, (SensorSize{160, 120}));
   EXPECT_FALSE(attribute(client.stream(), "simulated"));
@@ -91,7 +92,7 @@ TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
 TEST(ServeCommand, CutsPacketsByTheirSpan) {
   for (const std::int64_t span : {200, 1000, 5000}) {
     RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--packet-us", std::to_string(span)}));
-    DvStreamClient client(events_address(serving));
+    DvStreamClient client(events_address(serving), long_enough);
     const Heard heard = hear(client);
     for (const auto& packet : heard.packets) EXPECT_LT(us_of(packet.back().t) - us_of(packet.front().t), span);
     EXPECT_EQ(heard.events, events_in_file(recording));
@@ -102,7 +103,7 @@ TEST(ServeCommand, CutsPacketsByTheirSpan) {
 TEST(ServeCommand, ServesEveryCompression) {
   for (const std::string compression : {"none", "lz4", "lz4-high", "zstd", "zstd-high"}) {
     RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--compression", compression}));
-    DvStreamClient client(events_address(serving));
+    DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(name_of(client.compression()), compression);
     EXPECT_EQ(hear(client).events, events_in_file(recording));
     EXPECT_EQ(serving.wait().exit_code, 0);
@@ -115,7 +116,8 @@ TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
     const std::string line = serving.logged_behind("serving " + type + " of ");
     return network_address(line.substr(line.rfind(" on ") + 4));
   };
-  DvStreamClient events(address_of("events")), imu(address_of("imu")), triggers(address_of("triggers"));
+  DvStreamClient events(address_of("events"), long_enough), imu(address_of("imu"), long_enough),
+      triggers(address_of("triggers"), long_enough);
   EXPECT_EQ(imu.stream().type, StreamType::imu);
   EXPECT_EQ(triggers.stream().type, StreamType::triggers);
   EXPECT_EQ(hear(events).events.size(), 6000U);
@@ -127,10 +129,10 @@ TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
 TEST(ServeCommand, EndsWith0OnTerminationAndOnCtrlC) {
   for (const int signal : {SIGTERM, SIGINT}) {
     RunningCommand serving(words({"serve", "sim:fan", "--port", "0", "--json"}));
-    DvStreamClient client(events_address(serving));
+    DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
     EXPECT_EQ(attribute(client.stream(), "readoutMode"), "constant");
-    ASSERT_EQ(client.receive(60s), Received::packet);
+    ASSERT_EQ(client.receive(long_enough), Received::packet);
     serving.signal(signal);
     hear(client);
     const CommandResult result = serving.wait();
@@ -164,11 +166,11 @@ TEST(ServeCommand, TakesNoLessTimeThanTheRecordingOverTheSpeed) {
 
 TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--loop"}));
-  DvStreamClient client(events_address(serving));
+  DvStreamClient client(events_address(serving), long_enough);
   const std::vector<Event> once = events_in_file(recording);
   std::vector<Event> heard;
   while (heard.size() < 4 * once.size()) {
-    ASSERT_EQ(client.receive(60s), Received::packet);
+    ASSERT_EQ(client.receive(long_enough), Received::packet);
     heard.insert(heard.end(), client.events().begin(), client.events().end());
   }
   EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end(), [](const Event& a, const Event& b) { return a.t < b.t; }));
@@ -198,10 +200,10 @@ TEST(ServeCommand, DropsNoClientThatIsSlowerThanTheDisk) {
     writer.close();
   }
   RunningCommand serving(words({"serve", "large.aedat4", "--port", "0", "--speed", "0", "--json"}), folder.path());
-  DvStreamClient client(events_address(serving));
+  DvStreamClient client(events_address(serving), long_enough);
   std::this_thread::sleep_for(500ms);  // the server runs far ahead
   std::size_t heard = 0;
-  while (client.receive(60s) == Received::packet) heard += client.events().size();
+  while (client.receive(long_enough) == Received::packet) heard += client.events().size();
   EXPECT_EQ(heard, parts * part.size());
   const CommandResult result = serving.wait();
   EXPECT_EQ(result.exit_code, 0);
@@ -212,7 +214,7 @@ TEST(ServeCommand, ServesAUnixSocketAndRemovesItAtTheEnd) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "events.socket";
   RunningCommand serving(words({"serve", recording, "--loop", "--unix", path.string()}));
-  DvStreamClient client(events_address(serving));
+  DvStreamClient client(events_address(serving), long_enough);
   EXPECT_EQ(client.address().path, path);
   EXPECT_EQ(run_tactile("serve '" + recording + "' --unix '" + path.string() + "'").exit_code, 1);
   serving.signal(SIGTERM);
@@ -229,7 +231,7 @@ TEST(ServeCommand, SaysOfASimulatedRunThatItIs) {
   info.extra["camera"] = {{"readout_mode", "variable-5000"}};
   write_run_info(run, info);
   RunningCommand serving(words({"serve", "fan/01", "--port", "0", "--speed", "0"}), folder.path());
-  DvStreamClient client(events_address(serving));
+  DvStreamClient client(events_address(serving), long_enough);
   EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
   EXPECT_EQ(attribute(client.stream(), "readoutMode"), "variable-5000");
   hear(client);
@@ -250,7 +252,7 @@ TEST(ServeCommand, ServesTheStreamThatIsChosen) {
   }
   for (const std::string choice : {"1", "RIGHT"}) {
     RunningCommand serving(words({"serve", file.string(), "--port", "0", "--speed", "0", "--stream", choice}));
-    DvStreamClient client(events_address(serving));
+    DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(client.stream().source, "RIGHT");
     EXPECT_EQ(hear(client).events.size(), 20U);
     EXPECT_EQ(serving.wait().exit_code, 0);
