@@ -104,7 +104,7 @@ class Repair {
   void keep(const PacketRecord& packet) {
     StreamRepair& stream = *std::find_if(streams_.begin(), streams_.end(),
                                          [&](const StreamRepair& s) { return s.result.stream.id == packet.stream_id; });
-    const bool is_damaged = checksums_.check(packet, recording_.read_stored(packet)) == PacketCheck::damaged;
+    const bool is_damaged = checksums_.used() && checksums_.check(packet, recording_.read_stored(packet)) == PacketCheck::damaged;
     damaged_ += is_damaged ? 1 : 0;
     if (!is_damaged && keep_of_type(packet, stream)) {
       ++stream.result.packets_kept;
