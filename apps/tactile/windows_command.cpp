@@ -75,9 +75,12 @@ std::string text_of(const DatasetSummary& summary, const std::string& file, cons
   std::string text = text_table({"run", "none", "press", "slip", ""}, rows);
   text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
-  if (summary.outcome == DatasetSummary::Outcome::replaced)
+  if (summary.was_damaged) {
+    text += "The dataset that was there could not be read; its heatmaps are gone with it.\n";
+  } else if (summary.outcome == DatasetSummary::Outcome::replaced) {
     text += fmt::format("The dataset that was there had another manifest ({}); its heatmaps are gone with it.\n",
                         differing.empty() ? "other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
+  }
   if (summary.outcome == DatasetSummary::Outcome::moved)
     text += "It is the one that was there, heatmaps included; where its runs lie now was noted.\n";
   return text;

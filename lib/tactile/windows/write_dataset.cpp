@@ -268,6 +268,7 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   events.commit();
   tables.commit();
   if (existing != Existing::nothing) summary.outcome = DatasetSummary::Outcome::replaced;
+  summary.was_damaged = existing == Existing::broken_dataset;
   remove_stale_files(file);
   return summary;
 }

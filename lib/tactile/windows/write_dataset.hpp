@@ -30,6 +30,7 @@ struct WindowedRun {
 struct DatasetSummary {
   enum class Outcome { written, replaced, moved, unchanged };  ///< moved: the same, but its runs lie elsewhere now
   Outcome outcome = Outcome::written;
+  bool was_damaged = false;           ///< the dataset that was replaced could not be read
   std::vector<WindowedRun> runs;      ///< every run found, by object, then run
   std::vector<std::string> warnings;  ///< what a person should know, a sentence each
   std::vector<std::string> errors;    ///< what kept runs from being read, a sentence each; they are left out
