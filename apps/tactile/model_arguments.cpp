@@ -23,8 +23,19 @@
 namespace tactile {
 namespace {
 
+/// @throws Error  if no object has the run that is to be learned from, in the dataset or beside it: a slip of the pen
+void check_train_run(const Dataset& dataset, const std::string& wanted) {
+  std::set<std::string> ids;
+  for (const DatasetRun& run : dataset.runs()) {
+    if (run.run == wanted || std::filesystem::exists(run_of(dataset, run.object, wanted).events())) return;
+    ids.insert(run.run);
+  }
+  throw Error(fmt::format("--train-run {}: no object has such a run; expected one of {}", wanted, fmt::join(ids, ", ")));
+}
+
 /// The split; where it cannot be made, a warning says why runs have no samples.
 Split split_or_reasons(const Dataset& dataset, const SplitOptions& options) {
+  check_train_run(dataset, options.train_run);
   try {
     return split_of(dataset, options);
   } catch (const Error&) {

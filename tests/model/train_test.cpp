@@ -82,6 +82,9 @@ TEST(TrainCommand, HoldsObjectsOut) {
   const auto json = trained("--split unseen --held-out fan,small-box --train-run 02", folder.path());
   EXPECT_EQ(json.at("train_runs"), nlohmann::json::parse(R"(["usb-hub/02"])"));
   EXPECT_EQ(json.at("test_runs").size(), 4U);
+  const auto typo = run_tactile("train --train-run 09", folder.path());
+  EXPECT_EQ(typo.exit_code, 1);
+  EXPECT_NE(typo.err.find("--train-run 09: no object has such a run; expected one of 01, 02"), std::string::npos) << typo.err;
   const auto bogus = run_tactile("train --split unseen --held-out bogus", folder.path());
   EXPECT_EQ(bogus.exit_code, 1);
   EXPECT_NE(bogus.err.find("bogus"), std::string::npos);
