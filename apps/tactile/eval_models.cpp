@@ -127,8 +127,12 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
   }
   spdlog::info("{} is missing: it is trained first, as by '{}': {}", bundle.folder.string(), command,
                training_size(dataset, settings));
-  train_model(dataset, settings, bundle, {.threads = common.threads, .resume = true},
-              with_estimates(progress_line(common), settings.training.epochs));
+  TrainingEstimate estimate(settings.training.epochs, progress_line(common));
+  train_model(dataset, settings, bundle,
+              {.threads = common.threads,
+               .resume = true,
+               .begins = [&estimate](unsigned epoch, double done) { estimate.begin(epoch, done); }},
+              [&estimate](const Progress& progress) { estimate.see(progress); });
   return bundle;
 }
 

@@ -5,12 +5,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <memory>
-#include <optional>
 #include <set>
-#include <utility>
 
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
@@ -124,34 +120,29 @@ std::string training_size(const Dataset& dataset, const ModelSettings& settings)
   return fmt::format("{}, {}", counted(samples, "sample"), counted(settings.training.epochs, "epoch"));
 }
 
-ProgressCallback with_estimates(ProgressCallback progress, unsigned epochs) {
-  using Clock = std::chrono::steady_clock;
-  using Seconds = std::chrono::duration<double>;
-  struct Mark {
-    Clock::time_point at;
-    std::uint64_t done = 0;
-  };
-  struct State {
-    std::optional<Mark> epoch_begun;  // that of the first call is amid an epoch, where it is one that was broken off
-    std::optional<Clock::time_point> promised;
-  };
-  return [progress = std::move(progress), epochs, state = std::make_shared<State>()](const Progress& now) {
-    const Mark mark{Clock::now(), now.done};
-    const std::uint64_t epoch_size = now.total / epochs;
-    if (!state->epoch_begun) state->epoch_begun = mark;
-    if (epoch_size > 0 && now.done % epoch_size == 0 && now.done > state->epoch_begun->done) {
-      const Seconds lasted = mark.at - state->epoch_begun->at;
-      const Seconds left =
-          lasted * (static_cast<double>(now.total - now.done) / static_cast<double>(now.done - state->epoch_begun->done));
-      const auto wrong_by = [&] { return std::abs(Seconds(mark.at + left - *state->promised).count()); };
-      if (now.done < now.total && (!state->promised || wrong_by() > left.count() / 4)) {
-        spdlog::info("epoch {} of {}: about {} more (min:s)", now.done / epoch_size, epochs, clock_text(left.count()));
-        state->promised = mark.at + std::chrono::duration_cast<Clock::duration>(left);
-      }
-      state->epoch_begun = mark;
+void TrainingEstimate::begin(unsigned epoch, double done) {
+  has_begun_ = true;
+  measured_from_ = Clock::now();
+  measured_from_epochs_ = epoch - 1 + done;
+}
+
+void TrainingEstimate::see(const Progress& progress) {
+  const std::uint64_t of_an_epoch = progress.total / epochs_;
+  if (has_begun_ && of_an_epoch > 0 && progress.done % of_an_epoch == 0) {
+    using Seconds = std::chrono::duration<double>;
+    const Clock::time_point now = Clock::now();
+    const auto epoch = static_cast<unsigned>(progress.done / of_an_epoch);
+    const Seconds left = Seconds(now - measured_from_) * ((epochs_ - epoch) / (epoch - measured_from_epochs_));
+    const Clock::time_point end = now + std::chrono::duration_cast<Clock::duration>(left);
+    const bool was_right = expected_end_ && std::abs(Seconds(end - *expected_end_).count()) <= left.count() / 4;
+    if (epoch < epochs_ && !was_right) {
+      spdlog::info("epoch {} of {} is done: about {} more (min:s)", epoch, epochs_, clock_text(left.count()));
+      expected_end_ = end;
     }
-    if (progress) progress(now);
-  };
+    measured_from_ = now;
+    measured_from_epochs_ = epoch;
+  }
+  if (progress_) progress_(progress);
 }
 
 void add_engine_option(CLI::App& command, std::string& engine) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command.hpp"
@@ -33,9 +35,26 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
 /// What a training works through, for people: "3636 samples, 10 epochs".
 std::string training_size(const Dataset& dataset, const ModelSettings& settings);
 
-/// Passes a training's progress on, and logs how much longer it takes once its first epoch is done: by what that took, which no
-/// one knows before. It logs that once more where an epoch shows that it was wrong by a quarter.
-ProgressCallback with_estimates(ProgressCallback progress, unsigned epochs);
+/// Logs how much longer a training takes once its first epoch has shown it, and once more where an epoch shows that this was
+/// wrong by a quarter.
+class TrainingEstimate {
+ public:
+  /// @param progress  gets what `see` gets
+  TrainingEstimate(unsigned epochs, ProgressCallback progress) : epochs_(epochs), progress_(std::move(progress)) {}
+
+  void begin(unsigned epoch, double done);  ///< as `TrainModelOptions::begins`: what comes before is no training
+  void see(const Progress& progress);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  unsigned epochs_;
+  ProgressCallback progress_;
+  bool has_begun_ = false;
+  Clock::time_point measured_from_{};
+  double measured_from_epochs_ = 0;  ///< so many were done then
+  std::optional<Clock::time_point> expected_end_;
+};
 
 /// `--engine`, what a model is run with.
 void add_engine_option(CLI::App& command, std::string& engine);

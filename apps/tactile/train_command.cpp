@@ -195,7 +195,9 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   }
   check_renders(dataset, settings.rendering);
   const bool resumes = goes_on(args, bundle);
+  TrainingEstimate estimate(settings.training.epochs, progress_line(common));
   const auto tell_begin = [&](unsigned epoch, double done) {
+    estimate.begin(epoch, done);
     if (resumes) {
       spdlog::info("going on with {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
                    100 * done);
@@ -212,7 +214,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
                            .from = from.folder,
                            .if_there = state == BundleState::missing ? IfThere::refuse : IfThere::replace,
                            .begins = tell_begin},
-                          with_estimates(progress_line(common), settings.training.epochs));
+                          [&estimate](const Progress& progress) { estimate.see(progress); });
   } catch (const Interrupted&) {
     if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))
       spdlog::warn("{}: broken off; the same command with --resume goes on where it was", bundle.folder.string());

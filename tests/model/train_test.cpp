@@ -47,6 +47,18 @@ TEST(TrainCommand, MakesAMissingDatasetAndAWholeBundle) {
   EXPECT_NO_THROW(Classifier(folder.path() / json.at("model").get<std::string>(), 1));
 }
 
+TEST(TrainCommand, TellsHowLongItTakesOnceAnEpochHasShownIt) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto result = run_tactile("train --json --epochs 3 --batch 8 --threads 1", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::size_t begins = result.err.find("samples, 3 epochs\n"), estimate = result.err.find("epoch 1 of 3 is done: about 0:");
+  EXPECT_NE(begins, std::string::npos) << result.err;
+  ASSERT_NE(estimate, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("about"), result.err.find("about", estimate)) << "none before it is measured\n" << result.err;
+  EXPECT_EQ(result.err.find("epoch 3 of 3 is done"), std::string::npos) << "nothing is left then\n" << result.err;
+}
+
 TEST(TrainCommand, LeavesAnUnchangedModelAndWantsForceOrANameForAChangedOne) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);

@@ -6,6 +6,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/events/recording_reader.hpp"
 
 namespace tactile {
 namespace {
@@ -26,16 +27,32 @@ void add_time(json& object, const std::string& name, const UncertainTime& time) 
   object[name + "_high_us"] = us_of(time.high);
 }
 
-/// A time of the recording. Camera times begin at 0; an interval of confidence may reach below.
-CameraTime recorded_time_in(const json& object, const std::string& key, const std::string& where) {
-  const auto us = member<std::int64_t>(object, key, where);
-  if (us < 0) throw Error(where + ": '" + key + "' is " + std::to_string(us) + "; expected a time from 0");
-  return camera_time(us);
-}
-
 UncertainTime uncertain_time_in(const json& object, const std::string& name, const std::string& where) {
   const auto at = [&](const std::string& key) { return camera_time(member<std::int64_t>(object, key, where)); };
-  return {recorded_time_in(object, name + "_us", where), at(name + "_low_us"), at(name + "_high_us")};
+  return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
+}
+
+/// Whether the recording beside the labels has times below 0, as no camera gives them.
+bool has_times_below_zero(const std::filesystem::path& recording) {
+  try {
+    const RecordingReader reader(recording);
+    const auto is_below = [](const PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
+    return std::any_of(reader.packets().begin(), reader.packets().end(), is_below);
+  } catch (const Error&) {
+    return false;  // who reads its events says what is wrong with it
+  }
+}
+
+/// Labels lie within their recording, which begins at 0 at the earliest but for one that is made up. An interval of confidence
+/// may reach below.
+void check_begins(const Labels& labels, const std::filesystem::path& file) {
+  const auto check = [&](const char* list, std::size_t index, CameraTime start) {
+    if (us_of(start) >= 0 || has_times_below_zero(file.parent_path() / "events.aedat4")) return;
+    throw Error(file.string() + ": " + list + "[" + std::to_string(index) + "].start_us is " + std::to_string(us_of(start)) +
+                "; expected a time from 0, as its recording has");
+  };
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) check("intervals", i, labels.intervals[i].start.at);
+  for (std::size_t i = 0; i < labels.rejected.size(); ++i) check("rejected", i, labels.rejected[i].start);
 }
 
 json json_of(const FittedClock& clock) {
@@ -193,8 +210,8 @@ Labels read_labels(const std::filesystem::path& file) {
     if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
     if (object.contains("rejected")) {
       for (const json& rejected : list_in(object, "rejected", where)) {
-        labels.rejected.push_back({touch_in(rejected, where), recorded_time_in(rejected, "start_us", where),
-                                   recorded_time_in(rejected, "end_us", where)});
+        labels.rejected.push_back({touch_in(rejected, where), camera_time(member<std::int64_t>(rejected, "start_us", where)),
+                                   camera_time(member<std::int64_t>(rejected, "end_us", where))});
       }
     }
     for (const json& flag : list_in(object, "flags", where)) {
@@ -212,6 +229,7 @@ Labels read_labels(const std::filesystem::path& file) {
   }
   name_intervals(labels.intervals);
   check_intervals(labels.intervals, where);
+  check_begins(labels, file);
   for (const LabelFlag& flag : labels.flags) {
     if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) {
       throw Error(where + ": a flag names interval " + std::to_string(*flag.interval_index) + " of " +

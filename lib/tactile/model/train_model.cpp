@@ -198,13 +198,13 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   }
   task["threads"] = threads;
   if (!resumed) kept.clear();
+
+  const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
+  const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
   if (options.begins) {
     const double part = static_cast<double>(resumed ? resumed->done : 0) / static_cast<double>(samples.training.size());
     options.begins(resumed ? resumed->epoch : 1, part);
   }
-
-  const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
-  const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
   const TrainingTask learning{.size = size,
                               .training = {training, samples.training_truth},
                               .validation = {validation, samples.validation_truth},

@@ -58,8 +58,8 @@ struct TrainModelOptions {
   std::filesystem::path from{};                  ///< the bundle that `settings.from` names
   IfThere if_there = IfThere::replace;           ///< what happens to a bundle that is there when the training ends
 
-  /// Told once it is known whether there is a state to go on from: its epoch, from 1 on, and how much of that is done, in [0, 1];
-  /// 1 and 0 where a training begins. May be empty.
+  /// Told once the heatmaps are there, and whether there is a state to go on from: its epoch, from 1 on, and how much of that is
+  /// done, in [0, 1]; 1 and 0 where a training begins. May be empty.
   std::function<void(unsigned epoch, double done)> begins{};
 };
 
