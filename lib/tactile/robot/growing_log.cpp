@@ -141,6 +141,7 @@ GrowingLog::GrowingLog(const fs::path& file, std::string_view header) : state_(s
   };
   std::error_code failed;
   if (fs::exists(fs::symlink_status(file, failed))) refuse(EEXIST);
+  if (file.has_parent_path() && !fs::is_directory(file.parent_path(), failed)) refuse(ENOENT);
 
   // The log grows under its name, but has its header from its first byte on.
   WholeFile begun(file, IfThere::refuse);
