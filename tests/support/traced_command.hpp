@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fcntl.h>
 #include <sys/syscall.h>
 
 #include <algorithm>
@@ -29,7 +30,8 @@ struct TracedEnd {
 
 inline constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
-/// The built `tactile` under ptrace: every system call of it, and of all its threads, is stopped before it is done.
+/// The built `tactile` under ptrace: every system call of it, and of all its threads, is stopped before it is
+/// done. Those that change no file do not count.
 class TracedCommand {
  public:
   using Counts = std::function<bool(const TouchedFile&)>;
@@ -55,8 +57,50 @@ class TracedCommand {
   }
 
  private:
+  /// Whether the call may change what is on the disk. Whoever is killed ahead of another leaves what is there before the next
+  /// change.
+  static bool changes_files(long call, const std::uint64_t* arguments) {
+    constexpr std::uint64_t changing = O_CREAT | O_TRUNC;
+    switch (call) {
+#ifdef SYS_open
+      case SYS_open:
+        return (arguments[1] & changing) != 0;
+      case SYS_stat:
+      case SYS_lstat:
+      case SYS_access:
+      case SYS_readlink:
+#endif
+#ifdef SYS_newfstatat
+      case SYS_newfstatat:
+#endif
+      case SYS_faccessat:
+      case SYS_readlinkat:
+      case SYS_statx:
+      case SYS_fstat:
+      case SYS_statfs:
+      case SYS_fstatfs:
+      case SYS_read:
+      case SYS_pread64:
+      case SYS_readv:
+      case SYS_lseek:
+      case SYS_mmap:
+      case SYS_getdents64:
+      case SYS_fcntl:
+      case SYS_ioctl:
+      case SYS_flock:
+      case SYS_close:
+      case SYS_fadvise64:
+        return false;
+      case SYS_openat:
+        return (arguments[2] & changing) != 0;
+      default:
+        return true;
+    }
+  }
+
   static std::vector<TouchedFile> files_of(pid_t thread, long call, const std::uint64_t* arguments) {
     std::vector<TouchedFile> files;
+    if (!changes_files(call, arguments)) return files;
     const auto add_named = [&](int argument) {
       const std::string name = text_of_process(thread, arguments[argument]);
       if (!name.empty()) files.push_back({std::filesystem::path(name).filename(), true});
@@ -71,14 +115,10 @@ class TracedCommand {
     switch (call) {
 #ifdef SYS_open
       case SYS_open:
-      case SYS_stat:
-      case SYS_lstat:
-      case SYS_access:
       case SYS_unlink:
       case SYS_mkdir:
       case SYS_rmdir:
       case SYS_chmod:
-      case SYS_readlink:
 #endif
       case SYS_truncate:
       case SYS_execve:
@@ -95,13 +135,7 @@ class TracedCommand {
       case SYS_openat:
       case SYS_unlinkat:
       case SYS_mkdirat:
-      case SYS_faccessat:
       case SYS_fchmodat:
-      case SYS_readlinkat:
-      case SYS_statx:
-#ifdef SYS_newfstatat
-      case SYS_newfstatat:
-#endif
         add_named(1);
         add_open(0);
         break;
@@ -112,9 +146,6 @@ class TracedCommand {
       case SYS_linkat:
         add_named(1);
         add_named(3);
-        break;
-      case SYS_mmap:
-        add_open(4);
         break;
       case SYS_sendfile:
         add_open(0);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 
 namespace tactile {
@@ -62,6 +63,7 @@ class InTurn {
 
 std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<const HeatmapOptions> histories, unsigned threads,
                                           const ProgressCallback& progress) {
+  remove_leftovers_in(std::filesystem::absolute(dataset.file()).parent_path());  // also where nothing is to be written
   std::vector<StoredHistory> stored;
   std::vector<HeatmapOptions> ways;    // those that are not there
   std::deque<HeatmapsWriter> writers;  // of each way
