@@ -121,7 +121,10 @@ int exchange_folders(const fs::path& from, const fs::path& to) {
               (error == EISDIR || error == ENOTDIR ? ", and no folder in place of a file or the reverse" : ""));
 }
 
-fs::path without_slash(fs::path target) { return target.has_filename() ? target : target.parent_path(); }
+fs::path without_slash(fs::path target) {
+  if (target.has_filename()) return target;
+  return target.parent_path();
+}
 
 }  // namespace
 

@@ -17,7 +17,7 @@ constexpr const char* list_name = "pictures.csv";
 /// A link to a folder stands for the folder, and a name that ends in a slash for one without.
 fs::path folder_meant(const fs::path& target) {
   std::error_code failed;
-  const fs::path there = fs::canonical(target, failed);
+  fs::path there = fs::canonical(target, failed);
   if (!failed) return there;
   const fs::path plain = fs::absolute(target).lexically_normal();
   return plain.has_filename() ? plain : plain.parent_path();
