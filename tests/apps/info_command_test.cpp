@@ -328,7 +328,7 @@ TEST_F(InfoOfARun, IsSickWhereRunJsonIsNull) {
   write_json(folder / "data/fan/03/run.json", nullptr);
   const auto result = run_tactile("info --check data", folder.path());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("run.json: 'object' is missing"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("run.json: is null; expected an object"), std::string::npos) << result.err;
 }
 
 TEST_F(InfoOfARun, NeedsARecording) {
