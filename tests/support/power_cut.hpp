@@ -95,7 +95,8 @@ class PowerCut {
     return image;
   }
 
-  /// Moments to cut the power at, in order: half of them around renames and syncs, where most can go wrong.
+  /// Moments to cut the power at, in order, the begin and the end among them: half of the others around renames and syncs, where
+  /// most can go wrong. @param count  at least 2
   std::vector<std::size_t> moments(std::size_t count, Random& dice) const {
     std::vector<std::size_t> turns;
     for (std::size_t i = 0; i < journal_.entries.size(); ++i) {
@@ -108,6 +109,8 @@ class PowerCut {
       moments.push_back(
           i % 2 == 0 || turns.empty() ? any : std::min(turns[dice.below(turns.size())] + dice.below(3), journal_.entries.size()));
     }
+    moments.front() = 0;
+    moments.back() = journal_.entries.size();
     std::sort(moments.begin(), moments.end());
     return moments;
   }
