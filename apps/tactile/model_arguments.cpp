@@ -128,10 +128,11 @@ void TrainingEstimate::begin(unsigned epoch, double done) {
 
 void TrainingEstimate::see(const Progress& progress) {
   const std::uint64_t of_an_epoch = progress.total / epochs_;
-  if (has_begun_ && of_an_epoch > 0 && progress.done % of_an_epoch == 0) {
+  const auto epoch = static_cast<unsigned>(of_an_epoch > 0 ? progress.done / of_an_epoch : 0);
+  const bool ends_an_epoch = epoch > measured_from_epochs_ && progress.done % of_an_epoch == 0;
+  if (has_begun_ && ends_an_epoch) {
     using Seconds = std::chrono::duration<double>;
     const Clock::time_point now = Clock::now();
-    const auto epoch = static_cast<unsigned>(progress.done / of_an_epoch);
     const Seconds left = Seconds(now - measured_from_) * ((epochs_ - epoch) / (epoch - measured_from_epochs_));
     const Clock::time_point end = now + std::chrono::duration_cast<Clock::duration>(left);
     const bool was_right = expected_end_ && std::abs(Seconds(end - *expected_end_).count()) <= left.count() / 4;

@@ -160,7 +160,7 @@ TEST_F(KilledCommand, ConvertKeepsAFileThatAppearsWhileItWorks) {
   };
   const std::optional<int> exit_code = test::trace_calls({TACTILE_BINARY, "convert", "in.aedat4", "out.h5"}, folder.path(),
                                                          appears_ahead_of_the_renaming, [](const test::TracedCall&) {});
-  if (!exit_code) GTEST_SKIP() << "this machine lets nobody trace";
+  if (!exit_code) GTEST_SKIP() << "this machine allows no tracing";
   EXPECT_TRUE(appeared);
   EXPECT_EQ(exit_code, 1);
   EXPECT_EQ(read_text(folder / "out.h5"), "of another program");
