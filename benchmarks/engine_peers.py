@@ -20,7 +20,7 @@ GROUP = 16
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
 NAMES = {"fast": "tactile", "dense": "tactile, nothing skipped", "int8": "tactile, int8", "libtorch": "libtorch (`--engine libtorch`)",
          "onednn": "oneDNN", "onnxruntime": "ONNX Runtime", "openvino": "OpenVINO, f32", "openvino-bf16": "OpenVINO, bf16",
-         "reading": "merely reading the big layer's weights", "multiply-adds": "the bare multiply-adds"}
+         "reading": "only reading the big layer's weights", "multiply-adds": "only the multiply-adds"}
 
 
 def answer_each_line(folder, shape, work):
@@ -121,7 +121,7 @@ def main():
     workers = [worker for worker in workers if worker.ready]
     names = [worker.name for worker in workers]
     action, empty = (measured(workers, group, CALLS[group], ROUNDS) for group in ("action", "empty"))
-    print(f"| µs a heatmap | in action, {100 * groups['action']:.1f} % of cells lit | tactile's share | half of all between | empty | tactile's share |")
+    print(f"| µs a heatmap | in action, {100 * groups['action']:.1f} % of cells lit | tactile's share | interquartile range | empty | tactile's share |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")
     for name in sorted(names, key=list(NAMES).index):
         ratios = sorted(a / b for a, b in zip(action["fast"], action[name]))

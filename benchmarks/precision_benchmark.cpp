@@ -109,10 +109,10 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
   };
   fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
   for (std::size_t way = 0; way + 1 < ways.size(); ++way)
-    fmt::print("| {} less float64, {} seeds together | {} |\n", ways[way].name, seeds,
+    fmt::print("| {} minus float64, {} seeds together | {} |\n", ways[way].name, seeds,
                text_of(difference(way, seeds, ways.size() - 1, seeds)));
   if (seeds > 1)
-    fmt::print("| float64, seed 1 less seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
+    fmt::print("| float64, seed 1 minus seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
 }
 
 }  // namespace

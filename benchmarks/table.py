@@ -12,7 +12,7 @@ ROWS = {
 }
 
 result = json.load(open(sys.argv[1]))
-print("| | tactile | alone | | ratio | half of all between | goal |\n| --- | ---: | ---: | --- | ---: | ---: | ---: |")
+print("| | tactile | alone | | ratio | interquartile range | goal |\n| --- | ---: | ---: | --- | ---: | ---: | ---: |")
 for benchmark in result["benchmarks"]:
     row = ROWS.get(benchmark["name"].split("/")[0])
     if row:

@@ -30,7 +30,7 @@ def task_table(evaluation):
     for name, accuracy in evaluation["accuracy"]["objects"].items():
         others = [score["objects"][name]["value"] for score in list(evaluation["baselines"].values())[1:]]
         print(f"| {name} | {100 * accuracy['value']:.1f} | " + " | ".join(f"{100 * value:.1f}" for value in others) + " |")
-    print("\n| true \\ said | none | press | slip |\n| --- | ---: | ---: | ---: |")
+    print("\n| true \\ predicted | none | press | slip |\n| --- | ---: | ---: | ---: |")
     for name, row in zip(("none", "press", "slip"), evaluation["confusion"]):
         print(f"| {name} | " + " | ".join(f"{100 * value / max(sum(row), 1):.1f} %" for value in row) + " |")
 
