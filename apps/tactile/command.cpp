@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -66,19 +67,20 @@ void fill_in_from(const std::string& file, CLI::App& command) {
 
 }  // namespace
 
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      std::function<void(const CommonArguments&)> run, CtrlC ctrl_c) {
-  CLI::App* command = app.add_subcommand(name, description);
+Command add_command(CLI::App& app, const std::string& name, const std::string& description,
+                    std::function<void(const CommonArguments&)> run, CtrlC ctrl_c) {
+  CLI::App* const declared = app.add_subcommand(name, description);
+  Command command(*declared);
   auto common = std::make_shared<CommonArguments>();
   common->threads = std::max(1U, std::thread::hardware_concurrency());
-  command->add_option("--config", common->config, "JSON file of options; the command line wins over it")
-      ->type_name("FILE.json")
-      ->check(is_existing_file());
-  command->add_flag("--json", common->json, "Print the result as JSON");
-  command->add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
-  command->add_option("--threads", common->threads, "Threads to work on")->check(in_range(1U, 1024U))->capture_default_str();
-  command->callback([command, common, run = std::move(run), ctrl_c] {
-    if (!common->config.empty()) fill_in_from(common->config, *command);
+  command.add_option("--config", common->config, "JSON file of options; the command line wins over it")
+      .type_name("FILE.json")
+      .check(is_existing_file());
+  command.add_flag("--json", common->json, "Print the result as JSON");
+  command.add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
+  command.add_option("--threads", common->threads, "Threads to work on").check(in_range(1U, 1024U)).show_default();
+  declared->callback([declared, common, run = std::move(run), ctrl_c] {
+    if (!common->config.empty()) fill_in_from(common->config, *declared);
     catch_ctrl_c();
     if (ctrl_c == CtrlC::is_the_end) catch_termination();
     release_signals();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "options.hpp"
 #include "tactile/core/progress.hpp"
 
 namespace tactile {
@@ -34,8 +34,8 @@ enum class CtrlC : std::uint8_t { breaks_off, is_the_end };
 /// --config fill in for options that were not given; a key that no option has is an error that names the nearest one. A Ctrl-C
 /// that came before the command ran breaks it off then, unless it is the command's end: then the command finds `interrupted()`,
 /// and SIGTERM and SIGHUP are the same.
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      std::function<void(const CommonArguments&)> run, CtrlC ctrl_c = CtrlC::breaks_off);
+Command add_command(CLI::App& app, const std::string& name, const std::string& description,
+                    std::function<void(const CommonArguments&)> run, CtrlC ctrl_c = CtrlC::breaks_off);
 
 void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C
 

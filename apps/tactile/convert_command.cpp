@@ -295,44 +295,43 @@ void convert(ConvertArguments args, const CommonArguments& common) {
 
 void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
-  CLI::App* command = add_command(
+  Command command = add_command(
       app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; ROS 1 bags into run folders",
       [args](const CommonArguments& common) { convert(*args, common); });
-  command->add_option("in", args->in, "To read: .aedat4, .csv, .h5, a ROS 1 .bag, or a run's folder for its recording")
-      ->type_name("IN")
-      ->required();
-  command->add_option("out", args->out, "To write: .aedat4, .csv, .h5 or .npz; of a bag the run folder DATA/OBJECT/NN")
-      ->type_name("OUT")
-      ->required();
-  command->add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
-      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
-  command->add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time, or +US from the first element]")
-      ->check(CLI::Validator(check_moment, ""))
-      ->type_name("US");
-  command->add_option("--to-us", args->to_us, "Leave out what is at this time or later [likewise]")
-      ->check(CLI::Validator(check_moment, ""))
-      ->type_name("US");
-  command->add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")
-      ->type_name("X,Y,WxH")
-      ->check(CLI::Validator(check_region, ""));
+  command.add_option("in", args->in, "To read: .aedat4, .csv, .h5, a ROS 1 .bag, or a run's folder for its recording")
+      .type_name("IN")
+      .required();
+  command.add_option("out", args->out, "To write: .aedat4, .csv, .h5 or .npz; of a bag the run folder DATA/OBJECT/NN")
+      .type_name("OUT")
+      .required();
+  command.add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
+      .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
+  command.add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time, or +US from the first element]")
+      .check(Check{check_moment, ""})
+      .type_name("US");
+  command.add_option("--to-us", args->to_us, "Leave out what is at this time or later [likewise]")
+      .check(Check{check_moment, ""})
+      .type_name("US");
+  command.add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")
+      .type_name("X,Y,WxH")
+      .check(Check{check_region, ""});
   command
-      ->add_option("--stream", args->streams, "Keep this event stream, by id or source, and the rest of its camera's; may repeat")
-      ->type_name("ID|SOURCE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      .add_option("--stream", args->streams, "Keep this event stream, by id or source, and the rest of its camera's; may repeat")
+      .type_name("ID|SOURCE")
+      .repeatable();
   command
-      ->add_option("--size", args->size,
-                   "Sensor of a CSV's events, or an HDF5's that does not say it [px] [of a CSV: the smallest usual one]")
-      ->type_name("WxH")
-      ->check(CLI::Validator(check_size, ""));
-  command->add_option("--source", args->source, "Camera to name for such events [csv, hdf5]")->type_name("NAME");
-  command->add_option("--events-topic", args->bag.events_topic, "Of a bag with several of the kind: the one to take")
-      ->type_name("TOPIC");
-  command->add_option("--joints-topic", args->bag.joints_topic, "Likewise; 'none' leaves them out")->type_name("TOPIC");
-  command->add_option("--pose-topic", args->bag.pose_topic, "Likewise: transforms with the robot's tool")->type_name("TOPIC");
-  command->add_option("--video-topic", args->bag.video_topic, "Likewise")->type_name("TOPIC");
-  command->add_option("--imu-topic", args->bag.imu_topic, "Likewise")->type_name("TOPIC");
-  command->add_flag("--force", args->force, "Replace OUT if it exists; never IN, never a run");
+      .add_option("--size", args->size,
+                  "Sensor of a CSV's events, or an HDF5's that does not say it [px] [of a CSV: the smallest usual one]")
+      .type_name("WxH")
+      .check(Check{check_size, ""});
+  command.add_option("--source", args->source, "Camera to name for such events [csv, hdf5]").type_name("NAME");
+  command.add_option("--events-topic", args->bag.events_topic, "Of a bag with several of the kind: the one to take")
+      .type_name("TOPIC");
+  command.add_option("--joints-topic", args->bag.joints_topic, "Likewise; 'none' leaves them out").type_name("TOPIC");
+  command.add_option("--pose-topic", args->bag.pose_topic, "Likewise: transforms with the robot's tool").type_name("TOPIC");
+  command.add_option("--video-topic", args->bag.video_topic, "Likewise").type_name("TOPIC");
+  command.add_option("--imu-topic", args->bag.imu_topic, "Likewise").type_name("TOPIC");
+  command.add_flag("--force", args->force, "Replace OUT if it exists; never IN, never a run");
 }
 
 }  // namespace tactile

@@ -23,8 +23,8 @@ struct ToldEpisode {
 
 struct ToldToRobot {
   RobotInputsState state;
-  std::uint64_t raised = 0;        ///< how often a bit rose
-  DurationHistogram from_event;    ///< from the arrival of the last event to the register's write, of those
+  std::uint64_t raised = 0;      ///< how often a bit rose
+  DurationHistogram from_event;  ///< from the arrival of the last event to the register's write, of those
 };
 
 /// What became of a detection.

@@ -200,10 +200,9 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
 
 void add_doctor_command(CLI::App& app) {
   auto data = std::make_shared<std::string>("data");
-  auto* command = add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera",
-                              [data](const CommonArguments& common) { examine_machine(common, *data); });
-  command->add_option("data", *data, "Folder whose disk is measured; the current one where it does not exist")
-      ->capture_default_str();
+  Command command = add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera",
+                                [data](const CommonArguments& common) { examine_machine(common, *data); });
+  command.add_option("data", *data, "Folder whose disk is measured; the current one where it does not exist").show_default();
 }
 
 }  // namespace tactile

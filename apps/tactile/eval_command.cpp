@@ -109,7 +109,7 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
     throw Error(fmt::format("{}: no such dataset; expected one with models of it, run '{}' first", file.string(),
                             train_command(args, {})));
   }
-  make_missing_dataset(args.data, args.strict, common);
+  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   const Dataset dataset(file);
   std::optional<ModelBundle> known = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
   if (!known) known = newest_of(args, dataset, SplitKind::unseen);
@@ -144,52 +144,51 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   print_result(
       common, json,
       text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" + text_of(evaluation) + written);
+  if (made) end_with(made->errors);
 }
 
 }  // namespace
 
 void add_eval_command(CLI::App& app) {
   auto args = std::make_shared<EvalArguments>();
-  CLI::App* command = add_command(app, "eval", "Evaluate a model: accuracy, detection delay, false alarms, baselines",
-                                  [args](const CommonArguments& common) {
-                                    if (!args->runs.empty()) return show_runs(*args, common);
-                                    args->unseen ? evaluate_unseen(*args, common) : evaluate_one(*args, common);
-                                  });
-  command->add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; its run folders are read too")
-      ->capture_default_str();
-  command->add_option("--model", args->model,
-                      "Model, a folder or a name below --models; the newest single-run model of the dataset if not given");
-  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
-  CLI::Option* unseen = command->add_flag(
+  Command command = add_command(app, "eval", "Evaluate a model: accuracy, detection delay, false alarms, baselines",
+                                [args](const CommonArguments& common) {
+                                  if (!args->runs.empty()) return show_runs(*args, common);
+                                  args->unseen ? evaluate_unseen(*args, common) : evaluate_one(*args, common);
+                                });
+  command.add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; its run folders are read too")
+      .show_default();
+  command.add_option("--model", args->model,
+                     "Model, a folder or a name below --models; the newest single-run model of the dataset if not given");
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  const Option unseen = command.add_flag(
       "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains what is missing");
   command
-      ->add_option("--held-out", args->held_out,
-                   "With --unseen: objects held out, a list with commas; those of the paper's five that there are if not given")
-      ->delimiter(',')
-      ->type_name("NAME,...")
-      ->needs(unseen);
-  command->add_flag("--no-train", args->no_train,
-                    "With --unseen: a missing model is an error that names the command to train it");
-  add_strict_option(*command, args->strict);
+      .add_option("--held-out", args->held_out,
+                  "With --unseen: objects held out, a list with commas; those of the paper's five that there are if not given")
+      .delimiter(',')
+      .type_name("NAME,...")
+      .needs(unseen);
+  command.add_flag("--no-train", args->no_train, "With --unseen: a missing model is an error that names the command to train it");
+  add_strict_option(command, args->strict);
   command
-      ->add_option("--guard-ms", args->guard_ms,
-                   "For so long after an interval, alarms are counted apart [ms]; the dataset's own guard if not given")
-      ->check(in_range(0.0, 1e6));
+      .add_option("--guard-ms", args->guard_ms,
+                  "For so long after an interval, alarms are counted apart [ms]; the dataset's own guard if not given")
+      .check(in_range(0.0, 1e6));
   command
-      ->add_option("--confirm", args->confirm,
-                   "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
-      ->check(is_confirmation())
-      ->capture_default_str();
-  command->add_flag("--gate", args->gate,
-                    "A verdict is none below the model's limit of events, without the network; reported with it on and off");
-  add_engine_option(*command, args->engine);
-  CLI::Option* run =
-      command
-          ->add_option("--run", args->runs,
-                       "Instead: every tick of these runs as CSV, PNG and SVG; object/run, or folders, with commas")
-          ->delimiter(',')
-          ->excludes(unseen);
-  command->add_option("--out", args->out, "With --run: folder to write to; runs/ in the model's if not given")->needs(run);
+      .add_option("--confirm", args->confirm,
+                  "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
+      .check(is_confirmation())
+      .show_default();
+  command.add_flag("--gate", args->gate,
+                   "A verdict is none below the model's limit of events, without the network; reported with it on and off");
+  add_engine_option(command, args->engine);
+  const Option run = command
+                         .add_option("--run", args->runs,
+                                     "Instead: every tick of these runs as CSV, PNG and SVG; object/run, or folders, with commas")
+                         .delimiter(',')
+                         .excludes(unseen);
+  command.add_option("--out", args->out, "With --run: folder to write to; runs/ in the model's if not given").needs(run);
 }
 
 }  // namespace tactile

@@ -132,13 +132,13 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
 
 void add_export_command(CLI::App& app) {
   auto args = std::make_shared<ExportArguments>();
-  CLI::App* command = add_command(app, "export", "Write a model in formats that other software reads",
-                                  [args](const CommonArguments& common) { export_model(*args, common); });
-  command->add_option("--model", args->model, "Model, a folder or a name below --models; the one trained last if not given");
-  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
-  command->add_option("--onnx", args->onnx, "Write an ONNX model: network and weights")->type_name("FILE");
-  command->add_option("--safetensors", args->safetensors, "Write the weights alone, as safetensors")->type_name("FILE");
-  command->add_flag("--force", args->force, "Replace files that are there");
+  Command command = add_command(app, "export", "Write a model in formats that other software reads",
+                                [args](const CommonArguments& common) { export_model(*args, common); });
+  command.add_option("--model", args->model, "Model, a folder or a name below --models; the one trained last if not given");
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
+  command.add_option("--safetensors", args->safetensors, "Write the weights alone, as safetensors").type_name("FILE");
+  command.add_flag("--force", args->force, "Replace files that are there");
 }
 
 }  // namespace tactile

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <vector>
 
-#include "option_checks.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -64,6 +64,26 @@ bool is_common(const CLI::Option& option) {
 }
 
 }  // namespace
+
+ValueText value_text(const CLI::Option& option) {
+  if (option.get_type_size() == 0) return {};
+  // CLI11 gives the type's name and the checks' descriptions as one, with colons between; a colon in brackets is the name's own.
+  const std::string all = option.get_type_name();
+  std::size_t end = 0;
+  int depth = 0;
+  for (; end < all.size() && (all[end] != ':' || depth > 0); ++end) depth += all[end] == '[' ? 1 : all[end] == ']' ? -1 : 0;
+  ValueText text{.name = all.substr(0, end), .right = end < all.size() ? all.substr(end + 1) : ""};
+  const bool is_plain = text.name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
+  if (text.name == "INT" || text.name == "UINT") text.name = "N";
+  if (text.name == "FLOAT") text.name = "X";
+  if (is_plain && text.name == "TEXT") {
+    text.name = option.get_positional() ? option.get_name(true) : option.get_single_name();
+    std::transform(text.name.begin(), text.name.end(), text.name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    if (!option.get_positional()) text.name = "NAME";
+  }
+  return text;
+}
 
 std::string label_of(const CLI::Option& option) { return option.get_positional() ? value_text(option).name : option.get_name(); }
 

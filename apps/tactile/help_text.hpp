@@ -12,6 +12,14 @@ class HelpText : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 };
 
+/// What an option takes, for people: "N" and "1 to 1024".
+struct ValueText {
+  std::string name;   ///< stands for the value; empty where the option takes none
+  std::string right;  ///< which values are right; empty where anything may be
+};
+
+ValueText value_text(const CLI::Option& option);
+
 /// "tactile convert [OPTIONS] IN OUT"
 std::string usage_text(const CLI::App& app);
 

@@ -53,16 +53,15 @@ std::optional<cv::Rect> region_in(std::string_view text) {
   return cv::Rect(numbers[0], numbers[1], numbers[2], numbers[3]);
 }
 
-CLI::Validator is_region() {
-  return CLI::Validator(
-      [](std::string& text) {
-        return region_in(text) ? std::string()
-                               : fmt::format(
-                                     "'{}' is no part of a picture; expected x,y,width,height in whole pixels, such as "
-                                     "100,50,640,480",
-                                     text);
-      },
-      "x,y,width,height [px]");
+Check is_region() {
+  return Check{[](std::string& text) {
+                 return region_in(text) ? std::string()
+                                        : fmt::format(
+                                              "'{}' is no part of a picture; expected x,y,width,height in whole pixels, such as "
+                                              "100,50,640,480",
+                                              text);
+               },
+               "x,y,width,height [px]"};
 }
 
 /// The folders in `place`, by name. What cannot be read is passed over: looking for runs has named it.
@@ -282,23 +281,24 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
 
 void add_label_command(CLI::App& app) {
   auto arguments = std::make_shared<LabelArguments>();
-  auto* command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
-                              [arguments](const CommonArguments& common) { run_label(common, *arguments); });
-  command->add_option("data", arguments->places, "Folders of runs, or single runs")->capture_default_str();
-  auto* compare_truth = command->add_flag("--compare-truth", arguments->compare_truth,
-                                          "Print errors against truth.json, where simulated runs have one");
-  auto* summary = command->add_flag("--summary", arguments->summary,
-                                    "Tables of the labels that are there, and of how far their sources differ; labels nothing");
-  command->add_flag("--strict", arguments->strict, "End with 2 if a run is flagged");
-  command->add_flag("--no-pictures", arguments->no_pictures, "Draw no labels.png")->excludes(summary);
-  command->add_option("--roi", arguments->roi, "Part of the film in which press and slip are seen")
-      ->type_name("X,Y,W,H")
-      ->check(is_region())
-      ->excludes(summary);
-  auto* force =
-      command->add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
-          ->excludes(summary);
-  add_label_exchange_options(*command, arguments->exchange, compare_truth, force);
+  Command command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
+                                [arguments](const CommonArguments& common) { run_label(common, *arguments); });
+  command.add_option("data", arguments->places, "Folders of runs, or single runs").show_default();
+  const Option compare_truth = command.add_flag("--compare-truth", arguments->compare_truth,
+                                                "Print errors against truth.json, where simulated runs have one");
+  const Option summary =
+      command.add_flag("--summary", arguments->summary,
+                       "Tables of the labels that are there, and of how far their sources differ; labels nothing");
+  command.add_flag("--strict", arguments->strict, "End with 2 if a run is flagged");
+  command.add_flag("--no-pictures", arguments->no_pictures, "Draw no labels.png").excludes(summary);
+  command.add_option("--roi", arguments->roi, "Part of the film in which press and slip are seen")
+      .type_name("X,Y,W,H")
+      .check(is_region())
+      .excludes(summary);
+  const Option force =
+      command.add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
+          .excludes(summary);
+  add_label_exchange_options(command, arguments->exchange, compare_truth, force);
 }
 
 }  // namespace tactile

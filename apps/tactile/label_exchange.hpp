@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <span>
 #include <string>
@@ -22,8 +21,8 @@ struct LabelExchangeArguments {
 };
 
 /// `compare_truth` and `force` are the command's own options, which do not go with all of these.
-void add_label_exchange_options(CLI::App& command, LabelExchangeArguments& arguments, CLI::Option* compare_truth,
-                                CLI::Option* force);
+void add_label_exchange_options(Command command, LabelExchangeArguments& arguments, const Option compare_truth,
+                                const Option force);
 
 /// @throws Error  if --format or --origin is given, which say nothing without --export or --import
 void check_exchange(const LabelExchangeArguments& arguments);

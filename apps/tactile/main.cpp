@@ -13,7 +13,8 @@ int main(int argc, char** argv) {
   using namespace tactile;
   const std::string_view command = argc > 1 ? argv[1] : "";
   constexpr std::array own{"info", "repair", "--version"};
-  constexpr std::array of_runs{"simulate", "record", "serve", "convert", "label", "windows", "heatmaps", "view", "report", "export"};
+  constexpr std::array of_runs{"simulate", "record",   "serve", "convert", "label",
+                               "windows",  "heatmaps", "view",  "report",  "export"};
   const auto is_among = [command](const auto& names) { return std::find(names.begin(), names.end(), command) != names.end(); };
   if (is_among(own)) return run_program(argc, argv, {add_info_command, add_repair_command});
   return hand_over_to(is_among(of_runs) ? "tactile-runs" : "tactile-model", argv);

@@ -49,28 +49,26 @@ std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
 }
 
-CLI::Validator is_confirmation() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        try {
-          confirmation_in(text);
-          return "";
-        } catch (const Error& e) {
-          return e.what();
-        }
-      },
-      "k/n");
+Check is_confirmation() {
+  return Check{[](std::string& text) -> std::string {
+                 try {
+                   confirmation_in(text);
+                   return "";
+                 } catch (const Error& e) {
+                   return e.what();
+                 }
+               },
+               "k/n"};
 }
 
-bool make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
+std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
-  if (std::filesystem::exists(file)) return false;
+  if (std::filesystem::exists(file)) return std::nullopt;
   spdlog::info("{} is missing: it is made by the defaults of 'tactile windows'", file.string());
-  const DatasetSummary summary = write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
+  DatasetSummary summary = write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
-  for (const std::string& error : summary.errors) spdlog::error("{}", error);
   spdlog::info("{}: {} samples", file.string(), summary.samples);
-  return true;
+  return summary;
 }
 
 std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict) {
@@ -146,12 +144,12 @@ void TrainingEstimate::see(const Progress& progress) {
   if (progress_) progress_(progress);
 }
 
-void add_engine_option(CLI::App& command, std::string& engine) {
+void add_engine_option(Command command, std::string& engine) {
   command
       .add_option("--engine", engine,
                   "What runs the network: fast, tactile's own, or libtorch, which knows every activation and pooling")
-      ->check(one_of({"fast", "libtorch"}))
-      ->capture_default_str();
+      .check(one_of({"fast", "libtorch"}))
+      .show_default();
 }
 
 }  // namespace tactile

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -12,21 +11,23 @@
 #include "command.hpp"
 #include "tactile/model/train_model.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {
 
 /// The dataset that DATA means: DATA/dataset.h5, or DATA itself where it is a file.
 std::filesystem::path dataset_file(const std::string& data);
 
-/// Makes a missing dataset by windows' defaults, and says so. True if it did. @throws Error as `write_dataset`
-bool make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
+/// Makes a missing dataset by windows' defaults, and says so. Nothing if there is one. Its errors are for `end_with`.
+/// @throws Error as `write_dataset`
+std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
 
 /// Warns of runs and objects of these splits that are not those asked for, and of what lifts flags.
 /// @return  the sentences  @throws Error  if an object has no run with samples and `strict` is set
 std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict);
 
 /// k/n of `--confirm`.
-CLI::Validator is_confirmation();
+Check is_confirmation();
 
 /// The objects to hold out: those named, or those of the paper's five that the dataset has.
 /// @throws Error  where none was named and none of those, or nothing else, is there
@@ -57,6 +58,6 @@ class TrainingEstimate {
 };
 
 /// `--engine`, what a model is run with.
-void add_engine_option(CLI::App& command, std::string& engine);
+void add_engine_option(Command command, std::string& engine);
 
 }  // namespace tactile

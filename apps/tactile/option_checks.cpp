@@ -40,69 +40,47 @@ std::string check_number(const std::string& text, bool whole, double low, double
   return "";
 }
 
-CLI::Validator one_of(std::initializer_list<const char*> words) {
+Check one_of(std::initializer_list<const char*> words) {
   const std::vector<std::string> known(words.begin(), words.end());
-  return CLI::Validator(
-      [known](std::string& text) {
-        return std::find(known.begin(), known.end(), text) != known.end()
-                   ? std::string()
-                   : fmt::format("'{}' is unknown; expected {}", text, alternatives(known));
-      },
-      alternatives(known));
+  return Check{[known](std::string& text) {
+                 return std::find(known.begin(), known.end(), text) != known.end()
+                            ? std::string()
+                            : fmt::format("'{}' is unknown; expected {}", text, alternatives(known));
+               },
+               alternatives(known)};
 }
 
-CLI::Validator is_run() {
-  return CLI::Validator(
-      [](std::string& text) {
-        return is_run_id(text) ? std::string() : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
-      },
-      "");
+Check is_run() {
+  return Check{[](std::string& text) {
+                 return is_run_id(text) ? std::string()
+                                        : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
+               },
+               ""};
 }
 
-CLI::Validator is_seed() {
-  return CLI::Validator(
-      [](std::string& text) {
-        std::uint64_t seed = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-        return error == std::errc{} && end == text.data() + text.size()
-                   ? std::string()
-                   : fmt::format("'{}' is no seed; expected a whole number from 0 to 18446744073709551615", text);
-      },
-      "0 to 18446744073709551615");
+Check is_seed() {
+  return Check{[](std::string& text) {
+                 std::uint64_t seed = 0;
+                 const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+                 return error == std::errc{} && end == text.data() + text.size()
+                            ? std::string()
+                            : fmt::format("'{}' is no seed; expected a whole number from 0 to 18446744073709551615", text);
+               },
+               "0 to 18446744073709551615"};
 }
 
-CLI::Validator is_existing_file() {
-  return CLI::Validator(
-      [](std::string& text) {
-        std::error_code failed;
-        if (std::filesystem::is_directory(text, failed)) return fmt::format("{} is a folder; expected a file", text);
-        return std::filesystem::exists(text, failed) ? std::string()
-                                                     : fmt::format("there is no {}; expected a file that can be read", text);
-      },
-      "");
+Check is_existing_file() {
+  return Check{[](std::string& text) {
+                 std::error_code failed;
+                 if (std::filesystem::is_directory(text, failed)) return fmt::format("{} is a folder; expected a file", text);
+                 return std::filesystem::exists(text, failed)
+                            ? std::string()
+                            : fmt::format("there is no {}; expected a file that can be read", text);
+               },
+               ""};
 }
 
-ValueText value_text(const CLI::Option& option) {
-  if (option.get_type_size() == 0) return {};
-  // CLI11 gives the type's name and the checks' descriptions as one, with colons between; a colon in brackets is the name's own.
-  const std::string all = option.get_type_name();
-  std::size_t end = 0;
-  int depth = 0;
-  for (; end < all.size() && (all[end] != ':' || depth > 0); ++end) depth += all[end] == '[' ? 1 : all[end] == ']' ? -1 : 0;
-  ValueText text{.name = all.substr(0, end), .right = end < all.size() ? all.substr(end + 1) : ""};
-  const bool is_plain = text.name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
-  if (text.name == "INT" || text.name == "UINT") text.name = "N";
-  if (text.name == "FLOAT") text.name = "X";
-  if (is_plain && text.name == "TEXT") {
-    text.name = option.get_positional() ? option.get_name(true) : option.get_single_name();
-    std::transform(text.name.begin(), text.name.end(), text.name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    if (!option.get_positional()) text.name = "NAME";
-  }
-  return text;
-}
-
-void add_strict_option(CLI::App& command, bool& strict) {
+void add_strict_option(Command command, bool& strict) {
   command.add_flag("--strict", strict, "An object is an error if none of its runs gives samples; else it is left out");
 }
 

@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <initializer_list>
 #include <string>
 #include <type_traits>
 
+#include "options.hpp"
 #include "tactile/core/numbers.hpp"
 
 // What options take. A check's description stands in the help as what is right ("1 to 1024"), and behind "expected" where a value
@@ -15,40 +15,32 @@ namespace tactile {
 
 /// A number from `low` to `high`, both included; a whole one where T is.
 template <class T>
-CLI::Validator in_range(T low, T high);
+Check in_range(T low, T high);
 
 /// One of these words.
-CLI::Validator one_of(std::initializer_list<const char*> words);
+Check one_of(std::initializer_list<const char*> words);
 
 /// Whole numbers that a seed can be, 0 to 18446744073709551615.
-CLI::Validator is_seed();
+Check is_seed();
 
 /// A run's id: two digits from 01 on.
-CLI::Validator is_run();
+Check is_run();
 
 /// The name of a file that is there, and no folder.
-CLI::Validator is_existing_file();
-
-/// What an option takes, for people: "N" and "1 to 1024".
-struct ValueText {
-  std::string name;   ///< stands for the value; empty where the option takes none
-  std::string right;  ///< which values are right; empty where anything may be
-};
-
-ValueText value_text(const CLI::Option& option);
+Check is_existing_file();
 
 std::string range_text(double low, double high);  ///< "0.001 to 1000000", "1e-12 to 10"
 std::string check_number(const std::string& text, bool whole, double low, double high);
 
 template <class T>
-CLI::Validator in_range(T low, T high) {
+Check in_range(T low, T high) {
   static_assert(std::is_arithmetic_v<T>);
   const auto from = static_cast<double>(low), to = static_cast<double>(high);
-  return CLI::Validator([from, to](std::string& text) { return check_number(text, std::is_integral_v<T>, from, to); },
-                        range_text(from, to));
+  return Check{[from, to](std::string& text) { return check_number(text, std::is_integral_v<T>, from, to); },
+               range_text(from, to)};
 }
 
 /// `--strict` of every command that needs samples of each object.
-void add_strict_option(CLI::App& command, bool& strict);
+void add_strict_option(Command command, bool& strict);
 
 }  // namespace tactile

@@ -210,56 +210,54 @@ void record(RecordArguments args, const CommonArguments& common) {
 
 void add_record_command(CLI::App& app) {
   auto args = std::make_shared<RecordArguments>();
-  CLI::App* command = add_command(
+  Command command = add_command(
       app, "record", "Record a live camera, with robot and video, into a run folder",
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
-  const auto is_object = CLI::Validator(
-      [](std::string& text) {
-        return is_object_name(text)
-                   ? ""
-                   : fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens", text);
-      },
-      "");
-  const auto is_run = CLI::Validator(
+  const auto is_object =
+      Check{[](std::string& text) {
+              return is_object_name(text)
+                         ? ""
+                         : fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens", text);
+            },
+            ""};
+  const auto is_run = Check{
       [](std::string& text) { return is_run_id(text) ? "" : fmt::format("'{}' is no run's number; expected 01 to 99", text); },
-      "01 to 99");
+      "01 to 99"};
   command
-      ->add_option("--from", args->from,
-                   "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]; again for "
-                   "each further stream")
-      ->type_name("SOURCE");
-  command->add_option("--robot", args->robot, "UR controller to log")->type_name("HOST[:PORT]");
-  command->add_option("--video", args->video, "Video to film")->type_name("DEVICE|FILE|URL");
-  command->add_option("--duration", args->duration_s, "End each run after this long [s]")
-      ->check(in_range(1e-3, 1e9))
-      ->type_name("S");
-  CLI::Option* object = command->add_option("--object", args->object, "What is touched")
-                            ->check(is_object)
-                            ->type_name("NAME")
-                            ->capture_default_str();
-  CLI::Option* run =
-      command->add_option("--run", args->run, "The run's number instead of the next free one")->check(is_run)->type_name("NN");
-  command->add_option("--out", args->out, "Folder of runs")->type_name("DATA")->capture_default_str();
-  command->add_option("--session", args->session, "Walk this list of objects and runs")
-      ->type_name("FILE.json")
-      ->check(is_existing_file())
-      ->excludes(object)
-      ->excludes(run);
-  command->add_option("--start-on", args->start_on, "Robot's bit whose rising starts a run")->type_name("FIELD[:BIT]");
-  command->add_option("--stop-on", args->stop_on, "Robot's bit whose rising ends a run")->type_name("FIELD[:BIT]");
-  command->add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
-      ->check(in_range(0.0, 1e6))
-      ->capture_default_str();
-  command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
-  command->add_option("--stream", args->stream, "Of a file with several event streams this one")->type_name("ID|SOURCE");
-  command->add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000")->type_name("MODE");
-  command->add_option("--compression", args->compression, "Of the recording")
-      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
-      ->capture_default_str();
-  command->add_option("--queue-mb", args->queue_mb, "Memory for what waits for the disk [MiB]")
-      ->check(in_range(std::size_t{1}, std::size_t{65536}))
-      ->capture_default_str();
-  command->add_flag("--list", args->list, "Show which cameras, streams and video devices are there, and end");
+      .add_option("--from", args->from,
+                  "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]; again for "
+                  "each further stream")
+      .type_name("SOURCE");
+  command.add_option("--robot", args->robot, "UR controller to log").type_name("HOST[:PORT]");
+  command.add_option("--video", args->video, "Video to film").type_name("DEVICE|FILE|URL");
+  command.add_option("--duration", args->duration_s, "End each run after this long [s]")
+      .check(in_range(1e-3, 1e9))
+      .type_name("S");
+  const Option object =
+      command.add_option("--object", args->object, "What is touched").check(is_object).type_name("NAME").show_default();
+  const Option run =
+      command.add_option("--run", args->run, "The run's number instead of the next free one").check(is_run).type_name("NN");
+  command.add_option("--out", args->out, "Folder of runs").type_name("DATA").show_default();
+  command.add_option("--session", args->session, "Walk this list of objects and runs")
+      .type_name("FILE.json")
+      .check(is_existing_file())
+      .excludes(object)
+      .excludes(run);
+  command.add_option("--start-on", args->start_on, "Robot's bit whose rising starts a run").type_name("FIELD[:BIT]");
+  command.add_option("--stop-on", args->stop_on, "Robot's bit whose rising ends a run").type_name("FIELD[:BIT]");
+  command.add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
+      .check(in_range(0.0, 1e6))
+      .show_default();
+  command.add_option("--seed", args->seed, "Of the simulator").check(is_seed()).show_default();
+  command.add_option("--stream", args->stream, "Of a file with several event streams this one").type_name("ID|SOURCE");
+  command.add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000").type_name("MODE");
+  command.add_option("--compression", args->compression, "Of the recording")
+      .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
+      .show_default();
+  command.add_option("--queue-mb", args->queue_mb, "Memory for what waits for the disk [MiB]")
+      .check(in_range(std::size_t{1}, std::size_t{65536}))
+      .show_default();
+  command.add_flag("--list", args->list, "Show which cameras, streams and video devices are there, and end");
 }
 
 }  // namespace tactile

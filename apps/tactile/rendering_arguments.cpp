@@ -9,19 +9,19 @@
 
 namespace tactile {
 
-void add_rendering_options(CLI::App& command, RenderingArguments& args) {
+void add_rendering_options(Command command, RenderingArguments& args) {
   command.add_option("--denoise", args.denoise, "mean: as the paper's text; literal: as its equation is printed; none")
-      ->check(one_of({"mean", "literal", "none"}))
-      ->capture_default_str();
+      .check(one_of({"mean", "literal", "none"}))
+      .show_default();
   command.add_option("--resize", args.resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
-      ->check(one_of({"area", "linear"}))
-      ->capture_default_str();
+      .check(one_of({"area", "linear"}))
+      .show_default();
   command.add_option("--factor", args.factor, "Heatmap size per sensor size, 1 divided by a whole number")
-      ->check(in_range(0.001, 1.0))
-      ->capture_default_str();
+      .check(in_range(0.001, 1.0))
+      .show_default();
   command.add_option("--tick-us", args.tick_us, "Between two ticks [us]; a dataset's samples must lie at ticks")
-      ->check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
-      ->capture_default_str();
+      .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
+      .show_default();
 }
 
 HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 
+#include "options.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
@@ -16,7 +16,7 @@ struct RenderingArguments {
   std::int64_t tick_us = 2000;
 };
 
-void add_rendering_options(CLI::App& command, RenderingArguments& args);
+void add_rendering_options(Command command, RenderingArguments& args);
 
 /// @throws Error  if the history is no whole number of ticks, or an option is out of its range
 HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);

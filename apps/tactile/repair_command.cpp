@@ -137,13 +137,13 @@ void repair(const RepairArguments& args, const CommonArguments& common) {
 
 void add_repair_command(CLI::App& app) {
   auto args = std::make_shared<RepairArguments>();
-  CLI::App* command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
-                                  [args](const CommonArguments& common) { repair(*args, common); });
-  command->add_option("in", args->in, "Damaged recording, or run folder; it is left as it is")->type_name("IN")->required();
-  command->add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")
-      ->type_name("OUT")
-      ->required();
-  command->add_flag("--force", args->force, "Replace OUT if it exists; never IN");
+  Command command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
+                                [args](const CommonArguments& common) { repair(*args, common); });
+  command.add_option("in", args->in, "Damaged recording, or run folder; it is left as it is").type_name("IN").required();
+  command.add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")
+      .type_name("OUT")
+      .required();
+  command.add_flag("--force", args->force, "Replace OUT if it exists; never IN");
 }
 
 }  // namespace tactile

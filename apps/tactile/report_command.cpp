@@ -159,16 +159,16 @@ void report(const ReportArguments& args, const CommonArguments& common) {
 
 void add_report_command(CLI::App& app) {
   auto args = std::make_shared<ReportArguments>();
-  CLI::App* command = add_command(app, "report", "Write figures and one self-contained page from results",
-                                  [args](const CommonArguments& common) { report(*args, common); });
+  Command command = add_command(app, "report", "Write figures and one self-contained page from results",
+                                [args](const CommonArguments& common) { report(*args, common); });
   command
-      ->add_option("what", args->what,
-                   "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
-      ->type_name("STUDY|MODEL|TRADE|DATA");
-  command->add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given")->type_name("DIR");
-  command->add_option("--trade", args->trade, "Folder of a trade of speed for accuracy to be told too; trade/ if it is there")
-      ->type_name("DIR");
-  command->add_option("--models", args->models, "Folder of models, for DATA")->type_name("DIR")->capture_default_str();
+      .add_option("what", args->what,
+                  "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
+      .type_name("STUDY|MODEL|TRADE|DATA");
+  command.add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given").type_name("DIR");
+  command.add_option("--trade", args->trade, "Folder of a trade of speed for accuracy to be told too; trade/ if it is there")
+      .type_name("DIR");
+  command.add_option("--models", args->models, "Folder of models, for DATA").type_name("DIR").show_default();
 }
 
 }  // namespace tactile

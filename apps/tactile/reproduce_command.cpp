@@ -226,8 +226,12 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
   result["report"] = nullptr;
+  result["errors"] = summary.errors;
   std::string text = text_of(summary) + next_commands(args, summary.study);
-  if (args.without_report) return print_result(common, result, text);
+  if (args.without_report) {
+    print_result(common, result, text);
+    return end_with(summary.errors);
+  }
   try {
     const fs::path page = draw_report(options.out, options.program, new_progress, tell_step);
     result["report"] = page.string();
@@ -238,63 +242,62 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
     throw;
   }
   print_result(common, result, text);
+  end_with(summary.errors);
 }
 
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
   auto args = std::make_shared<ReproduceArguments>();
-  CLI::App* command = add_command(app, "reproduce", "The paper's whole study, its claims beside what is measured",
-                                  [args](const CommonArguments& common) { reproduce(*args, common); });
-  command->add_option("data", args->data, "Folder of runs; they are simulated where it holds none")->capture_default_str();
+  Command command = add_command(app, "reproduce", "The paper's whole study, its claims beside what is measured",
+                                [args](const CommonArguments& common) { reproduce(*args, common); });
+  command.add_option("data", args->data, "Folder of runs; they are simulated where it holds none").show_default();
   command
-      ->add_option(
-          "--preset", args->preset,
-          "tiny: 2 simulated runs per object, 3 epochs, no run to choose on; quick: 3, 6, run 02; paper: 10, 10, runs 02 "
-          "and 03")
-      ->check(one_of({"paper", "quick", "tiny"}))
-      ->capture_default_str();
-  command->add_option("--objects", args->objects, "Objects to simulate, a list with commas, or all")
-      ->delimiter(',')
-      ->type_name("NAME,...")
-      ->capture_default_str();
-  command->add_option("--runs", args->runs, "Runs to simulate per object, instead of the preset's")
-      ->check(in_range(1, 99))
-      ->type_name("N");
-  command->add_flag("--force", args->force, "Replace runs that were simulated with other settings");
-  command->add_option("--th", args->histories_ms, "Histories t_h to train for [ms], a list with commas")
-      ->delimiter(',')
-      ->check(in_range(0.001, 1e5))
-      ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
-      ->check(is_run())
-      ->capture_default_str();
+      .add_option("--preset", args->preset,
+                  "tiny: 2 simulated runs per object, 3 epochs, no run to choose on; quick: 3, 6, run 02; paper: 10, 10, runs 02 "
+                  "and 03")
+      .check(one_of({"paper", "quick", "tiny"}))
+      .show_default();
+  command.add_option("--objects", args->objects, "Objects to simulate, a list with commas, or all")
+      .delimiter(',')
+      .type_name("NAME,...")
+      .show_default();
+  command.add_option("--runs", args->runs, "Runs to simulate per object, instead of the preset's")
+      .check(in_range(1, 99))
+      .type_name("N");
+  command.add_flag("--force", args->force, "Replace runs that were simulated with other settings");
+  command.add_option("--th", args->histories_ms, "Histories t_h to train for [ms], a list with commas")
+      .delimiter(',')
+      .check(in_range(0.001, 1e5))
+      .show_default();
+  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      .check(is_run())
+      .show_default();
   command
-      ->add_option("--held-out", args->held_out,
-                   "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
-      ->delimiter(',')
-      ->type_name("NAME,...");
-  command->add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
-      ->check(in_range(1U, 100'000U))
-      ->type_name("N");
-  command->add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
-      ->check(in_range(1U, 1000U))
-      ->capture_default_str();
+      .add_option("--held-out", args->held_out,
+                  "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
+      .delimiter(',')
+      .type_name("NAME,...");
+  command.add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
+      .check(in_range(1U, 100'000U))
+      .type_name("N");
+  command.add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
+      .check(in_range(1U, 1000U))
+      .show_default();
+  command.add_option("--seed", args->seed, "Of simulated runs, samples, drawn splits and the first training; others follow on it")
+      .check(is_seed())
+      .show_default();
   command
-      ->add_option("--seed", args->seed, "Of simulated runs, samples, drawn splits and the first training; others follow on it")
-      ->check(is_seed())
-      ->capture_default_str();
-  command
-      ->add_option("--splits", args->splits,
-                   "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
-      ->check(CLI::Validator(check_splits, "N|all"))
-      ->capture_default_str();
-  add_engine_option(*command, args->engine);
-  command->add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
-  add_strict_option(*command, args->strict);
-  command->add_flag("--no-report", args->without_report, "Draw no figures and write no page");
-  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
-  command->add_option("--out", args->out, "Folder of the study")->capture_default_str();
+      .add_option("--splits", args->splits,
+                  "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
+      .check(Check{check_splits, "N|all"})
+      .show_default();
+  add_engine_option(command, args->engine);
+  command.add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  add_strict_option(command, args->strict);
+  command.add_flag("--no-report", args->without_report, "Draw no figures and write no page");
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--out", args->out, "Folder of the study").show_default();
 }
 
 }  // namespace tactile

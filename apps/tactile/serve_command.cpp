@@ -236,41 +236,41 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
 
 void add_serve_command(CLI::App& app) {
   auto args = std::make_shared<ServeArguments>();
-  CLI::App* command = add_command(
+  Command command = add_command(
       app, "serve", "Play a recording or the simulator as a DV-compatible stream",
       [args](const CommonArguments& common) { serve(*args, common); }, CtrlC::is_the_end);
-  command->add_option("source", args->source, "Recording, run folder, or the simulator: FILE, RUN or sim[:OBJECT]")
-      ->type_name("SOURCE")
-      ->required();
-  const CLI::Validator is_port = in_range<std::uint16_t>(0, 65535);
-  CLI::Option* port = command->add_option("--port", args->port, "Port of the events, 0 takes a free one")
-                          ->check(is_port)
-                          ->type_name("N")
-                          ->capture_default_str();
-  command->add_option("--host", args->host, "Address to listen on; 0.0.0.0 lets in other machines")
-      ->type_name("HOST")
-      ->capture_default_str();
-  command->add_option("--unix", args->unix_path, "Serve the events on a unix socket instead, at a path where nothing is")
-      ->type_name("PATH")
-      ->excludes(port);
-  command->add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too")->check(is_port)->type_name("N");
-  command->add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")
-      ->check(is_port)
-      ->type_name("N");
-  command->add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
-      ->check(in_range(0.0, 1e6))
-      ->capture_default_str();
-  command->add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
-  command->add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");
-  command->add_option("--compression", args->compression, "Of the packets")
-      ->check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
-      ->capture_default_str();
-  command->add_option("--packet-us", args->packet_us, "A packet's elements lie less than this apart [us]")
-      ->check(in_range(1, 1'000'000))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--stream", args->stream, "Of a recording with several event streams: which")->type_name("ID|SOURCE");
-  command->add_option("--seed", args->seed, "Of the simulator")->check(is_seed())->capture_default_str();
+  command.add_option("source", args->source, "Recording, run folder, or the simulator: FILE, RUN or sim[:OBJECT]")
+      .type_name("SOURCE")
+      .required();
+  const Check is_port = in_range<std::uint16_t>(0, 65535);
+  const Option port = command.add_option("--port", args->port, "Port of the events, 0 takes a free one")
+                          .check(is_port)
+                          .type_name("N")
+                          .show_default();
+  command.add_option("--host", args->host, "Address to listen on; 0.0.0.0 lets in other machines")
+      .type_name("HOST")
+      .show_default();
+  command.add_option("--unix", args->unix_path, "Serve the events on a unix socket instead, at a path where nothing is")
+      .type_name("PATH")
+      .excludes(port);
+  command.add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too").check(is_port).type_name("N");
+  command.add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")
+      .check(is_port)
+      .type_name("N");
+  command.add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
+      .check(in_range(0.0, 1e6))
+      .show_default();
+  command.add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
+  command.add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");
+  command.add_option("--compression", args->compression, "Of the packets")
+      .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
+      .show_default();
+  command.add_option("--packet-us", args->packet_us, "A packet's elements lie less than this apart [us]")
+      .check(in_range(1, 1'000'000))
+      .type_name("N")
+      .show_default();
+  command.add_option("--stream", args->stream, "Of a recording with several event streams: which").type_name("ID|SOURCE");
+  command.add_option("--seed", args->seed, "Of the simulator").check(is_seed()).show_default();
 }
 
 }  // namespace tactile

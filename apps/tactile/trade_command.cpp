@@ -272,7 +272,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
         "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside "
         "it");
   }
-  if (!make_missing_dataset(args.data, args.strict, common)) warn_of_another_dataset(args);
+  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  if (!made) warn_of_another_dataset(args);
   warn_of_runs(options, args.strict);
   const TradeSummary summary = run_trade(
       options, [&] { return progress_line(common); },
@@ -313,62 +314,59 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
     throw;
   }
   tell_all();
+  if (made) end_with(made->errors);
 }
 
 }  // namespace
 
 void add_trade_command(CLI::App& app) {
   auto args = std::make_shared<TradeArguments>();
-  CLI::App* command = add_command(app, "trade", "What speed costs in accuracy, delay and false alarms, and what to choose",
-                                  [args](const CommonArguments& common) { trade(*args, common); });
-  const auto add_list = [command](const std::string& name, auto& values, const std::string& what) {
-    return command->add_option(name, values, what + ", a list with commas")->delimiter(',')->capture_default_str();
+  Command command = add_command(app, "trade", "What speed costs in accuracy, delay and false alarms, and what to choose",
+                                [args](const CommonArguments& common) { trade(*args, common); });
+  const auto add_list = [&command](const std::string& name, auto& values, const std::string& what) {
+    return command.add_option(name, values, what + ", a list with commas").delimiter(',').show_default();
   };
-  command->add_option("data", args->data, "Folder whose dataset.h5 is meant; a missing one is made")->capture_default_str();
-  command->add_option("--at-most-us", args->at_most_us, "Wish: 99 of 100 ticks take no longer [us]")
-      ->check(in_range(0.001, 1e9))
-      ->type_name("US");
-  command->add_option("--at-least-accuracy", args->at_least_accuracy, "Wish: accuracy, from 0 to 1")
-      ->check(in_range(0.0, 1.0))
-      ->type_name("SHARE");
-  command->add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Wish: no more false alarms a minute")
-      ->check(in_range(0.0, 1e9))
-      ->type_name("N");
-  command->add_option("--apply", args->apply, "Write the setting recommended as a config of 'detect'")->type_name("FILE.json");
-  command->add_flag("--full", args->full, "Every combination instead of one knob at a time and promising corners: many hours");
-  command->add_option("--budget-minutes", args->budget_minutes, "Begin no training that would end later; a next call goes on")
-      ->check(in_range(0.0, 1e6))
-      ->type_name("MINUTES");
-  command->add_option("--corners", args->corners, "Promising combinations to be tried of each front")
-      ->check(in_range(0U, 1000U))
-      ->capture_default_str();
-  add_list("--th", args->histories_ms, "Histories t_h [ms]")->check(in_range(0.001, 1e5));
-  add_list("--tick-us", args->ticks_us, "Ticks [us]")->check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
-  add_list("--factor", args->factors, "Heatmap sizes per sensor size")->check(in_range(0.001, 1.0));
-  add_list("--resize", args->resizes, "area, linear")->check(one_of({"area", "linear"}));
-  add_list("--denoise", args->denoises, "mean, literal, none")->check(one_of({"mean", "literal", "none"}));
-  add_list("--engine", args->engines, "fast, libtorch")->check(one_of({"fast", "libtorch"}));
-  add_list("--precision", args->precisions, "fp32, int8: of the fast engine's largest layer")->check(one_of({"fp32", "int8"}));
-  add_list("--pass", args->passes, "sparse: the network skips what is empty; dense: not")->check(one_of({"sparse", "dense"}));
-  add_list("--confirm", args->confirmations, "k/n")->check(is_confirmation());
-  add_list("--gate", args->gates, "off, on")->check(one_of({"off", "on"}));
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
-      ->capture_default_str();
-  add_strict_option(*command, args->strict);
+  command.add_option("data", args->data, "Folder whose dataset.h5 is meant; a missing one is made").show_default();
+  command.add_option("--at-most-us", args->at_most_us, "Wish: 99 of 100 ticks take no longer [us]")
+      .check(in_range(0.001, 1e9))
+      .type_name("US");
+  command.add_option("--at-least-accuracy", args->at_least_accuracy, "Wish: accuracy, from 0 to 1")
+      .check(in_range(0.0, 1.0))
+      .type_name("SHARE");
+  command.add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Wish: no more false alarms a minute")
+      .check(in_range(0.0, 1e9))
+      .type_name("N");
+  command.add_option("--apply", args->apply, "Write the setting recommended as a config of 'detect'").type_name("FILE.json");
+  command.add_flag("--full", args->full, "Every combination instead of one knob at a time and promising corners: many hours");
+  command.add_option("--budget-minutes", args->budget_minutes, "Begin no training that would end later; a next call goes on")
+      .check(in_range(0.0, 1e6))
+      .type_name("MINUTES");
+  command.add_option("--corners", args->corners, "Promising combinations to be tried of each front")
+      .check(in_range(0U, 1000U))
+      .show_default();
+  add_list("--th", args->histories_ms, "Histories t_h [ms]").check(in_range(0.001, 1e5));
+  add_list("--tick-us", args->ticks_us, "Ticks [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
+  add_list("--factor", args->factors, "Heatmap sizes per sensor size").check(in_range(0.001, 1.0));
+  add_list("--resize", args->resizes, "area, linear").check(one_of({"area", "linear"}));
+  add_list("--denoise", args->denoises, "mean, literal, none").check(one_of({"mean", "literal", "none"}));
+  add_list("--engine", args->engines, "fast, libtorch").check(one_of({"fast", "libtorch"}));
+  add_list("--precision", args->precisions, "fp32, int8: of the fast engine's largest layer").check(one_of({"fp32", "int8"}));
+  add_list("--pass", args->passes, "sparse: the network skips what is empty; dense: not").check(one_of({"sparse", "dense"}));
+  add_list("--confirm", args->confirmations, "k/n").check(is_confirmation());
+  add_list("--gate", args->gates, "off, on").check(one_of({"off", "on"}));
+  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      .show_default();
+  add_strict_option(command, args->strict);
   add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; all others are reported on");
-  command->add_option("--epochs", args->epochs, "Passes over the training samples")
-      ->check(in_range(1U, 100'000U))
-      ->capture_default_str();
-  command->add_option("--seeds", args->seeds, "Trainings of each network on the front, each with a seed of its own")
-      ->check(in_range(1U, 1000U))
-      ->capture_default_str();
-  command->add_option("--seed", args->seed, "Of the first training; others follow on it")
-      ->check(is_seed())
-      ->capture_default_str();
-  command->add_flag("--no-growth", args->no_growth, "Leave out how cost grows with event rate, history and resolution");
-  command->add_flag("--no-figures", args->no_figures, "Draw no figures");
-  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
-  command->add_option("--out", args->out, "Folder of results")->capture_default_str();
+  command.add_option("--epochs", args->epochs, "Passes over the training samples").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--seeds", args->seeds, "Trainings of each network on the front, each with a seed of its own")
+      .check(in_range(1U, 1000U))
+      .show_default();
+  command.add_option("--seed", args->seed, "Of the first training; others follow on it").check(is_seed()).show_default();
+  command.add_flag("--no-growth", args->no_growth, "Leave out how cost grows with event rate, history and resolution");
+  command.add_flag("--no-figures", args->no_figures, "Draw no figures");
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--out", args->out, "Folder of results").show_default();
 }
 
 }  // namespace tactile

@@ -175,7 +175,8 @@ void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& set
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   ModelSettings settings = settings_of(args);
-  const bool dataset_made = make_missing_dataset(args.data, args.strict, common);
+  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  const bool dataset_made = made.has_value();
   const Dataset dataset(dataset_file(args.data));
   if (settings.split.kind == SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
   const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
@@ -187,6 +188,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     const ModelDescription model = read_description(bundle);
     print_result(common, json_of(bundle, model, "unchanged", dataset_made, warnings, {}),
                  text_of(bundle, args, model, "unchanged", {}));
+    if (made) end_with(made->errors);
     return;
   }
   if (state == BundleState::changed && !args.force) {
@@ -227,6 +229,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   warn_of_nothing_learned(bundle, settings, summary);
   print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary),
                text_of(bundle, args, model, outcome, summary));
+  if (made) end_with(made->errors);
 }
 
 std::string check_bundle_name(const std::string& name) {
@@ -238,85 +241,81 @@ std::string check_bundle_name(const std::string& name) {
 
 void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
-  CLI::App* command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
-                                  [args](const CommonArguments& common) { train(*args, common); });
-  command->add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; a missing one is made")
-      ->capture_default_str();
-  command->add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
-      ->check(in_range(0.001, 1e5))
-      ->capture_default_str();
-  command->add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
-      ->check(one_of({"single-run", "unseen"}))
-      ->capture_default_str();
-  command->add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
-      ->check(is_run())
-      ->capture_default_str();
+  Command command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
+                                [args](const CommonArguments& common) { train(*args, common); });
+  command.add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; a missing one is made").show_default();
+  command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
+      .check(in_range(0.001, 1e5))
+      .show_default();
+  command.add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
+      .check(one_of({"single-run", "unseen"}))
+      .show_default();
+  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+      .check(is_run())
+      .show_default();
   command
-      ->add_option(
+      .add_option(
           "--held-out", args->held_out,
           "Objects that --split unseen does not train on, a list with commas; those of the paper's five that there are if not "
           "given")
-      ->delimiter(',')
-      ->type_name("NAME,...");
-  add_strict_option(*command, args->strict);
-  command->add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
-      ->check(is_seed())
-      ->capture_default_str();
-  command->add_option("--epochs", args->training.epochs, "Passes over the training samples")
-      ->check(in_range(1U, 100'000U))
-      ->capture_default_str();
-  command->add_option("--batch", args->training.batch, "Samples to a step")->check(in_range(1U, 65'536U))->capture_default_str();
-  command->add_option("--lr", args->training.learning_rate, "Learning rate")->check(in_range(1e-12, 10.0))->capture_default_str();
+      .delimiter(',')
+      .type_name("NAME,...");
+  add_strict_option(command, args->strict);
+  command.add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
+      .check(is_seed())
+      .show_default();
+  command.add_option("--epochs", args->training.epochs, "Passes over the training samples")
+      .check(in_range(1U, 100'000U))
+      .show_default();
+  command.add_option("--batch", args->training.batch, "Samples to a step").check(in_range(1U, 65'536U)).show_default();
+  command.add_option("--lr", args->training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
   command
-      ->add_option("--schedule", args->schedule,
-                   "Of the learning rate: constant; cosine, down to 0; step, to a tenth and a hundredth")
-      ->check(one_of({"constant", "cosine", "step"}))
-      ->capture_default_str();
+      .add_option("--schedule", args->schedule,
+                  "Of the learning rate: constant; cosine, down to 0; step, to a tenth and a hundredth")
+      .check(one_of({"constant", "cosine", "step"}))
+      .show_default();
+  command.add_option("--optimizer", args->optimizer, "What moves the weights: adam; adamw, with weight decay; sgd, with momentum")
+      .check(one_of({"adam", "adamw", "sgd"}))
+      .show_default();
   command
-      ->add_option("--optimizer", args->optimizer, "What moves the weights: adam; adamw, with weight decay; sgd, with momentum")
-      ->check(one_of({"adam", "adamw", "sgd"}))
-      ->capture_default_str();
+      .add_option("--engine", args->engine,
+                  "What works out a step: fast; libtorch, its layers one by one. They agree but for rounding")
+      .check(one_of({"fast", "libtorch"}))
+      .show_default();
+  command.add_option("--activation", args->activation, "What follows each layer")
+      .check(one_of({"relu", "tanh", "sigmoid"}))
+      .show_default();
+  command.add_option("--pool", args->pool, "How 2 x 2 values become one").check(one_of({"max", "average"})).show_default();
+  command.add_option("--augment", args->augment, "What is done at random to each heatmap: flip, shift, a list with commas; none")
+      .delimiter(',')
+      .check(one_of({"none", "flip", "shift"}))
+      .show_default();
   command
-      ->add_option("--engine", args->engine,
-                   "What works out a step: fast; libtorch, its layers one by one. They agree but for rounding")
-      ->check(one_of({"fast", "libtorch"}))
-      ->capture_default_str();
-  command->add_option("--activation", args->activation, "What follows each layer")
-      ->check(one_of({"relu", "tanh", "sigmoid"}))
-      ->capture_default_str();
-  command->add_option("--pool", args->pool, "How 2 x 2 values become one")
-      ->check(one_of({"max", "average"}))
-      ->capture_default_str();
-  command->add_option("--augment", args->augment, "What is done at random to each heatmap: flip, shift, a list with commas; none")
-      ->delimiter(',')
-      ->check(one_of({"none", "flip", "shift"}))
-      ->capture_default_str();
+      .add_option("--class-weights", args->class_weights,
+                  "How much a sample counts: none, all alike; balanced, each class alike; or a number each: 1,2,1")
+      .show_default();
   command
-      ->add_option("--class-weights", args->class_weights,
-                   "How much a sample counts: none, all alike; balanced, each class alike; or a number each: 1,2,1")
-      ->capture_default_str();
+      .add_option("--validation", args->validation_share,
+                  "Share of the training samples kept to judge by, the last of each class in time")
+      .check(in_range(0.0, 0.5))
+      .default_text("0, or 0.2 with --early-stop");
   command
-      ->add_option("--validation", args->validation_share,
-                   "Share of the training samples kept to judge by, the last of each class in time")
-      ->check(in_range(0.0, 0.5))
-      ->default_str("0, or 0.2 with --early-stop");
-  command
-      ->add_option("--early-stop", args->training.early_stop,
-                   "Epochs without a smaller validation loss that end the training; the best weights are used. 0: never")
-      ->check(in_range(0U, 100'000U))
-      ->capture_default_str();
-  command->add_option("--from", args->from, "Model whose weights to go on from, a folder or a name below --models")
-      ->type_name("MODEL");
-  add_rendering_options(*command, args->rendering);
-  command->add_option("--models", args->models, "Folder of models")->capture_default_str();
-  command->add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
-      ->check(CLI::Validator(check_bundle_name, ""));
-  command->add_flag("--resume", args->resume,
-                    "Go on with a training that was broken off, to the same weights as if it had not been");
-  command->add_option("--save-every", args->save_every_s, "Between two states kept to go on from, beside one each epoch [s]")
-      ->check(in_range(0.0, 1e6))
-      ->capture_default_str();
-  command->add_flag("--force", args->force, "Train again and replace what is there");
+      .add_option("--early-stop", args->training.early_stop,
+                  "Epochs without a smaller validation loss that end the training; the best weights are used. 0: never")
+      .check(in_range(0U, 100'000U))
+      .show_default();
+  command.add_option("--from", args->from, "Model whose weights to go on from, a folder or a name below --models")
+      .type_name("MODEL");
+  add_rendering_options(command, args->rendering);
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
+      .check(Check{check_bundle_name, ""});
+  command.add_flag("--resume", args->resume,
+                   "Go on with a training that was broken off, to the same weights as if it had not been");
+  command.add_option("--save-every", args->save_every_s, "Between two states kept to go on from, beside one each epoch [s]")
+      .check(in_range(0.0, 1e6))
+      .show_default();
+  command.add_flag("--force", args->force, "Train again and replace what is there");
 }
 
 }  // namespace tactile

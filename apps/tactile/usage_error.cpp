@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "help_text.hpp"
-#include "option_checks.hpp"
 #include "tactile/core/json.hpp"
 
 namespace tactile {

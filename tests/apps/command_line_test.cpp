@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "support/comes_true.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -131,7 +132,7 @@ TEST(CommandLine, EndsWhereThereIsLittleMemory) {
   for (const char* arguments : {"--help", "info data/fan/01", "windows --help", "label", "doctor --quiet"}) {
     for (const int limit_mb : {50, 350, 700, 1000}) {
       const auto result = test::run_shell(
-          fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' {}", limit_mb * 1000, TACTILE_BINARY, arguments),
+          fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' {}", limit_mb * 1000, test::tactile_binary, arguments),
           folder.path());
       if (result.exit_code == 0) continue;
       EXPECT_EQ(result.exit_code, 1) << arguments << " within " << limit_mb << " MB\n" << result.err;
@@ -244,7 +245,7 @@ TEST(Config, ThatIsNoJsonIsAnErrorThatNamesIt) {
 TEST(Config, FilesThatComeAlongAreTakenByTheirCommands) {
   const test::TemporaryFolder folder;
   for (const char* name : {"heatmaps-as-printed", "windows-as-paper", "train-thorough"}) {
-    const std::string file = std::string(TACTILE_TEST_DATA) + "/../../configs/" + name + ".json";
+    const std::string file = std::string(test::data_folder) + "/../../configs/" + name + ".json";
     const std::string command(name, std::string(name).find('-'));
     const auto result = run_tactile(command + " --config '" + file + "'", folder.path());
     EXPECT_EQ(result.exit_code, 1) << "there is no data here";
@@ -255,7 +256,8 @@ TEST(Config, FilesThatComeAlongAreTakenByTheirCommands) {
 TEST(Config, GivesARequiredOptionToo) {
   const test::TemporaryFolder folder;
   write_whole(folder / "config.json", R"({"out": "sheet.png", "th": 10})");
-  const auto result = run_tactile("view '" TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4' --config config.json", folder.path());
+  const auto result =
+      run_tactile("view '" + std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4' --config config.json", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "sheet.png"));
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::run_tactile;
-const std::string vendor_file = TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4";
+const std::string vendor_file = std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4";
 
 TEST(ConvertCommand, GoesToCsvAndBack) {
   const test::TemporaryFolder folder;
@@ -126,7 +127,7 @@ TEST(ConvertCommand, CropsIntoEveryFormat) {
 
 TEST(ConvertCommand, MakesARunOfABag) {
   const test::TemporaryFolder folder;
-  const std::string bags = TACTILE_TEST_DATA "/bags/";
+  const std::string bags = std::string(test::data_folder) + "/bags/";
   const test::CommandResult result = run_tactile("convert --json " + bags + "run-lz4.bag data/mug/01", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json json = nlohmann::json::parse(result.out);

@@ -17,6 +17,7 @@
 
 #include "events/made_recording.hpp"
 #include "support/kill_moments.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/traced_calls.hpp"
@@ -32,14 +33,14 @@ using Clock = std::chrono::steady_clock;
 
 /// Starts the built `tactile` in the folder, silent.
 pid_t start(const fs::path& folder, const std::vector<std::string>& arguments) {
-  std::vector<char*> words{const_cast<char*>(TACTILE_BINARY)};
+  std::vector<char*> words{const_cast<char*>(test::tactile_binary)};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   const pid_t process = ::fork();
   if (process == 0) {
     const int nowhere = ::open("/dev/null", O_RDWR);
     for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
-    if (::chdir(folder.c_str()) == 0) ::execv(TACTILE_BINARY, words.data());
+    if (::chdir(folder.c_str()) == 0) ::execv(test::tactile_binary, words.data());
     ::_exit(127);
   }
   return process;
@@ -158,7 +159,7 @@ TEST_F(KilledCommand, ConvertKeepsAFileThatAppearsWhileItWorks) {
     }
     return true;
   };
-  const std::optional<int> exit_code = test::trace_calls({TACTILE_BINARY, "convert", "in.aedat4", "out.h5"}, folder.path(),
+  const std::optional<int> exit_code = test::trace_calls({test::tactile_binary, "convert", "in.aedat4", "out.h5"}, folder.path(),
                                                          appears_ahead_of_the_renaming, [](const test::TracedCall&) {});
   if (!exit_code) GTEST_SKIP() << "this machine allows no tracing";
   EXPECT_TRUE(appeared);
@@ -186,7 +187,7 @@ TEST_F(KilledCommand, ConvertsInTwoContainersDoNotWriteIntoEachOther) {
   if (test::run_shell("unshare -pf --mount-proc true").exit_code != 0) GTEST_SKIP() << "this machine makes no process namespace";
   test::cut_off_table(folder / "in.aedat4");
   // A process has the same number in each of them.
-  const std::string convert = std::string("unshare -pf --mount-proc '") + TACTILE_BINARY + "' convert ";
+  const std::string convert = std::string("unshare -pf --mount-proc '") + test::tactile_binary + "' convert ";
   const auto both = test::run_shell("(" + convert + "in.aedat4 out.h5; echo $? >first) & " + convert +
                                         "in.aedat4 out.h5 --to-us 1000000; echo $? >second; wait",
                                     folder.path());

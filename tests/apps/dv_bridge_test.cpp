@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -24,7 +25,8 @@ class io:
 TEST(DvBridge, ChecksTheReadoutModeAheadOfTheCamera) {
   const test::TemporaryFolder folder;
   write_whole(folder / "dv_processing.py", vendor);
-  const std::string command = "PYTHONPATH=. python3 '" TACTILE_TEST_DATA "/../../scripts/dv-bridge' --readout-mode ";
+  const std::string command =
+      "PYTHONPATH=. python3 '" + std::string(test::data_folder) + "/../../scripts/dv-bridge' --readout-mode ";
   const test::CommandResult wrong = test::run_shell(command + "fast", folder.path());
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_EQ(wrong.err, "dv-bridge: --readout-mode fast: there is no such mode; expected lossy-2000, variable-5000\n");

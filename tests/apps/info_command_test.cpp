@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "events/made_recording.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::run_tactile;
-const std::string vendor_files = TACTILE_TEST_DATA "/aedat4/";
+const std::string vendor_files = std::string(test::data_folder) + "/aedat4/";
 
 std::size_t lines_in(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
 
@@ -189,7 +190,7 @@ TEST(InfoCommand, DoesNotAllocateForASensorOfAbsurdSize) {
   writer.close();
   // Four bytes a pixel would be 4.3 GB; the libraries alone map a good gigabyte.
   const test::CommandResult result =
-      test::run_shell("ulimit -v 4000000; '" TACTILE_BINARY "' info --check huge.aedat4", folder.path());
+      test::run_shell("ulimit -v 4000000; '" + std::string(test::tactile_binary) + "' info --check huge.aedat4", folder.path());
   EXPECT_EQ(result.exit_code, 2) << result.err;
   EXPECT_NE(result.err.find("32767x32767 is no sane sensor size"), std::string::npos) << result.err;
 }

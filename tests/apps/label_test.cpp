@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -167,7 +168,7 @@ TEST_F(LabelCommand, DrawsAPictureOfEachRunUnlessToldNotTo) {
 TEST_F(LabelCommand, LabelsWithoutPicturesWhereGnuplotIsNotInstalled) {
   std::filesystem::create_directory(folder / "nothing");
   const auto result =
-      test::run_shell("PATH='" + (folder / "nothing").string() + "' '" + TACTILE_BINARY + "' label", folder.path());
+      test::run_shell("PATH='" + (folder / "nothing").string() + "' '" + test::tactile_binary + "' label", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("2 pictures were not drawn (--no-pictures leaves them out): gnuplot: is not installed"),
             std::string::npos)

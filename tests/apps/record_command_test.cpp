@@ -15,6 +15,7 @@
 #include "robot/fake_controller.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -41,7 +42,7 @@ std::ptrdiff_t lines_in(const std::string& text) { return std::count(text.begin(
 
 class RecordCommand : public testing::Test {
  protected:
-  RecordCommand() { fs::create_directory_symlink(TACTILE_TEST_DATA "/aedat4", folder / "recordings"); }
+  RecordCommand() { fs::create_directory_symlink(std::string(test::data_folder) + "/aedat4", folder / "recordings"); }
   CommandResult run(const std::string& arguments) const { return test::run_tactile(arguments, folder.path()); }
   RunFolder run_folder(const std::string& object, const std::string& number) const {
     return {folder / "data" / object / number, object, number};
@@ -506,8 +507,9 @@ TEST_F(RecordCommand, ReportsWhatASessionRecordedAheadOfAnError) {
 
 TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {
   const std::vector<Event> sent = make_long_recording();
-  const CommandResult result = test::run_shell(
-      "ulimit -f 500 && '" TACTILE_BINARY "' record --json --compression none --from file:long.aedat4 --speed 0", folder.path());
+  const CommandResult result = test::run_shell("ulimit -f 500 && '" + std::string(test::tactile_binary) +
+                                                   "' record --json --compression none --from file:long.aedat4 --speed 0",
+                                               folder.path());
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_NE(result.err.find("data/unnamed/01/events.aedat4: cannot be written"), std::string::npos) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("complete"), false);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -17,7 +18,7 @@ using test::run_tactile;
 class RepairCommand : public testing::Test {
  protected:
   RepairCommand() {
-    fs::copy_file(TACTILE_TEST_DATA "/aedat4/dv-lz4.aedat4", folder / "cut.aedat4");
+    fs::copy_file(std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4", folder / "cut.aedat4");
     fs::resize_file(folder / "cut.aedat4", 40'000);
   }
   test::CommandResult run(const std::string& arguments) const { return run_tactile(arguments, folder.path()); }

@@ -13,6 +13,7 @@
 #include "events/made_recording.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -26,7 +27,7 @@ namespace {
 using namespace std::chrono_literals;
 using Received = DvStreamClient::Received;
 
-const std::string recording = std::string(TACTILE_TEST_DATA) + "/aedat4/dv-lz4.aedat4";
+const std::string recording = std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4";
 
 /// As a shell takes them.
 std::string words(std::initializer_list<std::string> arguments) {
@@ -282,7 +283,7 @@ TEST(ServeCommand, RefusesWhatItCannotServeInOneLine) {
   refused("no-such-file.aedat4", "no-such-file.aedat4");
   refused("sim:no-such-object", "no-such-object");
   refused("'" + recording + "' --host 192.0.2.1 --port 0", "192.0.2.1");
-  refused("'" + std::string(TACTILE_TEST_DATA) + "/aedat4/dv-events-only.aedat4' --port 0 --imu-port 0", "--imu-port");
+  refused("'" + std::string(test::data_folder) + "/aedat4/dv-events-only.aedat4' --port 0 --imu-port 0", "--imu-port");
   EXPECT_GE(run_tactile("serve sim --port 70000").exit_code, 100);
   EXPECT_GE(run_tactile("serve sim --port 0 --unix here").exit_code, 100);
   EXPECT_GE(run_tactile("serve sim --speed -1").exit_code, 100);

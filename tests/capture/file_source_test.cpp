@@ -9,6 +9,7 @@
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
 #include "support/comes_true.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -200,7 +201,7 @@ TEST(FileSource, EndsInWordsWhereAClockOf31BitsBeganAgain) {
 
 TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
   for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4", "dv-none.aedat4"}) {
-    const fs::path file = fs::path(TACTILE_TEST_DATA) / "aedat4" / name;
+    const fs::path file = fs::path(test::data_folder) / "aedat4" / name;
     const auto source = open_file_source(name, file, {.speed = 0});
     const test::Received all = test::receive_all(*source);
     test::RecordingContents stored = test::contents_of(file);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/conversion/imported_files.hpp"
@@ -23,7 +24,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path bags = fs::path(TACTILE_TEST_DATA) / "bags";
+const fs::path bags = fs::path(test::data_folder) / "bags";
 constexpr std::int64_t start_us = 1'700'000'000'000'000;
 
 nlohmann::json truth_of(const std::string& bag) { return read_json(bags / "truth.json").at(bag + ".bag"); }

@@ -4,6 +4,7 @@
 
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/conversion/hdf5_recording.hpp"
@@ -15,7 +16,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(TACTILE_TEST_DATA) / "aedat4";
+const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));

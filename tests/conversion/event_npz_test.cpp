@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "events/made_recording.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/conversion/convert.hpp"
@@ -13,7 +14,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(TACTILE_TEST_DATA) / "aedat4";
+const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 /// What Python finds in an NPZ, as truth.json has it.
 nlohmann::json numpy_sums(const fs::path& file) {

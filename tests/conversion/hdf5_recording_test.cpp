@@ -4,6 +4,7 @@
 
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/conversion/convert.hpp"
@@ -18,7 +19,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(TACTILE_TEST_DATA) / "aedat4";
+const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 /// Runs Python lines in `folder`, with numpy as np and h5py; returns what they print.
 std::string python(const test::TemporaryFolder& folder, const std::string& lines) {

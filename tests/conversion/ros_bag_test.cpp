@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
@@ -16,7 +17,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path bags = fs::path(TACTILE_TEST_DATA) / "bags";
+const fs::path bags = fs::path(test::data_folder) / "bags";
 
 struct Contents {
   std::map<std::string, int> messages;  ///< by topic

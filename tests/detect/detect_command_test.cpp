@@ -19,6 +19,7 @@
 #include "support/error_of.hpp"
 #include "support/events_in_file.hpp"
 #include "support/held_port.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "tactile/core/json.hpp"
@@ -194,7 +195,8 @@ constexpr const char* bridge_script =
     "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err &\n"
     "trap 'kill $!; wait $!; cat bridge.out' EXIT\n"
     "comes listening bridge.err\n"
-    "'" TACTILE_BINARY
+    "'" +
+    std::string(test::tactile_binary) +
     "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$(sed 's/.*://' bridge.err) >/dev/null || exit 1\n"
     "comes slip bridge.out\n";
 

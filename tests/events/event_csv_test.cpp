@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "events/made_recording.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -116,7 +117,7 @@ TEST(EventCsvReader, RefusesWhatIsNoCsv) {
   EXPECT_NE(error_of("t_us,x,y,on\n" + std::string(std::size_t{3} << 20, '1')).find("longer than"), std::string::npos);
   EXPECT_THROW(events_in_csv(std::string(std::size_t{3} << 20, '\0')), Error);
   EXPECT_THROW(EventCsvReader("/no/such/file.csv"), Error);
-  EXPECT_THROW(EventCsvReader(TACTILE_TEST_DATA), Error);
+  EXPECT_THROW(EventCsvReader(test::data_folder), Error);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "events/aedat4_bytes.hpp"
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -27,7 +28,7 @@ using test::with_table;
 using test::xml_of;
 
 std::string vendor_bytes(const std::string& name) {
-  return test::bytes_of(std::filesystem::path(TACTILE_TEST_DATA) / "aedat4" / (name + ".aedat4"));
+  return test::bytes_of(std::filesystem::path(test::data_folder) / "aedat4" / (name + ".aedat4"));
 }
 
 /// A recording from bytes, in a folder of its own.

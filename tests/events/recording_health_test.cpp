@@ -6,6 +6,7 @@
 #include <array>
 
 #include "events/made_recording.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 using test::event_at;
 
-const std::filesystem::path vendor_files = std::filesystem::path(TACTILE_TEST_DATA) / "aedat4";
+const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
 
 bool mentions(const std::vector<std::string>& lines, const std::string& words) {
   return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != std::string::npos; });

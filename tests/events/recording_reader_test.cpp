@@ -5,13 +5,14 @@
 #include <numeric>
 
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
 namespace tactile {
 namespace {
 
-const std::filesystem::path vendor_files = std::filesystem::path(TACTILE_TEST_DATA) / "aedat4";
+const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
 
 // Files that the vendor's own writer made, and what went into them.
 class VendorFile : public testing::TestWithParam<const char*> {

@@ -18,6 +18,7 @@
 #include "events/recording_contents.hpp"
 #include "events/rewrite.hpp"
 #include "support/comes_true.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 using test::event;
 
-const std::filesystem::path vendor_files = std::filesystem::path(TACTILE_TEST_DATA) / "aedat4";
+const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
 const Stream mini = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
 
 Stream other_stream(std::int32_t id, StreamType type, const std::string& name) {

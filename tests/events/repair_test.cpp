@@ -6,6 +6,7 @@
 
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_health.hpp"
@@ -14,7 +15,7 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(TACTILE_TEST_DATA) / "aedat4";
+const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 std::string stored_bytes(const fs::path& file, const PacketRecord& packet) {
   return read_text(file).substr(packet.payload_offset - 8, packet.payload_size + 8);

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "support/kill_moments.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/sha256.hpp"
@@ -216,7 +217,7 @@ TEST_F(HeatmapsCommand, LeavesNoHalfFolderOfPicturesWhereItIsEnded) {
       const int nowhere = ::open("/dev/null", O_WRONLY);
       ::dup2(nowhere, STDOUT_FILENO);
       ::dup2(nowhere, STDERR_FILENO);
-      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", (folder.path() / "data").c_str(), "--threads", "1", "--th",
+      ::execl(test::tactile_binary, test::tactile_binary, "heatmaps", (folder.path() / "data").c_str(), "--threads", "1", "--th",
               "2,4,6,8,10,12,14,16,18,20", "--png", pictures.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }
@@ -255,7 +256,7 @@ TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
       ::dup2(nowhere, STDOUT_FILENO);
       ::dup2(nowhere, STDERR_FILENO);
       const std::string data = folder.path() / "data";
-      ::execl(TACTILE_BINARY, TACTILE_BINARY, "heatmaps", data.c_str(), "--threads", "2", "--th", histories.c_str(),
+      ::execl(test::tactile_binary, test::tactile_binary, "heatmaps", data.c_str(), "--threads", "2", "--th", histories.c_str(),
               static_cast<char*>(nullptr));
       ::_exit(127);
     }

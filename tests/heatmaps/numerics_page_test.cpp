@@ -13,6 +13,7 @@
 #include <string>
 
 #include "heatmaps/rendered_heatmap.hpp"
+#include "support/paths.hpp"
 
 namespace tactile {
 namespace {
@@ -131,7 +132,7 @@ std::vector<Row> rows() {
 }
 
 TEST(NumericsPage, ShowsWhatIsWorkedOutHere) {
-  std::ifstream file(std::string(TACTILE_TEST_DATA) + "/../../docs/numerics.md");
+  std::ifstream file(std::string(test::data_folder) + "/../../docs/numerics.md");
   std::stringstream page;
   page << file.rdbuf();
   ASSERT_FALSE(page.str().empty());

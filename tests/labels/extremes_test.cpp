@@ -7,6 +7,7 @@
 
 #include "labels/altered_run.hpp"
 #include "support/error_of.hpp"
+#include "support/paths.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/video/video_times.hpp"
@@ -25,7 +26,7 @@ using test::plain_physics;
 using test::remarks_say;
 using test::told_by;
 
-const fs::path scenes = fs::path(TACTILE_TEST_DATA).parent_path().parent_path() / "configs" / "scenes";
+const fs::path scenes = fs::path(test::data_folder).parent_path().parent_path() / "configs" / "scenes";
 
 AlteredRun scene(const std::string& name, const std::string& preset = "quick") {
   return AlteredRun(read_physics(scenes / (name + ".json")), "sprayer", 1, preset);

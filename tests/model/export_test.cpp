@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/sha256.hpp"
@@ -138,7 +139,7 @@ TEST_F(Export, SaysWhatIsWrong) {
 }
 
 TEST_F(Export, NeedsNoLibtorch) {
-  const fs::path runs = fs::path(TACTILE_BINARY).parent_path() / "tactile-runs";
+  const fs::path runs = fs::path(test::tactile_binary).parent_path() / "tactile-runs";
   make_bundle("mine");
   EXPECT_EQ(test::run_shell("'" + runs.string() + "' export --onnx m.onnx", folder.path()).exit_code, 0);
   const auto libraries = test::run_shell("ldd '" + runs.string() + "'");

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "power/cuts.hpp"
+#include "support/paths.hpp"
 #include "support/power_cut.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -33,7 +34,7 @@ class DatasetCutOff : public testing::Test {
   /// Cuts the power while `windows` works. What is left must be one of `allowed`, which an empty one allows to be absent.
   void cut_windows(const std::string& options, const std::set<test::DatasetContents>& allowed_before,
                    std::size_t expected_states) {
-    std::vector<std::string> words{TACTILE_BINARY, "windows", "--threads", "1"};
+    std::vector<std::string> words{test::tactile_binary, "windows", "--threads", "1"};
     std::istringstream options_in(options);
     for (std::string word; options_in >> word;) words.push_back(word);
     const auto journal = test::journal_of(words, lab());

@@ -9,6 +9,7 @@
 #include "events/made_recording.hpp"
 #include "power/cuts.hpp"
 #include "robot/fake_controller.hpp"
+#include "support/paths.hpp"
 #include "support/power_cut.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -52,7 +53,7 @@ class RecordingCutOff : public testing::Test {
     }
     test::write_film(folder / "film.mp4", test::uneven_times(150, 33'333us));
     test::FakeController controller;
-    journal = test::journal_of({TACTILE_BINARY, "record", "--object", "fan", "--from", "file:../long.aedat4", "--video",
+    journal = test::journal_of({test::tactile_binary, "record", "--object", "fan", "--from", "file:../long.aedat4", "--video",
                                 "../film.mp4", "--robot", "127.0.0.1:" + std::to_string(controller.port())},
                                root());
   }

@@ -7,6 +7,7 @@
 
 #include "model/small_data.hpp"
 #include "power/cuts.hpp"
+#include "support/paths.hpp"
 #include "support/power_cut.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -37,7 +38,7 @@ TEST(TrainingCutOff, LeavesAModelThatIsWholeOrNoneAndIsResumed) {
   test::make_runs(lab / "data", {"fan", "usb-hub"}, 2);
   write_dataset(lab / "data", lab / "data/dataset.h5", {}, 1);
   ASSERT_EQ(run_tactile("heatmaps --th 40", lab).exit_code, 0);
-  std::vector<std::string> words{TACTILE_BINARY};
+  std::vector<std::string> words{test::tactile_binary};
   std::istringstream arguments_in(arguments);
   for (std::string word; arguments_in >> word;) words.push_back(word);
   const auto journal = test::journal_of(words, lab);

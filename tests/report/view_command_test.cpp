@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "support/comes_true.hpp"
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -31,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::run_tactile;
 
-const std::string recordings = std::string("'") + TACTILE_TEST_DATA + "/aedat4/";
+const std::string recordings = std::string("'") + test::data_folder + "/aedat4/";
 
 nlohmann::json json_of(const test::CommandResult& result) {
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "support/error_of.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/json_fields.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path configs = fs::path(TACTILE_TEST_DATA).parent_path().parent_path() / "configs";
+const fs::path configs = fs::path(test::data_folder).parent_path().parent_path() / "configs";
 
 nlohmann::json without_objects(const SimulationPhysics& physics) {
   nlohmann::json json = json_of(physics);

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path scenes = fs::path(TACTILE_TEST_DATA).parent_path().parent_path() / "configs" / "scenes";
+const fs::path scenes = fs::path(test::data_folder).parent_path().parent_path() / "configs" / "scenes";
 
 /// A run of a scene, and how many events each of its read-outs has.
 struct MadeScene {

@@ -116,5 +116,27 @@ TEST_F(ReadmeCommands, StudyRunsThatAreFlaggedOrTakesThemWithTheirFlags) {
   EXPECT_EQ(again.at("settings").at("include_flagged"), true);
 }
 
+TEST_F(ReadmeCommands, EndWith1OnceTheOtherRunsAreDoneWhereOneCannotBeRead) {
+  ends_well("simulate --preset tiny --objects fan,small-box,white-box --runs 3");
+  ends_well("label --no-pictures");
+  write_whole(folder / "data/fan/03/run.json", "null");
+  const auto train = test::run_tactile("train --epochs 1", folder.path());
+  EXPECT_EQ(train.exit_code, 1);
+  EXPECT_NE(train.err.find("fan/03/run.json"), std::string::npos) << train.err;
+  EXPECT_NE(train.out.find("th040-single-run-01-s1"), std::string::npos) << train.out;
+
+  fs::remove(folder / "data/fan/03/labels.json");
+  for (const bool kept : {false, true}) {
+    const auto study =
+        test::run_tactile("reproduce --preset quick --th 40 --epochs 1 --held-out fan --no-report --json", folder.path());
+    EXPECT_EQ(study.exit_code, 1);
+    EXPECT_NE(study.err.find("fan/03"), std::string::npos) << study.err;
+    const auto json = nlohmann::json::parse(study.out);
+    EXPECT_EQ(json.at("runs").at("train"), (Names{"fan/01", "small-box/01", "white-box/01"}));
+    EXPECT_EQ(json.at("errors").size(), 1U) << json.at("errors");
+    EXPECT_EQ(json.at("steps_done") == 0, kept);
+  }
+}
+
 }  // namespace
 }  // namespace tactile

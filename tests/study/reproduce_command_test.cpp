@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "support/kill_moments.hpp"
+#include "support/paths.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -130,7 +131,7 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   // Without gnuplot the study is told and kept all the same, and what is missing is named.
   fs::remove_all(folder / "study/report");
   const auto undrawn =
-      test::run_shell(std::string("PATH=/nowhere '") + TACTILE_BINARY + "' " + small + "--splits 1", folder.path());
+      test::run_shell(std::string("PATH=/nowhere '") + test::tactile_binary + "' " + small + "--splits 1", folder.path());
   EXPECT_EQ(undrawn.exit_code, 1);
   EXPECT_NE(undrawn.err.find("gnuplot"), std::string::npos) << undrawn.err;
   const nlohmann::json told = nlohmann::json::parse(undrawn.out);

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace tactile::test {
@@ -35,7 +36,7 @@ inline CommandResult run_shell(const std::string& command, const std::filesystem
 
 /// Runs the built `tactile` with these arguments, written as for a shell.
 inline CommandResult run_tactile(const std::string& arguments, const std::filesystem::path& in = ".") {
-  return run_shell(std::string("'") + TACTILE_BINARY + "' " + arguments, in);
+  return run_shell(std::string("'") + test::tactile_binary + "' " + arguments, in);
 }
 
 }  // namespace tactile::test

@@ -16,6 +16,7 @@
 #include <string>
 #include <thread>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -28,8 +29,8 @@ class RunningCommand {
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) std::abort();
     input_ = pipe[1];
-    const std::string command = "cd '" + in.string() + "' && exec '" + TACTILE_BINARY + "' " + arguments + " >'" + out_file() +
-                                "' 2>'" + err_file() + "'";
+    const std::string command = "cd '" + in.string() + "' && exec '" + test::tactile_binary + "' " + arguments + " >'" +
+                                out_file() + "' 2>'" + err_file() + "'";
     std::array<std::string, 3> words{"sh", "-c", command};
     const std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
     posix_spawn_file_actions_t actions;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "support/paths.hpp"
 #include "support/traced_calls.hpp"
 
 namespace tactile::test {
@@ -40,7 +41,7 @@ class TracedCommand {
   /// 0. Nothing if this machine lets nobody trace. @throws std::runtime_error if tracing fails half-way
   static std::optional<TracedEnd> run(const std::vector<std::string>& arguments, const std::filesystem::path& in,
                                       const Counts& counts, std::size_t kill_at = never) {
-    std::vector<std::string> words{TACTILE_BINARY};
+    std::vector<std::string> words{test::tactile_binary};
     words.insert(words.end(), arguments.begin(), arguments.end());
     TracedEnd end;
     const auto begins = [&](const TracedCall& call) {

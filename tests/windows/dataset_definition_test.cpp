@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -61,8 +62,9 @@ class DatasetDefinition : public testing::Test {
   }
 
   test::CommandResult checked_by_python() const {
-    return test::run_shell("/usr/bin/python3 '" TACTILE_TEST_DATA "/../windows/check_dataset.py' data/dataset.h5 data events",
-                           folder.path());
+    return test::run_shell(
+        "/usr/bin/python3 '" + std::string(test::data_folder) + "/../windows/check_dataset.py' data/dataset.h5 data events",
+        folder.path());
   }
 
   fs::path data() const { return folder.path() / "data"; }

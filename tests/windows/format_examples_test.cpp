@@ -3,6 +3,7 @@
 #include <sstream>
 #include <vector>
 
+#include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -15,7 +16,7 @@ using test::run_tactile;
 
 /// The ```python blocks of docs/format.md, in its order.
 std::vector<std::string> examples() {
-  std::istringstream page(read_text(TACTILE_TEST_DATA "/../../docs/format.md"));
+  std::istringstream page(read_text(std::string(test::data_folder) + "/../../docs/format.md"));
   std::vector<std::string> blocks;
   bool inside = false;
   for (std::string line; std::getline(page, line);) {

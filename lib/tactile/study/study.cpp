@@ -132,6 +132,7 @@ class Study {
     summary.file = options_.out / "study.json";
     summary.done = runner_.done_now();
     summary.kept = runner_.records().size() - runner_.done_now();
+    summary.errors = errors_;
     return summary;
   }
 
@@ -142,12 +143,11 @@ class Study {
 
   void make_dataset() {
     simulate_runs();
-    if (warn_ && is_there(options_.data)) {
-      const RunsBelow below = look_for_runs(options_.data);
-      for (const auto* sentences : {&below.misnamed, &below.unreadable})
-        std::for_each(sentences->begin(), sentences->end(), warn_);
-    }
-    const std::vector<RunFolder> runs = runs_below(options_.data);
+    const RunsBelow below = is_there(options_.data) ? look_for_runs(options_.data) : RunsBelow{};
+    if (warn_) std::for_each(below.misnamed.begin(), below.misnamed.end(), warn_);
+    errors_ = below.unreadable;
+    const std::vector<RunFolder>& runs = below.runs;
+    if (runs.empty() && !errors_.empty()) throw Error(errors_.front());
     if (runs.empty())
       throw Error(options_.data.string() + ": no runs; expected DATA/<object>/<run>, or no such folder to simulate them");
     label(runs);
@@ -208,6 +208,7 @@ class Study {
       inputs[run.name()] = {state_of_file(run.events()), state_of_file(run.robot()), state_of_file(run.video()),
                             state_of_file(run.video_times()), state_of_file(run.info())};
     }
+    std::map<std::string, std::string> why_not;
     runner_.run({.name = "label",
                  .command = command_of({"label", options_.data.string(), "--no-pictures"}),
                  .inputs = inputs,
@@ -215,18 +216,30 @@ class Study {
                  .work =
                      [&](const ProgressCallback& progress) {
                        for (const RunOutcome& outcome : label_runs(runs, {.threads = threads_}, progress)) {
-                         if (!outcome.error.empty()) throw Error(outcome.error);
+                         if (!outcome.error.empty()) why_not[outcome.run.name()] = outcome.error;
                        }
+                       if (why_not.size() == runs.size()) throw Error(why_not.begin()->second);
                      }});
+    for (const RunFolder& run : runs) {
+      const auto why = why_not.find(run.name());
+      if (why != why_not.end()) {
+        errors_.push_back(why->second + "; " + run.name() + " is left out");
+      } else if (!is_there(run.labels())) {
+        errors_.push_back(fmt::format("{}: has no labels and is left out; 'tactile label {}' says why", run.folder.string(),
+                                      shell_word(run.folder.string())));
+      }
+    }
   }
 
+  /// The hash of each run's labels, null where it has none; null if no run has any.
   static json labels_of(const std::vector<RunFolder>& runs) {
     json hashes;
+    bool any = false;
     for (const RunFolder& run : runs) {
       hashes[run.name()] = hash_of_file(run.labels());
-      if (hashes[run.name()].is_null()) return {};
+      any = any || !hashes[run.name()].is_null();
     }
-    return hashes;
+    return any ? hashes : json();
   }
 
   void cut_windows(const std::vector<RunFolder>& runs) {
@@ -261,7 +274,9 @@ class Study {
                      [&](const ProgressCallback& progress) {
                        warn_of_another_dataset(windows);
                        const DatasetSummary made = write_dataset(options_.data, dataset_file(), windows, threads_, progress);
-                       if (warn_) std::for_each(made.errors.begin(), made.errors.end(), warn_);
+                       for (const std::string& error : made.errors) {
+                         if (std::find(errors_.begin(), errors_.end(), error) == errors_.end()) errors_.push_back(error);
+                       }
                      }});
   }
 
@@ -873,6 +888,7 @@ class Study {
 
   StudyOptions options_;
   std::function<void(const std::string&)> warn_;
+  std::vector<std::string> errors_;
   PresetSettings preset_;
   unsigned epochs_, threads_;
   FolderLock lock_;

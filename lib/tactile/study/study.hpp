@@ -17,6 +17,9 @@ struct StudySummary {
   std::filesystem::path file;
   std::size_t done = 0;  ///< steps done now
   std::size_t kept = 0;  ///< steps found done
+
+  /// A sentence for each object or run that could not be read or labelled; the study is one of the others.
+  std::vector<std::string> errors;
 };
 
 /// The paper's study: runs simulated where there are none, labelled, cut into samples and rendered; a network trained for each
