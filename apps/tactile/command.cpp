@@ -73,12 +73,12 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
   Command command(*declared);
   auto common = std::make_shared<CommonArguments>();
   common->threads = std::max(1U, std::thread::hardware_concurrency());
-  command.add_option("--config", common->config, "JSON file of options; the command line wins over it")
+  command.add_option("--config", common->config, "JSON file with option values; the command line overrides them")
       .type_name("FILE.json")
       .check(is_existing_file());
   command.add_flag("--json", common->json, "Print the result as JSON");
-  command.add_flag("--quiet", common->quiet, "No progress, and no log below warnings");
-  command.add_option("--threads", common->threads, "Threads to work on").check(in_range(1U, 1024U)).show_default();
+  command.add_flag("--quiet", common->quiet, "Hide progress and all log messages below warnings");
+  command.add_option("--threads", common->threads, "Number of worker threads").check(in_range(1U, 1024U)).show_default();
   declared->callback([declared, common, run = std::move(run), ctrl_c] {
     if (!common->config.empty()) fill_in_from(common->config, *declared);
     catch_ctrl_c();

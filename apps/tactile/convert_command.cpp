@@ -295,43 +295,42 @@ void convert(ConvertArguments args, const CommonArguments& common) {
 
 void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
-  Command command = add_command(
-      app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; ROS 1 bags into run folders",
-      [args](const CommonArguments& common) { convert(*args, common); });
-  command.add_option("in", args->in, "To read: .aedat4, .csv, .h5, a ROS 1 .bag, or a run's folder for its recording")
-      .type_name("IN")
-      .required();
-  command.add_option("out", args->out, "To write: .aedat4, .csv, .h5 or .npz; of a bag the run folder DATA/OBJECT/NN")
+  Command command =
+      add_command(app, "convert",
+                  "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; convert ROS 1 bags to run folders",
+                  [args](const CommonArguments& common) { convert(*args, common); });
+  command.add_option("in", args->in, "Input: .aedat4, .csv, .h5, a ROS 1 .bag, or a run folder").type_name("IN").required();
+  command.add_option("out", args->out, "Output: .aedat4, .csv, .h5 or .npz; for a bag a run folder DATA/OBJECT/NN")
       .type_name("OUT")
       .required();
-  command.add_option("--compression", args->compression, "Of an AEDAT4 output [the input's; lz4 where it has none]")
+  command.add_option("--compression", args->compression, "Compression of an AEDAT4 output; default: as the input, or lz4")
       .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}));
-  command.add_option("--from-us", args->from_us, "Leave out what is earlier [us of camera time, or +US from the first element]")
+  command.add_option("--from-us", args->from_us, "Start of the cut [us of camera time, or +US after the first element]")
       .check(Check{check_moment, ""})
       .type_name("US");
-  command.add_option("--to-us", args->to_us, "Leave out what is at this time or later [likewise]")
+  command.add_option("--to-us", args->to_us, "End of the cut; this time itself is left out [as --from-us]")
       .check(Check{check_moment, ""})
       .type_name("US");
-  command.add_option("--crop", args->crop, "Keep these pixels, counted from their corner then [px]")
+  command.add_option("--crop", args->crop, "Keep only these pixels; their upper left corner becomes 0,0 [px]")
       .type_name("X,Y,WxH")
       .check(Check{check_region, ""});
   command
-      .add_option("--stream", args->streams, "Keep this event stream, by id or source, and the rest of its camera's; may repeat")
+      .add_option("--stream", args->streams, "Keep only this event stream and the other streams of its camera; may be repeated")
       .type_name("ID|SOURCE")
       .repeatable();
   command
       .add_option("--size", args->size,
-                  "Sensor of a CSV's events, or an HDF5's that does not say it [px] [of a CSV: the smallest usual one]")
+                  "Sensor size, for CSV and for HDF5 without a size [px]; default for CSV: the smallest common size")
       .type_name("WxH")
       .check(Check{check_size, ""});
-  command.add_option("--source", args->source, "Camera to name for such events [csv, hdf5]").type_name("NAME");
-  command.add_option("--events-topic", args->bag.events_topic, "Of a bag with several of the kind: the one to take")
+  command.add_option("--source", args->source, "Camera name, for CSV and for HDF5 without a name").type_name("NAME");
+  command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
+  command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")
       .type_name("TOPIC");
-  command.add_option("--joints-topic", args->bag.joints_topic, "Likewise; 'none' leaves them out").type_name("TOPIC");
-  command.add_option("--pose-topic", args->bag.pose_topic, "Likewise: transforms with the robot's tool").type_name("TOPIC");
+  command.add_option("--pose-topic", args->bag.pose_topic, "Topic of the transforms with the robot's tool").type_name("TOPIC");
   command.add_option("--video-topic", args->bag.video_topic, "Likewise").type_name("TOPIC");
   command.add_option("--imu-topic", args->bag.imu_topic, "Likewise").type_name("TOPIC");
-  command.add_flag("--force", args->force, "Replace OUT if it exists; never IN, never a run");
+  command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");
 }
 
 }  // namespace tactile

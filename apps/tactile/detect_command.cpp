@@ -432,71 +432,66 @@ void detect(DetectArguments args, const CommonArguments& common) {
 void add_detect_command(CLI::App& app) {
   auto args = std::make_shared<DetectArguments>();
   Command command = add_command(
-      app, "detect", "Tell press and slip live, every tick, and tell the robot",
+      app, "detect", "Detect press and slip live, every tick, and report them to a robot",
       [args](const CommonArguments& common) { detect(*args, common); }, CtrlC::is_the_end);
-  command.add_option("--model", args->model,
-                     "Model, a folder or a name below --models; the newest single-run model if not given");
+  command.add_option("--model", args->model, "Model: a folder, or a name in --models; default: the newest single-run model");
   command.add_option("--models", args->models, "Folder of models").show_default();
-  command
-      .add_option("--from", args->from,
-                  "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]")
+  command.add_option("--from", args->from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
   command
       .add_option("--confirm", args->confirm,
-                  "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
+                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
       .check(is_confirmation())
       .show_default();
-  command.add_flag("--gate", args->gate, "A verdict is none below the model's limit of events, without rendering or network");
+  command.add_flag("--gate", args->gate,
+                   "Report none without running the network while there are fewer events than the model's limit");
   add_engine_option(command, args->engine);
-  command.add_option("--precision", args->precision, "Of the fast engine's weights")
+  command.add_option("--precision", args->precision, "Precision of the fast engine's largest layer")
       .check(one_of({"fp32", "int8"}))
       .show_default();
-  command.add_option("--tick-us", args->tick_us, "Between two verdicts, a whole number of which is the model's t_h [us]")
+  command.add_option("--tick-us", args->tick_us, "Time between two verdicts [us]; t_h must be a whole number of them")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .default_text("the model's");
-  command.add_option("--slack-us", args->slack_us, "So long after its end a tick without further events waits [us]")
+  command.add_option("--slack-us", args->slack_us, "Wait for late events: a tick closes this long after its end [us]")
       .check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       .show_default();
-  command.add_option("--duration", args->duration_s, "End after this long [s]").check(in_range(1e-3, 1e9)).type_name("S");
-  command
-      .add_option("--reconnect", args->reconnect_s,
-                  "So long a stream or camera whose connection broke is opened again [s]; one that closed has ended")
+  command.add_option("--duration", args->duration_s, "Stop after this time [s]").check(in_range(1e-3, 1e9)).type_name("S");
+  command.add_option("--reconnect", args->reconnect_s, "Try to reconnect for this long after a connection broke [s]")
       .check(in_range(0.0, 1e9))
       .type_name("S")
       .show_default();
-  command.add_option("--robot", args->robot.host, "UR controller to tell").type_name("HOST[:PORT]");
+  command.add_option("--robot", args->robot.host, "UR controller to report to").type_name("HOST[:PORT]");
   const Check is_bit = in_range(64, 127);
-  command.add_option("--bit", args->robot.bit, "Its input bit register that is high at press and slip")
+  command.add_option("--bit", args->robot.bit, "Input bit register to set at press and at slip").check(is_bit).type_name("N");
+  command.add_option("--press-bit", args->robot.press_bit, "Input bit register to set at press only")
       .check(is_bit)
       .type_name("N");
-  command.add_option("--press-bit", args->robot.press_bit, "Likewise, at press alone").check(is_bit).type_name("N");
-  command.add_option("--slip-bit", args->robot.slip_bit, "Likewise, at slip alone").check(is_bit).type_name("N");
-  const Option latch = command.add_flag("--latch", args->robot.latch, "A bit that rose stays high until the end");
-  command.add_option("--clear-ms", args->robot.clear_ms, "A bit falls so long after the last tick that raised it [ms]")
+  command.add_option("--slip-bit", args->robot.slip_bit, "Input bit register to set at slip only").check(is_bit).type_name("N");
+  const Option latch = command.add_flag("--latch", args->robot.latch, "Keep a bit high until the end once it is set");
+  command.add_option("--clear-ms", args->robot.clear_ms, "Clear a bit this long after the last tick that set it [ms]")
       .check(in_range(0.0, 1e6))
       .excludes(latch)
       .default_text("0");
-  command.add_option("--udp", args->udp, "Send a record each tick to HOST:PORT").type_name("ADDRESS");
-  command.add_option("--ticks", args->ticks, "Write every tick to this CSV").type_name("FILE.csv");
-  command.add_option("--plot", args->plot, "Draw probabilities over time beside events and truth").type_name("FILE.png|FILE.svg");
-  const Option record = command.add_flag("--record", args->record, "Record the run too, as 'record' does");
+  command.add_option("--udp", args->udp, "Send a record to HOST:PORT at each tick").type_name("ADDRESS");
+  command.add_option("--ticks", args->ticks, "Write every tick to this CSV file").type_name("FILE.csv");
+  command.add_option("--plot", args->plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");
+  const Option record = command.add_flag("--record", args->record, "Also record the run, as 'record' does");
   command.add_option("--out", args->out, "With --record: folder of runs").needs(record).show_default();
-  command.add_option("--object", args->object, "With --record: what is touched").needs(record).show_default();
-  command.add_option("--run", args->run, "With --record: the run's number instead of the next free one").needs(record);
-  command.add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
+  command.add_option("--object", args->object, "With --record: name of the object").needs(record).show_default();
+  command.add_option("--run", args->run, "With --record: number of the run; default: the next free number").needs(record);
+  command.add_option("--speed", args->speed, "Speed of files and the simulator: 1 is real time, 0 is as fast as possible")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_option("--seed", args->seed, "Of the simulator").check(is_seed()).show_default();
-  command.add_option("--stream", args->stream, "Of a file with several event streams this one").type_name("ID|SOURCE");
-  command.add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000").type_name("MODE");
+  command.add_option("--seed", args->seed, "Seed of the simulator").check(is_seed()).show_default();
+  command.add_option("--stream", args->stream, "Event stream to use, if a file has several").type_name("ID|SOURCE");
+  command.add_option("--readout-mode", args->readout_mode, "Read-out mode of the camera, such as variable-5000")
+      .type_name("MODE");
   command.add_flag("--no-real-time", args->no_real_time,
-                   "Neither go ahead of other threads nor lock memory, as is done with live sources where it is permitted");
-  command.add_flag(
-      "--no-rehearsal", args->no_rehearsal,
-      "Do not run the network once ahead of each tick, as is done with live sources to have its weights in the cache: "
-      "takes less of the core, and verdicts come later");
+                   "Do not use real-time priority and locked memory (default for live sources, where permitted)");
+  command.add_flag("--no-rehearsal", args->no_rehearsal,
+                   "Do not run the network once before each tick; this saves processor time, but verdicts come later");
   command.add_flag("--awake", args->awake,
-                   "Keep processors from sleeping where it is permitted: verdicts come sooner, at the cost of power");
+                   "Keep processor cores awake, where permitted; verdicts come sooner, but power use rises");
 }
 
 }  // namespace tactile

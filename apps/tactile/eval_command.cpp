@@ -156,39 +156,41 @@ void add_eval_command(CLI::App& app) {
                                   if (!args->runs.empty()) return show_runs(*args, common);
                                   args->unseen ? evaluate_unseen(*args, common) : evaluate_one(*args, common);
                                 });
-  command.add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; its run folders are read too")
+  command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; its run folders are read too")
       .show_default();
   command.add_option("--model", args->model,
-                     "Model, a folder or a name below --models; the newest single-run model of the dataset if not given");
+                     "Model: a folder, or a name in --models; default: the newest single-run model of the dataset");
   command.add_option("--models", args->models, "Folder of models").show_default();
   const Option unseen = command.add_flag(
-      "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains what is missing");
+      "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains missing models");
   command
       .add_option("--held-out", args->held_out,
-                  "With --unseen: objects held out, a list with commas; those of the paper's five that there are if not given")
+                  "With --unseen: held-out objects, separated by commas; default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...")
       .needs(unseen);
-  command.add_flag("--no-train", args->no_train, "With --unseen: a missing model is an error that names the command to train it");
+  command.add_flag("--no-train", args->no_train, "With --unseen: do not train; a missing model is an error");
   add_strict_option(command, args->strict);
   command
       .add_option("--guard-ms", args->guard_ms,
-                  "For so long after an interval, alarms are counted apart [ms]; the dataset's own guard if not given")
+                  "Count alarms separately for this long after an interval [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
   command
       .add_option("--confirm", args->confirm,
-                  "k/n: a verdict is the class said in at least k of the last n ticks, more than half of them, else none")
+                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args->gate,
-                   "A verdict is none below the model's limit of events, without the network; reported with it on and off");
+                   "Report none without the network while there are fewer events than the model's limit; results are given with "
+                   "and without it");
   add_engine_option(command, args->engine);
-  const Option run = command
-                         .add_option("--run", args->runs,
-                                     "Instead: every tick of these runs as CSV, PNG and SVG; object/run, or folders, with commas")
-                         .delimiter(',')
-                         .excludes(unseen);
-  command.add_option("--out", args->out, "With --run: folder to write to; runs/ in the model's if not given").needs(run);
+  const Option run =
+      command
+          .add_option("--run", args->runs,
+                      "Write every tick of these runs as CSV, PNG and SVG instead; object/run or folders, separated by commas")
+          .delimiter(',')
+          .excludes(unseen);
+  command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
 }
 
 }  // namespace tactile

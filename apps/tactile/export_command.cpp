@@ -134,11 +134,11 @@ void add_export_command(CLI::App& app) {
   auto args = std::make_shared<ExportArguments>();
   Command command = add_command(app, "export", "Write a model in formats that other software reads",
                                 [args](const CommonArguments& common) { export_model(*args, common); });
-  command.add_option("--model", args->model, "Model, a folder or a name below --models; the one trained last if not given");
+  command.add_option("--model", args->model, "Model: a folder, or a name in --models; default: the model trained last");
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
-  command.add_option("--safetensors", args->safetensors, "Write the weights alone, as safetensors").type_name("FILE");
-  command.add_flag("--force", args->force, "Replace files that are there");
+  command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");
+  command.add_flag("--force", args->force, "Replace existing files");
 }
 
 }  // namespace tactile

@@ -86,13 +86,13 @@ void add_heatmaps_command(CLI::App& app) {
   auto args = std::make_shared<HeatmapsArguments>();
   Command command = add_command(app, "heatmaps", "Render the heatmaps of a dataset's samples",
                                 [args](const CommonArguments& common) { render_heatmaps(*args, common); });
-  command.add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset").show_default();
-  command.add_option("--th", args->histories_ms, "Histories t_h [ms], a list with commas; each a whole number of ticks")
+  command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file").show_default();
+  command.add_option("--th", args->histories_ms, "Histories t_h [ms], separated by commas; each a whole number of ticks")
       .delimiter(',')
       .check(in_range(0.001, 1e5))
       .show_default();
   add_rendering_options(command, args->rendering);
-  command.add_option("--png", args->pictures, "Also write each heatmap as a PNG below this folder").type_name("DIR");
+  command.add_option("--png", args->pictures, "Also write each heatmap as a PNG file in this folder").type_name("DIR");
 }
 
 }  // namespace tactile

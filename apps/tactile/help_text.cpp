@@ -110,7 +110,7 @@ std::string HelpText::make_help(const CLI::App* app, std::string, CLI::AppFormat
   text += group("Options", those([](const CLI::Option* o) { return !o->get_positional() && !is_common(*o); }));
   text += group(commands.empty() ? "Options of every command" : "Help",
                 those([](const CLI::Option* o) { return !o->get_positional() && is_common(*o); }));
-  if (!commands.empty()) text += "\n'tactile COMMAND --help' tells what a command takes.\n";
+  if (!commands.empty()) text += "\n'tactile COMMAND --help' shows the options of a command.\n";
   return text;
 }
 

@@ -452,16 +452,16 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
 
 void add_info_command(CLI::App& app) {
   auto args = std::make_shared<InfoArguments>();
-  Command command = add_command(app, "info", "Tell what recordings hold: streams, rates, gaps, hot pixels, health",
+  Command command = add_command(app, "info", "Show the contents of recordings: streams, rates, gaps, hot pixels, health",
                                 [args](const CommonArguments& common) { report_on(*args, common); });
   command.add_option("files", args->places, "Recordings, runs, or folders of runs").type_name("FILE|RUN").required();
-  command.add_option("--stream", args->stream, "Of several event streams only this one, by id or source").type_name("ID|SOURCE");
-  command.add_option("--gap-ms", args->gap_ms, "A longer silence is reported [ms]")
+  command.add_option("--stream", args->stream, "Show only this event stream, given by id or source").type_name("ID|SOURCE");
+  command.add_option("--gap-ms", args->gap_ms, "Report gaps without data longer than this [ms]")
       .check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       .show_default();
   command.add_flag("--check", args->check,
-                   "Compare a run's files with their SHA-256, or its packets with their checksums; end with 2 if one is sick or "
-                   "misnamed, and log why");
+                   "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "
+                   "damaged or misnamed");
 }
 
 }  // namespace tactile

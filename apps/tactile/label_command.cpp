@@ -281,22 +281,21 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
 
 void add_label_command(CLI::App& app) {
   auto arguments = std::make_shared<LabelArguments>();
-  Command command = add_command(app, "label", "Align the clocks of runs, and find when press and slip begin and end",
+  Command command = add_command(app, "label", "Align the clocks of runs, and find the begin and end of press and slip",
                                 [arguments](const CommonArguments& common) { run_label(common, *arguments); });
   command.add_option("data", arguments->places, "Folders of runs, or single runs").show_default();
-  const Option compare_truth = command.add_flag("--compare-truth", arguments->compare_truth,
-                                                "Print errors against truth.json, where simulated runs have one");
-  const Option summary =
-      command.add_flag("--summary", arguments->summary,
-                       "Tables of the labels that are there, and of how far their sources differ; labels nothing");
-  command.add_flag("--strict", arguments->strict, "End with 2 if a run is flagged");
-  command.add_flag("--no-pictures", arguments->no_pictures, "Draw no labels.png").excludes(summary);
-  command.add_option("--roi", arguments->roi, "Part of the film in which press and slip are seen")
+  const Option compare_truth =
+      command.add_flag("--compare-truth", arguments->compare_truth, "Print errors against truth.json, for simulated runs");
+  const Option summary = command.add_flag(
+      "--summary", arguments->summary, "Only print tables of the existing labels and of the differences between their sources");
+  command.add_flag("--strict", arguments->strict, "Exit with 2 if a run is flagged");
+  command.add_flag("--no-pictures", arguments->no_pictures, "Do not draw labels.png").excludes(summary);
+  command.add_option("--roi", arguments->roi, "Part of the video that shows press and slip")
       .type_name("X,Y,W,H")
       .check(is_region())
       .excludes(summary);
   const Option force =
-      command.add_flag("--force", arguments->force, "Label runs that have not changed, and forget what a person did to labels")
+      command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
           .excludes(summary);
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);
 }

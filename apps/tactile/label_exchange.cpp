@@ -130,28 +130,26 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
 
 void add_label_exchange_options(Command command, LabelExchangeArguments& arguments, const Option compare_truth,
                                 const Option force) {
-  const Option to =
-      command
-          .add_option("--export", arguments.to,
-                      "Write labels for another tool: .txt Audacity, .eaf ELAN, .json Label Studio, .csv; or a folder, a file "
-                      "for each run")
-          .type_name("FILE")
-          .excludes(compare_truth);
+  const Option to = command
+                        .add_option("--export", arguments.to,
+                                    "Write labels for another tool: .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv; "
+                                    "a folder gets one file per run")
+                        .type_name("FILE")
+                        .excludes(compare_truth);
   command
       .add_option("--import", arguments.from,
-                  "Take edits made in another tool into labels.json; a file or a folder, several times for several")
+                  "Read edits from another tool into labels.json: a file or a folder; may be repeated")
       .type_name("FILE")
       .one_value_each_time()
       .excludes(to)
       .excludes(compare_truth)
       .excludes(force);
-  command.add_option("--format", arguments.format, "Of --export and --import; as the file's ending if not given")
+  command.add_option("--format", arguments.format, "Format for --export and --import; default: by the file's extension")
       .check(one_of({"audacity", "elan", "label-studio", "csv"}));
   command
       .add_option("--origin", arguments.origin,
-                  "Where exported times count from, imported ones only if their file does not say; first-event if not given, but "
-                  "for ELAN the "
-                  "film's first frame where its clock is known")
+                  "Zero of exported times, and of imported times if their file does not state it; default: first-event, for ELAN "
+                  "the first video frame if its clock is known")
       .check(one_of({"first-event", "camera", "video"}));
 }
 

@@ -147,7 +147,7 @@ void TrainingEstimate::see(const Progress& progress) {
 void add_engine_option(Command command, std::string& engine) {
   command
       .add_option("--engine", engine,
-                  "What runs the network: fast, tactile's own, or libtorch, which knows every activation and pooling")
+                  "Inference engine: fast (tactile's own) or libtorch (supports every activation and pooling)")
       .check(one_of({"fast", "libtorch"}))
       .show_default();
 }

@@ -81,7 +81,7 @@ Check is_existing_file() {
 }
 
 void add_strict_option(Command command, bool& strict) {
-  command.add_flag("--strict", strict, "An object is an error if none of its runs gives samples; else it is left out");
+  command.add_flag("--strict", strict, "Stop with an error if an object has no run with samples; default: leave the object out");
 }
 
 }  // namespace tactile

@@ -63,8 +63,8 @@ int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands)
   spdlog::set_pattern("%^%l%$: %v");
 
   CLI::App app("Event-camera tactile sensing: from recordings of a sensor skin to verdicts a robot can act on.", "tactile");
-  app.set_help_flag("-h,--help", "Tell this");
-  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()), "Tell version and revision");
+  app.set_help_flag("-h,--help", "Show this help");
+  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()), "Show version and revision");
   app.require_subcommand(1);
   app.formatter(std::make_shared<HelpText>());
   for (const auto add_command : commands) add_command(app);

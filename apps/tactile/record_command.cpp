@@ -211,7 +211,7 @@ void record(RecordArguments args, const CommonArguments& common) {
 void add_record_command(CLI::App& app) {
   auto args = std::make_shared<RecordArguments>();
   Command command = add_command(
-      app, "record", "Record a live camera, with robot and video, into a run folder",
+      app, "record", "Record a live camera, a robot and a video into a run folder",
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
   const auto is_object =
       Check{[](std::string& text) {
@@ -225,39 +225,39 @@ void add_record_command(CLI::App& app) {
       "01 to 99"};
   command
       .add_option("--from", args->from,
-                  "Where events come from: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT], camera[:SERIAL]; again for "
-                  "each further stream")
+                  "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams")
       .type_name("SOURCE");
   command.add_option("--robot", args->robot, "UR controller to log").type_name("HOST[:PORT]");
-  command.add_option("--video", args->video, "Video to film").type_name("DEVICE|FILE|URL");
-  command.add_option("--duration", args->duration_s, "End each run after this long [s]")
+  command.add_option("--video", args->video, "Video source").type_name("DEVICE|FILE|URL");
+  command.add_option("--duration", args->duration_s, "Stop each run after this time [s]")
       .check(in_range(1e-3, 1e9))
       .type_name("S");
   const Option object =
-      command.add_option("--object", args->object, "What is touched").check(is_object).type_name("NAME").show_default();
+      command.add_option("--object", args->object, "Name of the object").check(is_object).type_name("NAME").show_default();
   const Option run =
-      command.add_option("--run", args->run, "The run's number instead of the next free one").check(is_run).type_name("NN");
+      command.add_option("--run", args->run, "Number of the run; default: the next free number").check(is_run).type_name("NN");
   command.add_option("--out", args->out, "Folder of runs").type_name("DATA").show_default();
-  command.add_option("--session", args->session, "Walk this list of objects and runs")
+  command.add_option("--session", args->session, "Record this list of objects and runs")
       .type_name("FILE.json")
       .check(is_existing_file())
       .excludes(object)
       .excludes(run);
-  command.add_option("--start-on", args->start_on, "Robot's bit whose rising starts a run").type_name("FIELD[:BIT]");
-  command.add_option("--stop-on", args->stop_on, "Robot's bit whose rising ends a run").type_name("FIELD[:BIT]");
-  command.add_option("--speed", args->speed, "Of files and the simulator: 1 real time, 0 as fast as it goes")
+  command.add_option("--start-on", args->start_on, "Robot bit that starts a run when it rises").type_name("FIELD[:BIT]");
+  command.add_option("--stop-on", args->stop_on, "Robot bit that ends a run when it rises").type_name("FIELD[:BIT]");
+  command.add_option("--speed", args->speed, "Speed of files and the simulator: 1 is real time, 0 is as fast as possible")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_option("--seed", args->seed, "Of the simulator").check(is_seed()).show_default();
-  command.add_option("--stream", args->stream, "Of a file with several event streams this one").type_name("ID|SOURCE");
-  command.add_option("--readout-mode", args->readout_mode, "Of a camera, such as variable-5000").type_name("MODE");
-  command.add_option("--compression", args->compression, "Of the recording")
+  command.add_option("--seed", args->seed, "Seed of the simulator").check(is_seed()).show_default();
+  command.add_option("--stream", args->stream, "Event stream to use, if a file has several").type_name("ID|SOURCE");
+  command.add_option("--readout-mode", args->readout_mode, "Read-out mode of the camera, such as variable-5000")
+      .type_name("MODE");
+  command.add_option("--compression", args->compression, "Compression of the recording")
       .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
       .show_default();
-  command.add_option("--queue-mb", args->queue_mb, "Memory for what waits for the disk [MiB]")
+  command.add_option("--queue-mb", args->queue_mb, "Memory for data that waits for the disk [MiB]")
       .check(in_range(std::size_t{1}, std::size_t{65536}))
       .show_default();
-  command.add_flag("--list", args->list, "Show which cameras, streams and video devices are there, and end");
+  command.add_flag("--list", args->list, "List cameras, streams and video devices, then exit");
 }
 
 }  // namespace tactile

@@ -10,16 +10,20 @@
 namespace tactile {
 
 void add_rendering_options(Command command, RenderingArguments& args) {
-  command.add_option("--denoise", args.denoise, "mean: as the paper's text; literal: as its equation is printed; none")
+  command
+      .add_option("--denoise", args.denoise,
+                  "Noise reduction: mean (the paper's text), literal (the paper's printed equation) or none")
       .check(one_of({"mean", "literal", "none"}))
       .show_default();
-  command.add_option("--resize", args.resize, "area: mean of each block; linear: OpenCV's default, one pixel of each block")
+  command
+      .add_option("--resize", args.resize,
+                  "Resizing: area (mean of each block) or linear (OpenCV's default, one pixel of each block)")
       .check(one_of({"area", "linear"}))
       .show_default();
-  command.add_option("--factor", args.factor, "Heatmap size per sensor size, 1 divided by a whole number")
+  command.add_option("--factor", args.factor, "Heatmap size divided by sensor size; 1 divided by a whole number")
       .check(in_range(0.001, 1.0))
       .show_default();
-  command.add_option("--tick-us", args.tick_us, "Between two ticks [us]; a dataset's samples must lie at ticks")
+  command.add_option("--tick-us", args.tick_us, "Time between two ticks [us]; samples of a dataset must be at ticks")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .show_default();
 }

@@ -137,13 +137,13 @@ void repair(const RepairArguments& args, const CommonArguments& common) {
 
 void add_repair_command(CLI::App& app) {
   auto args = std::make_shared<RepairArguments>();
-  Command command = add_command(app, "repair", "Make a cut-off or damaged recording whole again, and say what was lost",
+  Command command = add_command(app, "repair", "Repair a truncated or damaged recording, and report what was lost",
                                 [args](const CommonArguments& common) { repair(*args, common); });
-  command.add_option("in", args->in, "Damaged recording, or run folder; it is left as it is").type_name("IN").required();
-  command.add_option("out", args->out, "Repaired recording, .aedat4; of a run a folder DATA/OBJECT/NN that is not there yet")
+  command.add_option("in", args->in, "Damaged recording or run folder; it is not changed").type_name("IN").required();
+  command.add_option("out", args->out, "Repaired recording (.aedat4); for a run a new folder DATA/OBJECT/NN")
       .type_name("OUT")
       .required();
-  command.add_flag("--force", args->force, "Replace OUT if it exists; never IN");
+  command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN");
 }
 
 }  // namespace tactile

@@ -161,12 +161,10 @@ void add_report_command(CLI::App& app) {
   auto args = std::make_shared<ReportArguments>();
   Command command = add_command(app, "report", "Write figures and one self-contained page from results",
                                 [args](const CommonArguments& common) { report(*args, common); });
-  command
-      .add_option("what", args->what,
-                  "Study, model's folder, folder of a trade, or data whose models are told; study/ if it is there, else data")
+  command.add_option("what", args->what, "Folder of a study, a model, a trade or data; default: study/ if it exists, else data")
       .type_name("STUDY|MODEL|TRADE|DATA");
-  command.add_option("--out", args->out, "Folder to write to; report/ in the study or model if not given").type_name("DIR");
-  command.add_option("--trade", args->trade, "Folder of a trade of speed for accuracy to be told too; trade/ if it is there")
+  command.add_option("--out", args->out, "Output folder; default: report/ in the study or model").type_name("DIR");
+  command.add_option("--trade", args->trade, "Folder of 'trade' results to include; default: trade/ if it exists")
       .type_name("DIR");
   command.add_option("--models", args->models, "Folder of models, for DATA").type_name("DIR").show_default();
 }

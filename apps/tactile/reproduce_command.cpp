@@ -249,55 +249,53 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
 
 void add_reproduce_command(CLI::App& app) {
   auto args = std::make_shared<ReproduceArguments>();
-  Command command = add_command(app, "reproduce", "The paper's whole study, its claims beside what is measured",
+  Command command = add_command(app, "reproduce", "Run the paper's whole study and compare its claims with measured results",
                                 [args](const CommonArguments& common) { reproduce(*args, common); });
-  command.add_option("data", args->data, "Folder of runs; they are simulated where it holds none").show_default();
+  command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
   command
       .add_option("--preset", args->preset,
-                  "tiny: 2 simulated runs per object, 3 epochs, no run to choose on; quick: 3, 6, run 02; paper: 10, 10, runs 02 "
-                  "and 03")
+                  "tiny: 2 simulated runs per object, 3 epochs, no run to choose settings on; quick: 3 runs, 6 epochs, run 02; "
+                  "paper: 10 runs, 10 epochs, runs 02 and 03")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
-  command.add_option("--objects", args->objects, "Objects to simulate, a list with commas, or all")
+  command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
       .show_default();
-  command.add_option("--runs", args->runs, "Runs to simulate per object, instead of the preset's")
+  command.add_option("--runs", args->runs, "Simulated runs per object; default: the preset's")
       .check(in_range(1, 99))
       .type_name("N");
   command.add_flag("--force", args->force, "Replace runs that were simulated with other settings");
-  command.add_option("--th", args->histories_ms, "Histories t_h to train for [ms], a list with commas")
+  command.add_option("--th", args->histories_ms, "Histories t_h to train [ms], separated by commas")
       .delimiter(',')
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+  command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .check(is_run())
       .show_default();
   command
       .add_option("--held-out", args->held_out,
-                  "Objects of the unseen test, a list with commas; those of the paper's five that there are if not given")
+                  "Objects held out in the unseen test, separated by commas; default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...");
-  command.add_option("--epochs", args->epochs, "Passes over the training samples, instead of the preset's")
+  command.add_option("--epochs", args->epochs, "Training epochs; default: the preset's")
       .check(in_range(1U, 100'000U))
       .type_name("N");
-  command.add_option("--seeds", args->seeds, "Trainings of each kind, each with a seed of its own")
+  command.add_option("--seeds", args->seeds, "Trainings of each setting, each with another seed")
       .check(in_range(1U, 1000U))
       .show_default();
-  command.add_option("--seed", args->seed, "Of simulated runs, samples, drawn splits and the first training; others follow on it")
+  command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
       .check(is_seed())
       .show_default();
-  command
-      .add_option("--splits", args->splits,
-                  "How many of all ways to hold so many objects out are trained too, drawn at random; all: every one")
+  command.add_option("--splits", args->splits, "Also train this many random leave-out splits, or all of them")
       .check(Check{check_splits, "N|all"})
       .show_default();
   add_engine_option(command, args->engine);
-  command.add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
-  command.add_flag("--no-report", args->without_report, "Draw no figures and write no page");
+  command.add_flag("--no-report", args->without_report, "Do not write the report");
   command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--out", args->out, "Folder of the study").show_default();
+  command.add_option("--out", args->out, "Output folder of the study").show_default();
 }
 
 }  // namespace tactile

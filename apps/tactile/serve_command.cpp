@@ -239,38 +239,38 @@ void add_serve_command(CLI::App& app) {
   Command command = add_command(
       app, "serve", "Play a recording or the simulator as a DV-compatible stream",
       [args](const CommonArguments& common) { serve(*args, common); }, CtrlC::is_the_end);
-  command.add_option("source", args->source, "Recording, run folder, or the simulator: FILE, RUN or sim[:OBJECT]")
+  command.add_option("source", args->source, "Recording, run folder, or simulator: FILE, RUN or sim[:OBJECT]")
       .type_name("SOURCE")
       .required();
   const Check is_port = in_range<std::uint16_t>(0, 65535);
-  const Option port = command.add_option("--port", args->port, "Port of the events, 0 takes a free one")
+  const Option port = command.add_option("--port", args->port, "Port of the event stream; 0 takes a free port")
                           .check(is_port)
                           .type_name("N")
                           .show_default();
-  command.add_option("--host", args->host, "Address to listen on; 0.0.0.0 lets in other machines")
+  command.add_option("--host", args->host, "Address to listen on; 0.0.0.0 allows other machines")
       .type_name("HOST")
       .show_default();
-  command.add_option("--unix", args->unix_path, "Serve the events on a unix socket instead, at a path where nothing is")
-      .type_name("PATH")
-      .excludes(port);
-  command.add_option("--imu-port", args->imu_port, "Serve the same camera's IMU samples too").check(is_port).type_name("N");
-  command.add_option("--triggers-port", args->triggers_port, "Serve the same camera's triggers too")
+  command.add_option("--unix", args->unix_path, "Serve the events on a new unix socket instead").type_name("PATH").excludes(port);
+  command.add_option("--imu-port", args->imu_port, "Also serve the camera's IMU samples on this port")
       .check(is_port)
       .type_name("N");
-  command.add_option("--speed", args->speed, "Times real time; 0: as fast as the clients take it")
+  command.add_option("--triggers-port", args->triggers_port, "Also serve the camera's triggers on this port")
+      .check(is_port)
+      .type_name("N");
+  command.add_option("--speed", args->speed, "Speed: 1 is real time, 0 is as fast as the clients read")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_flag("--loop", args->loop, "Begin the recording again when it is over, on a clock that goes on");
-  command.add_flag("--no-wait", args->no_wait, "Play a recording at once; else it waits for a client");
-  command.add_option("--compression", args->compression, "Of the packets")
+  command.add_flag("--loop", args->loop, "Repeat the recording without end; timestamps continue");
+  command.add_flag("--no-wait", args->no_wait, "Start at once; default: wait for a client");
+  command.add_option("--compression", args->compression, "Compression of the packets")
       .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
       .show_default();
-  command.add_option("--packet-us", args->packet_us, "A packet's elements lie less than this apart [us]")
+  command.add_option("--packet-us", args->packet_us, "Longest time span of a packet [us]")
       .check(in_range(1, 1'000'000))
       .type_name("N")
       .show_default();
-  command.add_option("--stream", args->stream, "Of a recording with several event streams: which").type_name("ID|SOURCE");
-  command.add_option("--seed", args->seed, "Of the simulator").check(is_seed()).show_default();
+  command.add_option("--stream", args->stream, "Event stream to use, if a recording has several").type_name("ID|SOURCE");
+  command.add_option("--seed", args->seed, "Seed of the simulator").check(is_seed()).show_default();
 }
 
 }  // namespace tactile

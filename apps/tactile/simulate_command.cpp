@@ -108,7 +108,7 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
 
 void add_simulate_command(CLI::App& app) {
   auto args = std::make_shared<SimulateArguments>();
-  Command command = add_command(app, "simulate", "Make run folders: events, robot log, video and their exact truth",
+  Command command = add_command(app, "simulate", "Simulate run folders: events, robot log, video and exact truth",
                                 [args](const CommonArguments& common) { simulate_runs(*args, common); });
   command.add_option("data", args->data, "Folder of runs").show_default();
   command
@@ -119,17 +119,18 @@ void add_simulate_command(CLI::App& app) {
       .type_name("FILE.json");
   command
       .add_option("--preset", args->preset,
-                  "tiny: 2 runs of about 2.5 s per object; quick: 3 of about 4 s; paper: 10 of about 4 s, some with two presses, "
-                  "without slip or without press")
+                  "tiny: 2 runs of about 2.5 s per object; quick: 3 runs of about 4 s; paper: 10 runs of about 4 s, some with "
+                  "two presses, no slip or no press")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
-  command.add_option("--runs", args->runs, "Runs per object, instead of the preset's").check(in_range(1, 99)).type_name("N");
-  command.add_option("--objects", args->objects, "Objects, parted by commas, or all")
+  command.add_option("--runs", args->runs, "Runs per object; default: the preset's").check(in_range(1, 99)).type_name("N");
+  command.add_option("--objects", args->objects, "Objects, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the whole data set").check(is_seed()).show_default();
-  command.add_flag("--force", args->force, "Replace runs simulated with other settings, and remove extra simulated ones");
+  command.add_flag("--force", args->force,
+                   "Replace runs that were simulated with other settings, and remove extra simulated runs");
 }
 
 }  // namespace tactile

@@ -321,52 +321,58 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
 
 void add_trade_command(CLI::App& app) {
   auto args = std::make_shared<TradeArguments>();
-  Command command = add_command(app, "trade", "What speed costs in accuracy, delay and false alarms, and what to choose",
+  Command command = add_command(app, "trade", "Measure speed against accuracy, delay and false alarms, and recommend settings",
                                 [args](const CommonArguments& common) { trade(*args, common); });
   const auto add_list = [&command](const std::string& name, auto& values, const std::string& what) {
     return command.add_option(name, values, what + ", a list with commas").delimiter(',').show_default();
   };
-  command.add_option("data", args->data, "Folder whose dataset.h5 is meant; a missing one is made").show_default();
-  command.add_option("--at-most-us", args->at_most_us, "Wish: 99 of 100 ticks take no longer [us]")
+  command.add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made").show_default();
+  command.add_option("--at-most-us", args->at_most_us, "Constraint: 99 % of ticks take at most this long [us]")
       .check(in_range(0.001, 1e9))
       .type_name("US");
-  command.add_option("--at-least-accuracy", args->at_least_accuracy, "Wish: accuracy, from 0 to 1")
+  command.add_option("--at-least-accuracy", args->at_least_accuracy, "Constraint: lowest accuracy")
       .check(in_range(0.0, 1.0))
       .type_name("SHARE");
-  command.add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Wish: no more false alarms a minute")
+  command.add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Constraint: most false alarms per minute")
       .check(in_range(0.0, 1e9))
       .type_name("N");
-  command.add_option("--apply", args->apply, "Write the setting recommended as a config of 'detect'").type_name("FILE.json");
-  command.add_flag("--full", args->full, "Every combination instead of one knob at a time and promising corners: many hours");
-  command.add_option("--budget-minutes", args->budget_minutes, "Begin no training that would end later; a next call goes on")
+  command.add_option("--apply", args->apply, "Write the recommended setting as a config file for 'detect'")
+      .type_name("FILE.json");
+  command.add_flag("--full", args->full,
+                   "Try every combination, not only single changes and promising combinations; takes many hours");
+  command
+      .add_option("--budget-minutes", args->budget_minutes,
+                  "Time limit; no training starts that would end later. The next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
-  command.add_option("--corners", args->corners, "Promising combinations to be tried of each front")
+  command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
       .check(in_range(0U, 1000U))
       .show_default();
   add_list("--th", args->histories_ms, "Histories t_h [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
-  add_list("--factor", args->factors, "Heatmap sizes per sensor size").check(in_range(0.001, 1.0));
+  add_list("--factor", args->factors, "Heatmap sizes divided by sensor size").check(in_range(0.001, 1.0));
   add_list("--resize", args->resizes, "area, linear").check(one_of({"area", "linear"}));
   add_list("--denoise", args->denoises, "mean, literal, none").check(one_of({"mean", "literal", "none"}));
   add_list("--engine", args->engines, "fast, libtorch").check(one_of({"fast", "libtorch"}));
-  add_list("--precision", args->precisions, "fp32, int8: of the fast engine's largest layer").check(one_of({"fp32", "int8"}));
-  add_list("--pass", args->passes, "sparse: the network skips what is empty; dense: not").check(one_of({"sparse", "dense"}));
+  add_list("--precision", args->precisions, "Precision of the fast engine's largest layer: fp32, int8")
+      .check(one_of({"fp32", "int8"}));
+  add_list("--pass", args->passes, "sparse: the network skips empty regions; dense: it does not")
+      .check(one_of({"sparse", "dense"}));
   add_list("--confirm", args->confirmations, "k/n").check(is_confirmation());
   add_list("--gate", args->gates, "off, on").check(one_of({"off", "on"}));
-  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+  command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .show_default();
   add_strict_option(command, args->strict);
-  add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; all others are reported on");
-  command.add_option("--epochs", args->epochs, "Passes over the training samples").check(in_range(1U, 100'000U)).show_default();
-  command.add_option("--seeds", args->seeds, "Trainings of each network on the front, each with a seed of its own")
+  add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; results are reported on all others");
+  command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--seeds", args->seeds, "Trainings of each network on the Pareto front, each with another seed")
       .check(in_range(1U, 1000U))
       .show_default();
-  command.add_option("--seed", args->seed, "Of the first training; others follow on it").check(is_seed()).show_default();
-  command.add_flag("--no-growth", args->no_growth, "Leave out how cost grows with event rate, history and resolution");
-  command.add_flag("--no-figures", args->no_figures, "Draw no figures");
+  command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();
+  command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
+  command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--out", args->out, "Folder of results").show_default();
+  command.add_option("--out", args->out, "Output folder").show_default();
 }
 
 }  // namespace tactile

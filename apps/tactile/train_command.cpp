@@ -243,79 +243,76 @@ void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
   Command command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
                                 [args](const CommonArguments& common) { train(*args, common); });
-  command.add_option("data", args->data, "Folder whose dataset.h5 is meant, or a dataset; a missing one is made").show_default();
+  command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
+      .show_default();
   command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--split", args->split, "single-run: one run of every object; unseen: one run of those not held out")
+  command
+      .add_option("--split", args->split,
+                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
       .check(one_of({"single-run", "unseen"}))
       .show_default();
-  command.add_option("--train-run", args->train_run, "Run to train on, of each object; the next one where it has no samples")
+  command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .check(is_run())
       .show_default();
   command
-      .add_option(
-          "--held-out", args->held_out,
-          "Objects that --split unseen does not train on, a list with commas; those of the paper's five that there are if not "
-          "given")
+      .add_option("--held-out", args->held_out,
+                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...");
   add_strict_option(command, args->strict);
-  command.add_option("--seed", args->training.seed, "Of the first weights and the order of samples")
+  command.add_option("--seed", args->training.seed, "Seed of the initial weights and of the sample order")
       .check(is_seed())
       .show_default();
-  command.add_option("--epochs", args->training.epochs, "Passes over the training samples")
-      .check(in_range(1U, 100'000U))
-      .show_default();
-  command.add_option("--batch", args->training.batch, "Samples to a step").check(in_range(1U, 65'536U)).show_default();
+  command.add_option("--epochs", args->training.epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--batch", args->training.batch, "Batch size").check(in_range(1U, 65'536U)).show_default();
   command.add_option("--lr", args->training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
   command
       .add_option("--schedule", args->schedule,
-                  "Of the learning rate: constant; cosine, down to 0; step, to a tenth and a hundredth")
+                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
       .check(one_of({"constant", "cosine", "step"}))
       .show_default();
-  command.add_option("--optimizer", args->optimizer, "What moves the weights: adam; adamw, with weight decay; sgd, with momentum")
+  command.add_option("--optimizer", args->optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
       .check(one_of({"adam", "adamw", "sgd"}))
       .show_default();
-  command
-      .add_option("--engine", args->engine,
-                  "What works out a step: fast; libtorch, its layers one by one. They agree but for rounding")
+  command.add_option("--engine", args->engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
       .check(one_of({"fast", "libtorch"}))
       .show_default();
-  command.add_option("--activation", args->activation, "What follows each layer")
+  command.add_option("--activation", args->activation, "Activation function")
       .check(one_of({"relu", "tanh", "sigmoid"}))
       .show_default();
-  command.add_option("--pool", args->pool, "How 2 x 2 values become one").check(one_of({"max", "average"})).show_default();
-  command.add_option("--augment", args->augment, "What is done at random to each heatmap: flip, shift, a list with commas; none")
+  command.add_option("--pool", args->pool, "Pooling").check(one_of({"max", "average"})).show_default();
+  command.add_option("--augment", args->augment, "Random augmentation: none, or flip and shift, separated by commas")
       .delimiter(',')
       .check(one_of({"none", "flip", "shift"}))
       .show_default();
   command
       .add_option("--class-weights", args->class_weights,
-                  "How much a sample counts: none, all alike; balanced, each class alike; or a number each: 1,2,1")
+                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
       .show_default();
   command
       .add_option("--validation", args->validation_share,
-                  "Share of the training samples kept to judge by, the last of each class in time")
+                  "Share of training samples used for validation, the last ones of each class")
       .check(in_range(0.0, 0.5))
       .default_text("0, or 0.2 with --early-stop");
   command
       .add_option("--early-stop", args->training.early_stop,
-                  "Epochs without a smaller validation loss that end the training; the best weights are used. 0: never")
+                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
       .check(in_range(0U, 100'000U))
       .show_default();
-  command.add_option("--from", args->from, "Model whose weights to go on from, a folder or a name below --models")
+  command.add_option("--from", args->from, "Start from the weights of this model: a folder, or a name in --models")
       .type_name("MODEL");
   add_rendering_options(command, args->rendering);
   command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--name", args->name, "Folder of this model below it; told from history, split, run and seed if not given")
+  command.add_option("--name", args->name, "Name of the model's folder; default: made from history, split, run and seed")
       .check(Check{check_bundle_name, ""});
   command.add_flag("--resume", args->resume,
-                   "Go on with a training that was broken off, to the same weights as if it had not been");
-  command.add_option("--save-every", args->save_every_s, "Between two states kept to go on from, beside one each epoch [s]")
+                   "Resume an interrupted training; the result is the same as without the interruption");
+  command.add_option("--save-every", args->save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_flag("--force", args->force, "Train again and replace what is there");
+  command.add_flag("--force", args->force, "Train again and replace the existing model");
 }
 
 }  // namespace tactile

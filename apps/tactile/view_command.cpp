@@ -84,7 +84,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
 
 void add_view_command(CLI::App& app) {
   auto args = std::make_shared<ViewArguments>();
-  Command command = add_command(app, "view", "Show a recording's events, heatmaps and labels as a picture or film",
+  Command command = add_command(app, "view", "Show events, heatmaps and labels of a recording as a picture or video",
                                 [args](const CommonArguments& common) { view(*args, common); });
   command.add_option("what", args->what, "Recording (AEDAT4) or run folder")
       .type_name("FILE|RUN")
@@ -95,23 +95,23 @@ void add_view_command(CLI::App& app) {
                    },
                    ""});
   command
-      .add_option("--out", args->out,
-                  "Contact sheet (.png), film (.mp4), or folder for single pictures; by default a sheet named for the recording")
+      .add_option(
+          "--out", args->out,
+          "Contact sheet (.png), video (.mp4), or folder for single pictures; default: a contact sheet named after the recording")
       .type_name("FILE.png|FILE.mp4|DIR");
   command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--from-ms", args->from_ms, "Show from here on [ms from the first event]").check(in_range(0.0, 1e12));
-  command.add_option("--to-ms", args->to_ms, "Show up to here [ms from the first event]").check(in_range(0.0, 1e12));
-  command.add_option("--speed", args->speed, "Of a film: 0.1 is ten times slower than it was")
+  command.add_option("--from-ms", args->from_ms, "Begin of the part to show [ms after the first event]")
+      .check(in_range(0.0, 1e12));
+  command.add_option("--to-ms", args->to_ms, "End of the part to show [ms after the first event]").check(in_range(0.0, 1e12));
+  command.add_option("--speed", args->speed, "Speed of a video: 0.1 is ten times slower than real time")
       .check(in_range(1e-4, 1e4))
       .default_text("0.1");
-  command.add_option("--fps", args->fps, "Of a film: pictures a second").check(in_range(1.0, 240.0)).default_text("25");
-  command
-      .add_option("--tiles", args->tiles, "Of a contact sheet: as many moments evenly spaced, instead of those around the onsets")
+  command.add_option("--fps", args->fps, "Frame rate of a video [1/s]").check(in_range(1.0, 240.0)).default_text("25");
+  command.add_option("--tiles", args->tiles, "Number of evenly spaced tiles in a contact sheet; default: tiles around the onsets")
       .check(in_range(1, 240));
-  command.add_option("--stream", args->stream, "Event stream, by its id or source, where there is more than one")
-      .type_name("ID|SOURCE");
+  command.add_option("--stream", args->stream, "Event stream to use, if a recording has several").type_name("ID|SOURCE");
   add_rendering_options(command, args->rendering);
 }
 

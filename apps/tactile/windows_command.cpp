@@ -142,27 +142,28 @@ void add_windows_command(CLI::App& app) {
   Command command = add_command(app, "windows", "Draw balanced samples from labelled runs into a dataset",
                                 [args](const CommonArguments& common) { write_windows(*args, common); });
   command.add_option("data", args->data, "Folder of runs, DATA/<object>/<run>").show_default();
-  command.add_option("--out", args->out, "Dataset to write; DATA/dataset.h5 if not given").type_name("FILE.h5");
-  command.add_option("--window-ms", args->window_ms, "Kept of each press and slip [ms]")
+  command.add_option("--out", args->out, "Dataset to write; default: DATA/dataset.h5").type_name("FILE.h5");
+  command.add_option("--window-ms", args->window_ms, "Longest part of each press and slip to use, from its onset [ms]")
       .check(in_range(0.001, 1e6))
       .show_default();
-  command.add_option("--guard-ms", args->guard_ms, "None keeps so far from every press and slip [ms]")
+  command.add_option("--guard-ms", args->guard_ms, "Distance of none samples from every press and slip [ms]")
       .check(in_range(0.0, 1e6))
       .show_default();
   command
       .add_option("--history-ms", args->history_ms,
-                  "Events stored before each sample: the longest history [ms], a whole number of ticks")
+                  "Events to store before each sample, the longest possible history [ms]; a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--tick-us", args->tick_us, "Between two ticks [us]")
+  command.add_option("--tick-us", args->tick_us, "Time between two ticks [us]")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .show_default();
-  command.add_option("--seed", args->seed, "Of what is drawn at random").check(is_seed()).show_default();
-  command.add_flag("--mix", args->mix, "Simulated and real runs in one dataset; else the real ones where there are both");
-  command.add_flag("--include-flagged", args->include_flagged, "Use flagged runs and intervals too");
+  command.add_option("--seed", args->seed, "Seed of the random draw").check(is_seed()).show_default();
+  command.add_flag("--mix", args->mix,
+                   "Put simulated and real runs into one dataset; default: only the real runs if there are both");
+  command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   command.add_flag("--verify", args->verify,
-                   "Write nothing: derive the dataset again by its own settings and compare; ends with 2 if it differs");
+                   "Write nothing: derive the dataset again with its own settings and compare; exit with 2 if it differs");
 }
 
 }  // namespace tactile
