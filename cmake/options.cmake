@@ -27,10 +27,28 @@ set(TACTILE_PRECOMPILED_HEADERS
 # Of what is not worked hard: half the time to compile, for code a third slower.
 set(TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-O1>)
 
+# The links between stages that docs/architecture.md allows: lines "name -> stage stage …".
+set(architecture ${PROJECT_SOURCE_DIR}/docs/architecture.md)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${architecture})
+file(STRINGS ${architecture} arrows REGEX "^[a-z0-9_]+ ->")
+foreach(arrow IN LISTS arrows)
+  string(REGEX MATCH "^([a-z0-9_]+) -> *(.*)$" found "${arrow}")
+  string(REPLACE " " ";" TACTILE_ARROWS_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}")
+endforeach()
+
+function(check_arrows name)
+  foreach(link IN LISTS ARGN)
+    if(link MATCHES "^tactile::(.*)$" AND NOT CMAKE_MATCH_1 IN_LIST TACTILE_ARROWS_${name})
+      message(FATAL_ERROR "stage ${name} links ${link}, which docs/architecture.md does not list; expected a stage that it allows")
+    endif()
+  endforeach()
+endfunction()
+
 # add_stage(NAME [QUICKLY] SOURCES a.cpp … HEADERS a.hpp … LINKS tactile::core … PRIVATE_LINKS …): one library per stage of the way.
 # QUICKLY: it runs for moments; it is compiled in half the time.
 function(add_stage name)
   cmake_parse_arguments(STAGE "QUICKLY" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  check_arrows(${name} ${STAGE_LINKS} ${STAGE_PRIVATE_LINKS})
   add_library(tactile_${name} STATIC)
   add_library(tactile::${name} ALIAS tactile_${name})
   target_sources(tactile_${name}

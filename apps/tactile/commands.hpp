@@ -1,12 +1,18 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <utility>
+
 namespace CLI {
 class App;
 }
 
 namespace tactile {
 
-// In the order they are run.
 void add_simulate_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
@@ -25,5 +31,76 @@ void add_trade_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+
+// Loading libtorch, OpenCV and libav takes longer, and more memory, than many a command does. So there are three programs. Each
+// holds its own commands and those of the programs before it.
+enum class Program : std::uint8_t {
+  tactile,  ///< loads none of them; it becomes one of the other two where a command is not its own
+  runs,     ///< tactile-runs loads no libtorch
+  model     ///< tactile-model
+};
+
+using AddCommand = void (*)(CLI::App&);
+
+struct CommandEntry {
+  std::string_view name;
+  Program program;  ///< the first that holds it
+  AddCommand add;
+};
+
+/// Every command, in the order they are run. Evaluated by the compiler, so that a program needs to link its own commands only.
+consteval auto command_table() {
+  return std::array{
+      CommandEntry{"simulate", Program::runs, add_simulate_command},
+      CommandEntry{"record", Program::runs, add_record_command},
+      CommandEntry{"serve", Program::runs, add_serve_command},
+      CommandEntry{"info", Program::tactile, add_info_command},
+      CommandEntry{"repair", Program::tactile, add_repair_command},
+      CommandEntry{"convert", Program::runs, add_convert_command},
+      CommandEntry{"label", Program::runs, add_label_command},
+      CommandEntry{"windows", Program::runs, add_windows_command},
+      CommandEntry{"heatmaps", Program::runs, add_heatmaps_command},
+      CommandEntry{"view", Program::runs, add_view_command},
+      CommandEntry{"train", Program::model, add_train_command},
+      CommandEntry{"eval", Program::model, add_eval_command},
+      CommandEntry{"detect", Program::model, add_detect_command},
+      CommandEntry{"reproduce", Program::model, add_reproduce_command},
+      CommandEntry{"trade", Program::model, add_trade_command},
+      CommandEntry{"report", Program::runs, add_report_command},
+      CommandEntry{"export", Program::runs, add_export_command},
+      CommandEntry{"doctor", Program::model, add_doctor_command},
+  };
+}
+
+/// The commands that a program holds.
+template <Program program>
+consteval auto commands_of() {
+  constexpr auto table = command_table();
+  constexpr std::size_t count = [&table] {
+    std::size_t n = 0;
+    for (const CommandEntry& entry : table) n += entry.program <= program ? 1 : 0;
+    return n;
+  }();
+  std::array<AddCommand, count> commands{};
+  std::size_t next = 0;
+  for (const CommandEntry& entry : table) {
+    if (entry.program <= program) commands[next++] = entry.add;
+  }
+  return commands;
+}
+
+/// The first program that holds a command; nothing if there is no such command.
+constexpr std::optional<Program> program_of(std::string_view command) {
+  constexpr auto programs = [] {
+    constexpr auto table = command_table();
+    std::array<std::pair<std::string_view, Program>, table.size()> found{};
+    for (std::size_t i = 0; i < table.size(); ++i) found[i] = {table[i].name, table[i].program};
+    return found;
+  }();
+  for (const auto& [name, program] : programs) {
+    if (name == command) return program;
+  }
+  return std::nullopt;
+}
 
 }  // namespace tactile

@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <span>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -57,7 +58,7 @@ int fail_for_lack_of_memory() noexcept {
   std::abort();
 }
 
-int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
   hold_signals();
   spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
   spdlog::set_pattern("%^%l%$: %v");
@@ -95,7 +96,7 @@ int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands)
 
 }  // namespace
 
-int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands) {
+int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
   open_missing_streams();
   std::set_terminate(end_uncaught);
   int exit_code = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <span>
 
 namespace CLI {
 class App;
@@ -9,7 +9,7 @@ class App;
 namespace tactile {
 
 /// Declares these commands, runs the one that was asked for, and turns what it throws into a sentence and an exit code.
-int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& commands);
+int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands);
 
 /// Becomes another program of ours, which stands beside this one, with the same arguments; returns only where that fails: 1,
 /// after saying why.
