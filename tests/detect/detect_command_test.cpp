@@ -189,14 +189,15 @@ TEST(DetectCommand, SendsARecordEachTick) {
 }
 
 /// The bridge beside a detector, until it has printed a slip; at the latest after two minutes it is ended.
-constexpr const char* bridge_script =
+const std::string bridge_script =
     "comes() { for i in $(seq 1200); do grep -q \"$1\" \"$2\" && return; sleep 0.1; done; }\n"
-    "PYTHONUNBUFFERED=1 '" TACTILE_SCRIPTS
-    "/ros-bridge' --print --port 0 >bridge.out 2>bridge.err &\n"
+    "PYTHONUNBUFFERED=1 '" +
+    std::string(test::data_folder) +
+    "/../../scripts/ros-bridge' --print --port 0 >bridge.out 2>bridge.err &\n"
     "trap 'kill $!; wait $!; cat bridge.out' EXIT\n"
     "comes listening bridge.err\n"
     "'" +
-    std::string(test::tactile_binary) +
+    test::tactile_binary +
     "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$(sed 's/.*://' bridge.err) >/dev/null || exit 1\n"
     "comes slip bridge.out\n";
 
