@@ -74,9 +74,10 @@ TEST(FusedTraining, GradientsAreThoseOfLibtorchsLayersInFloat64) {
   }
 }
 
+// Float64 is the reference: float32 of libtorch errs by 1e-5 itself on processors without AVX-512.
 TEST(FusedTraining, GradientsAreThoseOfLibtorchsLayersForFullBatches) {
   const auto samples = noise_heatmaps(32, {128, 96}, 5);
-  expect_alike(gradients_of(LeNet(samples.size, 1), samples, fast), gradients_of(LeNet(samples.size, 1), samples, libtorch),
+  expect_alike(gradients_of(LeNet(samples.size, 1), samples, fast), gradients_of(LeNet(samples.size, 1), samples, float64),
                "a batch of 32");
 }
 
@@ -110,11 +111,12 @@ TEST(FusedTraining, FullHeatmapsToo) {
                "full");
 }
 
-TEST(FusedTraining, GradientsOfTheConvolutionsDependNotOnTheThreads) {
+// Up to rounding: OpenBLAS multiplies the fully connected layers' matrices in another order for another number of threads, on some
+// processors.
+TEST(FusedTraining, GradientsDependNotOnTheThreads) {
   const auto samples = noise_heatmaps(31, {64, 48}, 6);
-  const Weights one = gradients_of(LeNet(samples.size, 2), samples, fast, 1);
-  const Weights three = gradients_of(LeNet(samples.size, 2), samples, fast, 3);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one[i], three[i]) << one[i].shape.name;
+  expect_alike(gradients_of(LeNet(samples.size, 2), samples, fast, 3), gradients_of(LeNet(samples.size, 2), samples, fast, 1),
+               "three threads");
 }
 
 TEST(FusedTraining, OtherLayersAreLibtorchs) {
