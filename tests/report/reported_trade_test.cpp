@@ -277,7 +277,7 @@ TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
     for (ReportedSetting& one : trade.settings) {
-      for (Measured* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = NAN;
+      for (Figure* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = std::nullopt;
     }
   }
 }

@@ -91,7 +91,7 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   const std::string svg = drawn(plot);
   EXPECT_TRUE(tells(svg, "sprayer"));
   EXPECT_TRUE(tells(svg, "Whiskers: 95 % intervals where three could be drawn."));
-  const Measured bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
+  const Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
   EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", bounded, bounded}})), "Whiskers: 95 % intervals."));
   const std::string without = drawn(unseen_plot("None", {{"fan", single, single}}));
   EXPECT_TRUE(tells(without, "No interval for want of three"));

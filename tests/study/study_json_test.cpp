@@ -2,24 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tactile/core/error.hpp"
 
 namespace tactile {
 namespace {
-
-TEST(StudyJson, FiguresComeBackAsTheyWereWritten) {
-  const Figure whole = figure_in(nlohmann::json(Figure{1.5, 1, 2, 7}), "eval.json");
-  EXPECT_EQ(whole.value, 1.5);
-  EXPECT_EQ(whole.low, 1);
-  EXPECT_EQ(whole.high, 2);
-  EXPECT_EQ(whole.n, 7U);
-  const Figure empty = figure_in(nlohmann::json(Figure{}), "eval.json");
-  EXPECT_TRUE(std::isnan(empty.value));
-  EXPECT_EQ(empty.low, std::nullopt);
-  EXPECT_THROW(figure_in({{"value", 1}}, "eval.json"), Error);
-}
 
 nlohmann::json evaluation() {
   const auto delay = [](double mean, int misses, int early) {

@@ -55,7 +55,7 @@ void to_json(nlohmann::json& json, const Calibration& calibration) {
     json["bins"].push_back({{"from", bin.from},
                             {"to", bin.to},
                             {"samples", bin.samples},
-                            {"confidence", std::isfinite(bin.confidence) ? nlohmann::json(bin.confidence) : nlohmann::json()},
+                            {"confidence", number_or_null(bin.confidence)},
                             {"accuracy", bin.accuracy}});
   }
 }

@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t fewest_to_draw_from = 3;
 
-nlohmann::json number_or_null(std::optional<double> number) {
-  return number && std::isfinite(*number) ? nlohmann::json(*number) : nlohmann::json();
-}
-
 std::vector<std::size_t> drawn_from(std::span<const std::size_t> runs, Random& random) {
   std::vector<std::size_t> drawn(runs.size());
   for (std::size_t& run : drawn) run = runs[random.below(runs.size())];
@@ -40,13 +36,6 @@ Figure figure_of_draws(std::optional<double> value, std::size_t n, const Bootstr
 }
 
 }  // namespace
-
-void to_json(nlohmann::json& json, const Figure& figure) {
-  json = {{"value", number_or_null(figure.value)},
-          {"low", number_or_null(figure.low)},
-          {"high", number_or_null(figure.high)},
-          {"n", figure.n}};
-}
 
 Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options) {
   if (runs.empty()) return {};

@@ -3,23 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "tactile/results/figure.hpp"
+
 namespace tactile {
-
-/// A value and its 95 % interval.
-struct Figure {
-  double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
-  std::optional<double> low, high;                          ///< nothing where fewer than three runs or objects could be drawn
-  std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
-};
-
-/// {"value", "low", "high", "n"}; what is not known is null.
-void to_json(nlohmann::json& json, const Figure& figure);
 
 struct BootstrapOptions {
   std::size_t draws = 2000;  ///< > 0

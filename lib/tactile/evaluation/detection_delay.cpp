@@ -182,10 +182,9 @@ Detection counted_from(const Detection& detection, CameraTime onset, const TickR
 }
 
 void to_json(nlohmann::json& json, const DelaySummary& summary) {
-  json = {
-      {"mean", summary.mean_ms},     {"sem", std::isfinite(summary.sem_ms) ? nlohmann::json(summary.sem_ms) : nlohmann::json()},
-      {"median", summary.median_ms}, {"intervals", summary.intervals},
-      {"misses", summary.misses},    {"early", summary.early}};
+  json = {{"mean", summary.mean_ms},     {"sem", number_or_null(summary.sem_ms)},
+          {"median", summary.median_ms}, {"intervals", summary.intervals},
+          {"misses", summary.misses},    {"early", summary.early}};
 }
 
 void to_json(nlohmann::json& json, const DelayTable& table) {

@@ -30,15 +30,14 @@ HtmlCell number(const std::string& text, const std::string& second_line = {}) {
 }
 
 /// "95.12", below it "93.10 to 97.00"; of shares in percent.
-HtmlCell cell_of(const Measured& measured, double factor, std::string_view unit = {}) {
+HtmlCell cell_of(const Figure& measured, double factor, std::string_view unit = {}) {
   if (!std::isfinite(measured.value)) return number("-");
-  const std::string interval = std::isfinite(measured.low) && std::isfinite(measured.high)
-                                   ? fmt::format("{:.2f} to {:.2f}", factor * measured.low, factor * measured.high)
-                                   : std::string();
+  const std::string interval =
+      measured.has_interval() ? fmt::format("{:.2f} to {:.2f}", factor * *measured.low, factor * *measured.high) : std::string();
   return number(fmt::format("{:.2f}{}", factor * measured.value, unit), interval);
 }
 
-HtmlCell percent_cell(const Measured& measured) { return cell_of(measured, 100); }
+HtmlCell percent_cell(const Figure& measured) { return cell_of(measured, 100); }
 
 HtmlCell plain_number(double value, int digits = 2) {
   return number(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-"));
@@ -53,17 +52,16 @@ HtmlTable table_of(const ReportedTable& table) {
   return html;
 }
 
-std::string with_unit(const Measured& measured, const std::string& unit) {
+std::string with_unit(const Figure& measured, const std::string& unit) {
   if (!std::isfinite(measured.value)) return "not measured";
   const bool is_whole = measured.value == std::round(measured.value);  // a count, or a delay of whole ticks
   const bool is_one = measured.value == 1 && unit.ends_with('s') && unit != "ms";
   std::string text = fmt::format("{:.{}f} {}", measured.value, is_whole ? 0 : 2, is_one ? unit.substr(0, unit.size() - 1) : unit);
-  const auto bound = [&](double value) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, value == std::round(value) ? 0 : 2) : std::string("unknown");
+  const auto bound = [&](std::optional<double> value) {
+    return value ? fmt::format("{:.{}f}", *value, *value == std::round(*value) ? 0 : 2) : std::string("unknown");
   };
-  text += std::isfinite(measured.low) || std::isfinite(measured.high)
-              ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
-              : std::string(" (no interval)");
+  text += measured.low || measured.high ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
+                                        : std::string(" (no interval)");
   return text;
 }
 
@@ -221,7 +219,7 @@ class Report {
           table.rows.back().push_back(number(""));
           continue;
         }
-        const Measured& value = found->second;
+        const Figure& value = found->second;
         const bool is_kept = claim->asked == "below" ? value.value < claim->limit : value.value > claim->limit;
         HtmlCell cell = cell_of(value, 1);
         if (is_kept) cell.text = "✓ " + cell.text;
@@ -369,7 +367,7 @@ class Report {
       for (const std::string& name : evaluation.accuracy_of) table.head.push_back(name);
       for (const ReportedAccuracy& row : evaluation.accuracies) {
         table.rows.push_back({{.text = row.object}});
-        for (const Measured& value : row.values) table.rows.back().push_back(percent_cell(value));
+        for (const Figure& value : row.values) table.rows.back().push_back(percent_cell(value));
       }
       page_.table(table);
     }

@@ -13,7 +13,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/json_view.hpp"
+#include "tactile/results/json_view.hpp"
 
 namespace tactile {
 namespace {
@@ -24,7 +24,7 @@ using Row = std::vector<std::string>;
 
 DelayBar bar_of(const std::string& object, const JsonView& delays) {
   return {.object = object,
-          .mean_ms = delays["mean"].measured().value,
+          .mean_ms = delays["mean"].get<Figure>().value,
           .sem_ms = delays["sem"].number(),
           .intervals = delays["intervals"].count(),
           .misses = delays["misses"].count(),
@@ -33,7 +33,7 @@ DelayBar bar_of(const std::string& object, const JsonView& delays) {
 
 ReportedDelays delays_of(const JsonView& json) {
   ReportedDelays delays{
-      .all = bar_of("all", json), .mean = json["mean"].measured(), .median = json["median"].measured(), .objects = {}};
+      .all = bar_of("all", json), .mean = json["mean"].get<Figure>(), .median = json["median"].get<Figure>(), .objects = {}};
   for (const auto& [object, of_object] : json["objects"].members()) delays.objects.push_back(bar_of(object, of_object));
   return delays;
 }
@@ -47,7 +47,7 @@ TouchOverTime over_time_of(const JsonView& json) {
     std::vector<TouchOverTime::Bin> bins;
     for (const JsonView& bin : list.items())
       bins.push_back(
-          {.from_ms = bin["from_ms"].number(), .to_ms = bin["to_ms"].number(), .accuracy = bin["accuracy"].measured()});
+          {.from_ms = bin["from_ms"].number(), .to_ms = bin["to_ms"].number(), .accuracy = bin["accuracy"].get<Figure>()});
     return bins;
   };
   return {.since_onset = bins_of(json["since_onset"]), .before_end = bins_of(json["before_end"])};
@@ -55,7 +55,7 @@ TouchOverTime over_time_of(const JsonView& json) {
 
 OperatingMark::OfTouch operating_delay(const JsonView& json) {
   const std::uint64_t intervals = json["intervals"].count();
-  return {.mean_ms = json["mean"].measured().value,
+  return {.mean_ms = json["mean"].get<Figure>().value,
           .missed = intervals == 0
                         ? std::numeric_limits<double>::quiet_NaN()
                         : static_cast<double>(json["misses"].count() + json["early"].count()) / static_cast<double>(intervals)};
@@ -66,7 +66,7 @@ ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& det
   const JsonView alarms = detector["false_alarms"];
   const auto count = [](const JsonView& json) { return json ? std::optional(json.count()) : std::nullopt; };
   return {.of = name,
-          .per_min = detector["false_alarms_per_min"].measured(),
+          .per_min = detector["false_alarms_per_min"].get<Figure>(),
           .press = bar_of("all", detector["delay_ms"]["press"]),
           .slip = bar_of("all", detector["delay_ms"]["slip"]),
           .count = count(alarms["count"]),
@@ -80,17 +80,17 @@ void add_accuracy(ReportedEvaluation& evaluation, const std::string& name, const
   if (!mean && !objects) return;
   const std::size_t before = evaluation.accuracy_of.size();
   evaluation.accuracy_of.push_back(name);
-  const auto put = [&](const std::string& object, const Measured& value) {
+  const auto put = [&](const std::string& object, const Figure& value) {
     auto found = std::find_if(evaluation.accuracies.begin(), evaluation.accuracies.end(),
                               [&](const ReportedAccuracy& row) { return row.object == object; });
     if (found == evaluation.accuracies.end()) {
-      evaluation.accuracies.push_back({.object = object, .values = std::vector<Measured>(before)});
+      evaluation.accuracies.push_back({.object = object, .values = std::vector<Figure>(before)});
       found = std::prev(evaluation.accuracies.end());
     }
     found->values.push_back(value);
   };
-  put("mean over objects", mean.measured());
-  for (const auto& [object, value] : objects.members()) put(object, value.measured());
+  put("mean over objects", mean.get<Figure>());
+  for (const auto& [object, value] : objects.members()) put(object, value.get<Figure>());
   for (ReportedAccuracy& row : evaluation.accuracies) row.values.resize(before + 1);
 }
 
@@ -124,8 +124,8 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   for (const Touch touch : all_touches) {
     const JsonView scores = json["per_class"][name_of(touch)];
     if (scores) {
-      evaluation.per_class.emplace_back(
-          name_of(touch), std::array{scores["precision"].measured(), scores["recall"].measured(), scores["f1"].measured()});
+      evaluation.per_class.emplace_back(name_of(touch), std::array{scores["precision"].get<Figure>(),
+                                                                   scores["recall"].get<Figure>(), scores["f1"].get<Figure>()});
     }
   }
   evaluation.press = delays_of(json["delay_ms"]["press"]);
@@ -136,24 +136,24 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   if (json["false_alarms_per_min"]) {
     evaluation.false_alarms.push_back(false_alarms_of("network", json));
     evaluation.own_point = OperatingMark{.threshold = std::numeric_limits<double>::quiet_NaN(),
-                                         .false_alarms_per_min = json["false_alarms_per_min"].measured().value,
+                                         .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>().value,
                                          .press = operating_delay(json["delay_ms"]["press"]),
                                          .slip = operating_delay(json["delay_ms"]["slip"])};
   }
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
   for (const JsonView& point : json["operating_curve"].items()) {
     evaluation.operating_curve.push_back({.threshold = point["threshold"].number(),
-                                          .false_alarms_per_min = point["false_alarms_per_min"].measured().value,
+                                          .false_alarms_per_min = point["false_alarms_per_min"].get<Figure>().value,
                                           .press = operating_delay(point["delay_ms"]["press"]),
                                           .slip = operating_delay(point["delay_ms"]["slip"])});
   }
-  evaluation.ece = json["calibration"]["ece"].measured();
+  evaluation.ece = json["calibration"]["ece"].get<Figure>();
   for (const JsonView& bin : json["calibration"]["bins"].items()) {
     evaluation.reliability.push_back({.from = bin["from"].number(),
                                       .to = bin["to"].number(),
                                       .samples = bin["samples"].count(),
                                       .confidence = bin["confidence"].number(),
-                                      .accuracy = bin["accuracy"].measured()});
+                                      .accuracy = bin["accuracy"].get<Figure>()});
   }
   const JsonView over_time = json["over_time"];
   if (over_time["press"]) evaluation.press_over_time = over_time_of(over_time["press"]);
@@ -161,9 +161,10 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   for (const std::string name : {"press", "slip", "both"}) {
     const JsonView touch = over_time[name];
     if (touch) {
-      evaluation.over_time.emplace_back(name, std::array{touch["first"].measured(), touch["later"].measured(),
-                                                         touch["last"].measured(), touch["before_last"].measured(),
-                                                         touch["last_minus_before"].measured(), touch["still_said"].measured()});
+      evaluation.over_time.emplace_back(
+          name, std::array{touch["first"].get<Figure>(), touch["later"].get<Figure>(), touch["last"].get<Figure>(),
+                           touch["before_last"].get<Figure>(), touch["last_minus_before"].get<Figure>(),
+                           touch["still_said"].get<Figure>()});
     }
   }
   return evaluation;
@@ -171,12 +172,14 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
 
 std::optional<ReportedUnseen> unseen_of(const JsonView& json) {
   ReportedUnseen unseen;
-  unseen.mean = {
-      .object = "mean over objects", .seen = json["mean"]["seen"].measured(), .held_out = json["mean"]["held_out"].measured()};
-  unseen.mean_difference = json["mean"]["difference"].measured();
+  unseen.mean = {.object = "mean over objects",
+                 .seen = json["mean"]["seen"].get<Figure>(),
+                 .held_out = json["mean"]["held_out"].get<Figure>()};
+  unseen.mean_difference = json["mean"]["difference"].get<Figure>();
   for (const auto& [object, values] : json["objects"].members()) {
-    unseen.objects.push_back({.object = object, .seen = values["seen"].measured(), .held_out = values["held_out"].measured()});
-    unseen.differences.push_back(values["difference"].measured());
+    unseen.objects.push_back(
+        {.object = object, .seen = values["seen"].get<Figure>(), .held_out = values["held_out"].get<Figure>()});
+    unseen.differences.push_back(values["difference"].get<Figure>());
   }
   if (unseen.objects.empty()) return std::nullopt;
   return unseen;
@@ -228,10 +231,10 @@ ReportedHistories histories_of(const std::string& runs, const std::vector<std::p
   std::map<std::string, HistoryCurve> objects;
   for (const auto& [history_ms, accuracy] : accuracies) {
     if (!accuracy) continue;
-    mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy["mean"].measured()});
+    mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy["mean"].get<Figure>()});
     for (const auto& [object, value] : accuracy["objects"].members()) {
       objects[object].name = object;
-      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value.measured()});
+      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value.get<Figure>()});
     }
   }
   if (mean.points.empty()) return histories;
@@ -251,13 +254,13 @@ void add_settings(std::vector<Row>& rows, const std::string& prefix, const JsonV
 }
 
 ReportedClaim::Side side_of(const JsonView& json) {
-  ReportedClaim::Side side{.measured = json["measured"].measured(),
+  ReportedClaim::Side side{.measured = json["measured"].get<Figure>(),
                            .verdict = json["verdict"].text(),
                            .note = json["note"].text(),
                            .in_words = json["in_words"].text(),
                            .why = json["why"].text(),
                            .objects = {}};
-  for (const auto& [object, value] : json["objects"].members()) side.objects.emplace_back(object, value.measured());
+  for (const auto& [object, value] : json["objects"].members()) side.objects.emplace_back(object, value.get<Figure>());
   return side;
 }
 
@@ -355,7 +358,7 @@ ReportInput read_study(const fs::path& folder) {
     told.push_back(name);
     const fs::path history_file = folder / model["history"].text();
     if (is_there(input, history_file, "The training of " + name)) input.trainings.push_back(training_in(history_file, name));
-    const Measured accuracy = model["accuracy"].measured();
+    const Figure accuracy = model["accuracy"].get<Figure>();
     seeds.push_back({name, model["seed"].words(),
                      std::isfinite(accuracy.value) ? fmt::format("{:.2f} %", 100 * accuracy.value) : without_accuracy,
                      model["weights_sha256"].text().substr(0, 16)});
@@ -440,14 +443,14 @@ ReportInput read_study(const fs::path& folder) {
       .rows = {}};
   for (const JsonView& split : study["splits"].items()) {
     const JsonView mean = split["reported"]["mean"];
-    const auto text = [](const Measured& value) {
+    const auto text = [](const Figure& value) {
       return std::isfinite(value.value) ? fmt::format("{:.2f} %", 100 * value.value) : "-";
     };
-    splits.rows.push_back({split["name"].text(), split["held_out"].words(), text(mean["seen"].measured()),
-                           text(mean["held_out"].measured()), text(mean["difference"].measured())});
+    splits.rows.push_back({split["name"].text(), split["held_out"].words(), text(mean["seen"].get<Figure>()),
+                           text(mean["held_out"].get<Figure>()), text(mean["difference"].get<Figure>())});
   }
   if (!splits.rows.empty()) {
-    const Measured mean = study["splits_mean"]["reported"].measured();
+    const Figure mean = study["splits_mean"]["reported"].get<Figure>();
     if (std::isfinite(mean.value)) {
       input.remarks.push_back(fmt::format("Over {} drawn splits an object that is held out loses {:.2f} points on average.",
                                           splits.rows.size(), -100 * mean.value));

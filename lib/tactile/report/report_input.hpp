@@ -17,11 +17,11 @@ namespace tactile {
 /// One of the paper's claims beside what was measured.
 struct ReportedClaim {
   struct Side {
-    Measured measured;
+    Figure measured;
     std::string verdict;        ///< "holds", "does not", "cannot tell"
     std::string note;           ///< may be empty
     std::string in_words, why;  ///< what was measured, and why one cannot tell; may be empty
-    std::vector<std::pair<std::string, Measured>> objects;
+    std::vector<std::pair<std::string, Figure>> objects;
   };
   std::string id, claim, paper, asked, unit;
   double limit = std::numeric_limits<double>::quiet_NaN();
@@ -32,13 +32,13 @@ struct ReportedClaim {
 /// Delays of one class, of all objects together and of each.
 struct ReportedDelays {
   DelayBar all;
-  Measured mean, median;
+  Figure mean, median;
   std::vector<DelayBar> objects;
 };
 
 struct ReportedFalseAlarms {
   std::string of;  ///< "network", "always_press"
-  Measured per_min;
+  Figure per_min;
   DelayBar press, slip;  ///< over all objects
   std::optional<std::uint64_t> count, after_intervals,
       unlabelled;                                              ///< begun in none time, within the guard, in motion nobody labels
@@ -48,7 +48,7 @@ struct ReportedFalseAlarms {
 /// Accuracy on one object, or the mean over all, in several ways.
 struct ReportedAccuracy {
   std::string object;
-  std::vector<Measured> values;  ///< one for each of `ReportedEvaluation::accuracy_of`
+  std::vector<Figure> values;  ///< one for each of `ReportedEvaluation::accuracy_of`
 };
 
 /// An `eval.json`.
@@ -61,16 +61,16 @@ struct ReportedEvaluation {
   std::vector<std::string> accuracy_of;      ///< "network", "guard 0 ms", "baseline event_count", "by the truth"
   std::vector<ReportedAccuracy> accuracies;  ///< the mean over objects first
   std::optional<std::array<std::array<std::uint64_t, touch_count>, touch_count>> confusion;
-  std::vector<std::pair<std::string, std::array<Measured, 3>>> per_class;  ///< precision, recall, F1
+  std::vector<std::pair<std::string, std::array<Figure, 3>>> per_class;  ///< precision, recall, F1
   ReportedDelays press, slip;
   std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
   std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
   std::vector<OperatingMark> operating_curve;
   std::optional<OperatingMark> own_point;  ///< the network's own verdicts, without a threshold
   std::vector<ReliabilityBin> reliability;
-  Measured ece;
+  Figure ece;
   std::optional<TouchOverTime> press_over_time, slip_over_time;
-  std::vector<std::pair<std::string, std::array<Measured, 6>>>
+  std::vector<std::pair<std::string, std::array<Figure, 6>>>
       over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end
   bool is_beside = false;  ///< the paper's own way, beside what the study reports: folded
 };
@@ -88,9 +88,9 @@ struct ReportedUnseen {
   std::string runs;  ///< in words; may be empty
   std::string seen_model, held_out_model;
   std::vector<UnseenBars> objects;
-  std::vector<Measured> differences;  ///< held out less seen, of each object
+  std::vector<Figure> differences;  ///< held out less seen, of each object
   UnseenBars mean;
-  Measured mean_difference;
+  Figure mean_difference;
   bool is_beside = false;
 };
 

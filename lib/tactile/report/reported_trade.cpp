@@ -12,9 +12,9 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/json_view.hpp"
 #include "tactile/report/plot_script.hpp"
 #include "tactile/report/word_places.hpp"
+#include "tactile/results/json_view.hpp"
 
 namespace tactile {
 namespace {
@@ -31,16 +31,16 @@ ReportedSetting setting_in(const JsonView& json) {
   return {.text = json["text"].text(),
           .design = json["design"].text(),
           .seeds = json["seeds"].count(),
-          .accuracy = reported["accuracy"].measured(),
-          .us_p50 = reported["us"]["p50"].measured(),
-          .us_p99 = reported["us"]["p99"].measured(),
-          .delay_us = reported["delay_us"]["mean"].measured(),
-          .delay_p95_us = reported["delay_us"]["p95"].measured(),
-          .missed = reported["delay_us"]["missed"].measured(),
-          .false_alarms_per_min = reported["false_alarms_per_min"].measured(),
-          .accuracy_difference = difference ? difference["accuracy"].measured() : Measured{},
-          .delay_difference_us = difference ? difference["delay_us"].measured() : Measured{},
-          .false_alarms_difference = difference ? difference["false_alarms_per_min"].measured() : Measured{},
+          .accuracy = reported["accuracy"].get<Figure>(),
+          .us_p50 = reported["us"]["p50"].get<Figure>(),
+          .us_p99 = reported["us"]["p99"].get<Figure>(),
+          .delay_us = reported["delay_us"]["mean"].get<Figure>(),
+          .delay_p95_us = reported["delay_us"]["p95"].get<Figure>(),
+          .missed = reported["delay_us"]["missed"].get<Figure>(),
+          .false_alarms_per_min = reported["false_alarms_per_min"].get<Figure>(),
+          .accuracy_difference = difference ? difference["accuracy"].get<Figure>() : Figure{},
+          .delay_difference_us = difference ? difference["delay_us"].get<Figure>() : Figure{},
+          .false_alarms_difference = difference ? difference["false_alarms_per_min"].get<Figure>() : Figure{},
           .on_accuracy_front = json["front"]["accuracy"].truth(),
           .on_delay_front = json["front"]["delay"].truth()};
 }
@@ -232,13 +232,12 @@ class NameList {
 /// A setting's place in a figure.
 struct Dot {
   double x = NAN;
-  Measured y;
+  Figure y;
   bool on_front = false, usual = false;
   bool is_one_knob = false;  ///< one alone differs from the usual setting
   std::string text;
 
   bool has_place() const { return std::isfinite(x) && std::isfinite(y.value); }
-  bool has_interval() const { return std::isfinite(y.low) && std::isfinite(y.high); }
 };
 
 struct Axes {
@@ -305,9 +304,9 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     if (dot.usual) usual.push_back(&dot);
     least_x = std::min(least_x, x), most_x = std::max(most_x, x);
     least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
-    if (dot.on_front && dot.has_interval()) {
+    if (dot.on_front && dot.y.has_interval()) {
       has_bars = true;
-      least_y = std::min(least_y, dot.y.low), most_y = std::max(most_y, dot.y.high);
+      least_y = std::min(least_y, *dot.y.low), most_y = std::max(most_y, *dot.y.high);
     }
   }
   std::stable_sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
@@ -386,7 +385,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     const auto [x, y] = at(dot);
     const double half = dot.usual ? half_diamond : half_mark;
     places.take(x - half, y - half, x + half, y + half);
-    if (dot.on_front && dot.has_interval()) places.take(x - 3, at_y(dot.y.high), x + 3, at_y(dot.y.low));
+    if (dot.on_front && dot.y.has_interval()) places.take(x - 3, at_y(*dot.y.high), x + 3, at_y(*dot.y.low));
     if (dot.usual) usual_values.insert(usual_values.end(), {place_of(dot.x), dot.y.value});
   };
   for (const Dot* dot : others) {
@@ -394,8 +393,8 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     take(*dot);
   }
   for (const Dot* dot : front) {
-    front_values.insert(front_values.end(), {place_of(dot->x), dot->y.value, dot->has_interval() ? dot->y.low : dot->y.value,
-                                             dot->has_interval() ? dot->y.high : dot->y.value});
+    front_values.insert(front_values.end(), {place_of(dot->x), dot->y.value, dot->y.has_interval() ? *dot->y.low : dot->y.value,
+                                             dot->y.has_interval() ? *dot->y.high : dot->y.value});
     take(*dot);
   }
   const auto write_at = [&](const std::string& words, const Dot& dot, double character, std::string_view colour) {
@@ -434,11 +433,6 @@ std::string short_number(double value) {
 
 std::string with_runs(const ReportedTrade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
-}
-
-Measured scaled(Measured measured, double factor) {
-  measured.value *= factor, measured.low *= factor, measured.high *= factor;
-  return measured;
 }
 
 }  // namespace

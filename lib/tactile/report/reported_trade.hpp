@@ -13,12 +13,12 @@ struct ReportedSetting {
   std::string text;    ///< in what it differs from the usual one
   std::string design;  ///< "usual", "one", "corner", "all"
   std::uint64_t seeds = 0;
-  Measured accuracy;                        ///< in [0, 1], on the reported runs as all that follow
-  Measured us_p50, us_p99;                  ///< time per tick
-  Measured delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
-  Measured false_alarms_per_min;
-  Measured accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
-  bool on_accuracy_front = false, on_delay_front = false;                      ///< on the runs to choose on
+  Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
+  Figure us_p50, us_p99;                  ///< time per tick
+  Figure delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
+  Figure false_alarms_per_min;
+  Figure accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
+  bool on_accuracy_front = false, on_delay_front = false;                    ///< on the runs to choose on
 };
 
 /// What a tick costs at one place of a curve [us]; medians.

@@ -27,8 +27,8 @@ double percent(double share) { return 100 * share; }
 /// The greatest whole ten below everything that is to be seen, and 90 at most: axes of accuracy end at 100.
 class AccuracyAxis {
  public:
-  void include(const Measured& accuracy) {
-    for (const double value : {accuracy.value, accuracy.low}) {
+  void include(const Figure& accuracy) {
+    for (const double value : {accuracy.value, accuracy.low.value_or(NAN)}) {
       if (std::isfinite(value)) least_ = std::min(least_, percent(value));
     }
   }
@@ -39,8 +39,6 @@ class AccuracyAxis {
   double least_ = 100;
 };
 
-bool has_interval(const Measured& measured) { return std::isfinite(measured.low) && std::isfinite(measured.high); }
-
 /// What the whiskers of a figure are, if it has any.
 std::string whiskers_in_words(std::size_t with_interval, std::size_t drawn) {
   if (with_interval == 0) return " No interval for want of three to draw from.";
@@ -48,10 +46,9 @@ std::string whiskers_in_words(std::size_t with_interval, std::size_t drawn) {
 }
 
 /// The interval, or the value twice where there is none: gnuplot leaves out a point whose interval is a gap.
-void add_interval(std::vector<double>& values, const Measured& measured) {
-  const bool is_bounded = has_interval(measured);
-  values.push_back(percent(is_bounded ? measured.low : measured.value));
-  values.push_back(percent(is_bounded ? measured.high : measured.value));
+void add_interval(std::vector<double>& values, const Figure& measured) {
+  values.push_back(percent(measured.has_interval() ? *measured.low : measured.value));
+  values.push_back(percent(measured.has_interval() ? *measured.high : measured.value));
 }
 
 std::string left_out(std::size_t there, std::size_t shown) {
@@ -112,7 +109,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
   std::size_t with_interval = 0;
   for (const HistoryCurve& curve : curves) {
     with_interval += std::any_of(curve.points.begin(), curve.points.end(),
-                                 [](const HistoryCurve::Point& point) { return has_interval(point.accuracy); })
+                                 [](const HistoryCurve::Point& point) { return point.accuracy.has_interval(); })
                          ? 1U
                          : 0U;
   }
@@ -249,8 +246,8 @@ Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& object
   PlotScript script(title, page_width, bottom + below);
   std::size_t with_interval = 0, drawn = 0;
   for (std::size_t i = 0; i < shown; ++i) {
-    for (const Measured* measured : {&objects[i].seen, &objects[i].held_out}) {
-      with_interval += has_interval(*measured) ? 1U : 0U;
+    for (const Figure* measured : {&objects[i].seen, &objects[i].held_out}) {
+      with_interval += measured->has_interval() ? 1U : 0U;
       drawn += std::isfinite(measured->value) ? 1U : 0U;
     }
   }
@@ -546,7 +543,7 @@ Plot over_time_plot(const std::string& title, const TouchOverTime& press, const 
     for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
       for (const TouchOverTime::Bin& bin : *bins) {
         drawn += std::isfinite(bin.accuracy.value) ? 1U : 0U;
-        with_interval += has_interval(bin.accuracy) ? 1U : 0U;
+        with_interval += bin.accuracy.has_interval() ? 1U : 0U;
       }
     }
   }

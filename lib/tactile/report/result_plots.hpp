@@ -9,25 +9,18 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/report/gnuplot.hpp"
+#include "tactile/results/figure.hpp"
 
 namespace tactile {
 
 // Figures of results. What is NaN is left out of a figure; names that are too long for their place lose their middle. A figure
 // with more rows or panels than a page bears shows the first, and says so.
 
-/// A value and its 95 % interval; NaN where there is none.
-struct Measured {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
-  std::uint64_t n = 0;  ///< what was drawn from: runs, or objects
-};
-
 /// How accurate models of several histories are on one object, or over all.
 struct HistoryCurve {
   struct Point {
     double history_ms = 0;  ///< t_h
-    Measured accuracy;      ///< in [0, 1]
+    Figure accuracy;        ///< in [0, 1]
   };
   std::string name;
   std::vector<Point> points;  ///< by history
@@ -59,7 +52,7 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
 /// Accuracy on one object with it in training, and without.
 struct UnseenBars {
   std::string object;
-  Measured seen, held_out;  ///< in [0, 1]
+  Figure seen, held_out;  ///< in [0, 1]
 };
 
 /// Source: Faris et al., arXiv:2403.10120, figure 9.
@@ -91,7 +84,7 @@ struct ReliabilityBin {
   double from = 0, to = 0;
   std::uint64_t samples = 0;
   double confidence = std::numeric_limits<double>::quiet_NaN();  ///< mean of their largest probability
-  Measured accuracy;                                             ///< share of them said right
+  Figure accuracy;                                               ///< share of them said right
 };
 
 inline constexpr std::uint64_t few_samples = 20;  ///< a bin with fewer is drawn hollow
@@ -116,7 +109,7 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
 struct TouchOverTime {
   struct Bin {
     double from_ms = 0, to_ms = 0;
-    Measured accuracy;  ///< in [0, 1]
+    Figure accuracy;  ///< in [0, 1]
   };
   std::vector<Bin> since_onset, before_end;
 };

@@ -20,15 +20,8 @@ constexpr const char* exception_object = "plastic-container";
 constexpr double near_points = 5;  ///< what "comparable" is taken to be
 constexpr microseconds shortest{2'000}, marginal{20'000}, chosen{40'000};
 
-Figure scaled(Figure figure, double factor) {
-  figure.value *= factor;
-  if (figure.low) *figure.low *= factor;
-  if (figure.high) *figure.high *= factor;
-  return figure;
-}
-
 std::map<std::string, Figure> scaled(std::map<std::string, Figure> figures, double factor) {
-  for (auto& [name, figure] : figures) figure = scaled(figure, factor);
+  for (auto& [name, figure] : figures) figure = tactile::scaled(figure, factor);
   return figures;
 }
 
@@ -414,7 +407,7 @@ void judge(Claim& claim) {
   if (claim.scope == ClaimScope::over_objects && !lacking.empty()) claim.verdict = Verdict::cannot_tell;
   claim.can_be_told = lacking.empty() || claim.verdict != Verdict::cannot_tell;
   if (claim.verdict != Verdict::cannot_tell) return;
-  const bool is_bounded = claim.measured.low && claim.measured.high;
+  const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
               : is_bounded     ? std::string("the interval lies across the limit")
                                : std::string("no interval: too many of the draws hold nothing to measure");

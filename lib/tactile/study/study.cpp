@@ -637,13 +637,10 @@ class Study {
     inputs.detections = detections_in(evaluation, where);
     inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
     inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
-    const auto over_time = member<json>(evaluation, "over_time", where), both = member<json>(over_time, "both", where);
-    inputs.over_time = {figure_in(member<json>(both, "first", where), where),
-                        figure_in(member<json>(both, "last_minus_before", where), where),
-                        figure_in(member<json>(both, "still_said", where), where),
-                        member<double>(over_time, "after_ms", where),
-                        member<std::uint64_t>(both, "intervals", where),
-                        member<std::uint64_t>(both, "short_ones", where)};
+    const JsonView over_time = JsonView(evaluation, where, MissingMember::is_error)["over_time"], both = over_time["both"];
+    inputs.over_time = {both["first"].get<Figure>(),      both["last_minus_before"].get<Figure>(),
+                        both["still_said"].get<Figure>(), over_time["after_ms"].number(),
+                        both["intervals"].count(),        both["short_ones"].count()};
     if (!unseen_.empty()) {
       const SeenAndHeldOut comparison = compared(unseen_, set);
       if (!comparison.runs.empty()) {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <limits>
 #include <thread>
 
 #include "tactile/core/json.hpp"
@@ -13,12 +12,6 @@
 
 namespace tactile {
 namespace {
-
-std::optional<double> number_in(const nlohmann::json& json, std::string_view key, const std::string& where) {
-  const auto value = member<nlohmann::json>(json, key, where);
-  if (value.is_null()) return std::nullopt;
-  return member<double>(json, key, where);
-}
 
 std::string cell(double number) { return std::isfinite(number) ? nlohmann::json(number).dump() : ""; }
 
@@ -64,20 +57,12 @@ std::string from_folder(const std::filesystem::path& path, const std::filesystem
   return whole(path).lexically_relative(whole(folder)).generic_string();
 }
 
-Figure figure_in(const nlohmann::json& json, const std::string& where) {
-  return {number_in(json, "value", where).value_or(std::numeric_limits<double>::quiet_NaN()), number_in(json, "low", where),
-          number_in(json, "high", where), member<std::size_t>(json, "n", where)};
-}
-
 std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
                                               const std::string& where) {
-  const auto table = member<nlohmann::json>(member<nlohmann::json>(evaluation, "delay_ms", where), touch, where);
   std::map<std::string, ObjectDelays> delays;
-  const auto objects = member<nlohmann::json>(table, "objects", where);
-  for (const auto& [object, delay] : objects.items()) {
-    delays[object] = {figure_in(member<nlohmann::json>(delay, "mean", where), where),
-                      member<std::uint64_t>(delay, "intervals", where), member<std::uint64_t>(delay, "misses", where),
-                      member<std::uint64_t>(delay, "early", where)};
+  const JsonView json(evaluation, where, MissingMember::is_error);
+  for (const auto& [object, delay] : json["delay_ms"][touch]["objects"].members()) {
+    delays[object] = {delay["mean"].get<Figure>(), delay["intervals"].count(), delay["misses"].count(), delay["early"].count()};
   }
   return delays;
 }

@@ -28,16 +28,13 @@ nlohmann::json steps_json(std::span<const StepRecord> steps);
 /// `path` as counted from a study's folder, whether it is there yet or not.
 std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-/// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
-Figure figure_in(const nlohmann::json& json, const std::string& where);
-
 /// Delays of one object's intervals of one class.
 struct ObjectDelays {
   Figure mean_ms;  ///< over detected ones
   std::uint64_t intervals = 0, misses = 0, early = 0;
 };
 
-/// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error  likewise
+/// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error, naming `where`, if there are none
 std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
                                               const std::string& where);
 

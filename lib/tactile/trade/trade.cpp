@@ -556,12 +556,12 @@ class Trade {
       const TradePoint& point = points_[choice->index];
       const json again = measured_again(point);
       TradeFigures figures;
-      const std::string where = (options_.out / "again").string();
-      figures.accuracy = figure_in(again.at("accuracy"), where);
-      figures.us_p50 = figure_in(again.at("us").at("p50"), where);
-      figures.us_p99 = figure_in(again.at("us").at("p99"), where);
-      figures.delay_us = figure_in(again.at("delay_us").at("mean"), where);
-      figures.false_alarms_per_min = figure_in(again.at("false_alarms_per_min"), where);
+      const JsonView view(again, (options_.out / "again").string(), MissingMember::is_error);
+      figures.accuracy = view["accuracy"].get<Figure>();
+      figures.us_p50 = view["us"]["p50"].get<Figure>();
+      figures.us_p99 = view["us"]["p99"].get<Figure>();
+      figures.delay_us = view["delay_us"]["mean"].get<Figure>();
+      figures.false_alarms_per_min = view["false_alarms_per_min"].get<Figure>();
       figures.tick_us = point.choice.figures.tick_us;
       const std::string words = &point == &points_.front() ? "the usual setting (" + whole_text(point.setting) + ")"
                                                            : text_of(point.setting, options_.usual) + " (else as usual)";

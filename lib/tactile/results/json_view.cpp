@@ -1,10 +1,11 @@
-#include "tactile/report/json_view.hpp"
+#include "tactile/results/json_view.hpp"
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 
 namespace tactile {
 
@@ -13,18 +14,20 @@ void JsonView::refuse(std::string_view expected) const {
 }
 
 JsonView JsonView::operator[](std::string_view key) const {
-  std::string where = fmt::format("{}: '{}'", where_, key);
-  if (json_ == nullptr) return {nullptr, std::move(where)};
-  if (!json_->is_object()) refuse("an object");
-  const auto found = json_->find(std::string(key));
-  return {found == json_->end() || found->is_null() ? nullptr : &*found, std::move(where)};
+  if (json_ != nullptr && !json_->is_object()) refuse("an object");
+  const nlohmann::json* found = nullptr;
+  if (json_ != nullptr) {
+    if (const auto at = json_->find(std::string(key)); at != json_->end()) found = &*at;
+  }
+  if (found == nullptr && missing_ == MissingMember::is_error) throw_bad_member(key, where_, "is missing");
+  return {found == nullptr || found->is_null() ? nullptr : found, fmt::format("{}: '{}'", where_, key), missing_};
 }
 
 std::vector<JsonView> JsonView::items() const {
   std::vector<JsonView> items;
   if (json_ == nullptr) return items;
   if (!json_->is_array()) refuse("a list");
-  for (const nlohmann::json& item : *json_) items.push_back({item.is_null() ? nullptr : &item, where_});
+  for (const nlohmann::json& item : *json_) items.push_back({item.is_null() ? nullptr : &item, where_, missing_});
   return items;
 }
 
@@ -36,10 +39,20 @@ std::vector<std::pair<std::string, JsonView>> JsonView::members() const {
   return members;
 }
 
-double JsonView::number() const {
-  if (json_ == nullptr) return std::numeric_limits<double>::quiet_NaN();
+double JsonView::number() const { return number_if_there().value_or(std::numeric_limits<double>::quiet_NaN()); }
+
+std::optional<double> JsonView::number_if_there() const {
+  if (json_ == nullptr) return std::nullopt;
   if (!json_->is_number()) refuse("a number");
   return json_->get<double>();
+}
+
+std::int64_t JsonView::whole_number() const {
+  if (json_ == nullptr) return 0;
+  const bool fits =
+      json_->is_number_integer() && (!json_->is_number_unsigned() || std::in_range<std::int64_t>(json_->get<std::uint64_t>()));
+  if (!fits) refuse("a whole number");
+  return json_->get<std::int64_t>();
 }
 
 std::uint64_t JsonView::count() const {
@@ -64,13 +77,6 @@ std::vector<std::string> JsonView::texts() const {
   std::vector<std::string> texts;
   for (const JsonView& item : items()) texts.push_back(item.text());
   return texts;
-}
-
-Measured JsonView::measured() const {
-  if (json_ == nullptr) return {};
-  if (json_->is_number()) return {.value = json_->get<double>()};
-  const JsonView& view = *this;
-  return {.value = view["value"].number(), .low = view["low"].number(), .high = view["high"].number(), .n = view["n"].count()};
 }
 
 std::string JsonView::words() const {
