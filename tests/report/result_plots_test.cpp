@@ -83,8 +83,8 @@ TEST(DelayPlot, HoldsBarsWhiskersAndWhatWasMissed) {
 }
 
 TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
-  const Plot plot = unseen_plot("Unseen", {{.object = "fan", .seen = {0.97, 0.96, 0.98, 9}, .held_out = {0.90, 0.85, 0.94, 9}},
-                                           {.object = "sprayer", .seen = {.value = 0.99}, .held_out = {.value = 0.5}}});
+  const Plot plot = unseen_plot("Unseen", {{"fan", {{0.97, 0.96, 0.98, 9}, {0.90, 0.85, 0.94, 9}, {}}},
+                                           {"sprayer", {{.value = 0.99}, {.value = 0.5}, {}}}});
   EXPECT_TRUE(has_row(plot, {97, 1.14, 96, 98}));
   EXPECT_TRUE(has_row(plot, {90, 0.86, 85, 94}));
   EXPECT_TRUE(has_row(plot, {99, 0.14, 99, 99}));  // without an interval: a point
@@ -92,8 +92,8 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   EXPECT_TRUE(tells(svg, "sprayer"));
   EXPECT_TRUE(tells(svg, "Whiskers: 95 % intervals where three could be drawn."));
   const Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
-  EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", bounded, bounded}})), "Whiskers: 95 % intervals."));
-  const std::string without = drawn(unseen_plot("None", {{"fan", single, single}}));
+  EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", {bounded, bounded, {}}}})), "Whiskers: 95 % intervals."));
+  const std::string without = drawn(unseen_plot("None", {{"fan", {single, single, {}}}}));
   EXPECT_TRUE(tells(without, "No interval for want of three"));
   EXPECT_FALSE(tells(without, "95 %"));
   drawn(unseen_plot("Nothing", {}));
@@ -227,7 +227,7 @@ TEST(FramesPlot, ShowsCountsRightWayUpAndRefusesWhatIsNoFrame) {
 
 TEST(FigureText, OfAnyNameIsShownAsItIsAndShortened) {
   const std::string hostile = "<b>'x\"&; system 'ls'";
-  const std::string svg = drawn(unseen_plot(hostile, {{.object = hostile, .seen = {.value = 0.9}, .held_out = {.value = 0.8}}}));
+  const std::string svg = drawn(unseen_plot(hostile, {{hostile, {{.value = 0.9}, {.value = 0.8}, {}}}}));
   EXPECT_TRUE(tells(svg, "&lt;b>")) << svg;
   EXPECT_FALSE(tells(svg, "<b>"));
   EXPECT_EQ(shortened("water-bottle", 20), "water-bottle");

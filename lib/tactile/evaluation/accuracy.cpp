@@ -68,8 +68,6 @@ Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said
   return confusion;
 }
 
-void to_json(nlohmann::json& json, const Accuracy& accuracy) { json = {{"mean", accuracy.mean}, {"objects", accuracy.objects}}; }
-
 Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
   return accuracy_by(
       runs, [runs](std::span<const std::size_t> indexes) { return accuracy_over(runs, indexes); }, options);
@@ -90,6 +88,17 @@ Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const Ru
         return *second - *first;
       },
       options);
+}
+
+UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
+                                   const BootstrapOptions& options) {
+  const Accuracy with = accuracy_of(seen, options), without = accuracy_of(held_out, options);
+  const Accuracy difference = accuracy_difference(seen, held_out, options);
+  UnseenComparison comparison;
+  comparison.mean = {with.mean, without.mean, difference.mean};
+  for (const auto& [name, figure] : with.objects)
+    comparison.objects[name] = {figure, without.objects.at(name), difference.objects.at(name)};
+  return comparison;
 }
 
 }  // namespace tactile

@@ -11,6 +11,8 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/accuracy.hpp"
+#include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
 
@@ -39,20 +41,17 @@ struct RunConfusion {
   Confusion confusion;
 };
 
-/// The share of balanced samples said right: of each object over all samples of its runs, and the mean over objects.
-struct Accuracy {
-  Figure mean;                            ///< objects drawn first, then runs; n = objects
-  std::map<std::string, Figure> objects;  ///< runs drawn; n = runs
-};
-
-void to_json(nlohmann::json& json, const Accuracy& accuracy);
-
 /// Runs without samples are left out.
 Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options = {});
 
 /// `b - a` of the same runs in the same order, in each draw too. @throws Error  if they are not runs of the same objects
 Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b,
                              const BootstrapOptions& options = {});
+
+/// Verdicts on the same runs with their objects in training and without, compared; neither models nor runs are named.
+/// @throws Error  likewise
+UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
+                                   const BootstrapOptions& options = {});
 
 /// The runs of each object, by their place in `runs`, objects by name; those for which `taken` is false are left out.
 template <class Run, class Taken>

@@ -539,32 +539,29 @@ class Report {
     if (input_.unseen.empty()) return;
     page_.section("unseen", "Unseen objects");
     bool first = true;
-    for (const ReportedUnseen& unseen : input_.unseen) {
+    for (const UnseenSection& unseen : input_.unseen) {
+      const UnseenComparison& comparison = unseen.comparison;
+      const UnseenComparison::Models models = comparison.models.value_or(UnseenComparison::Models{});
       if (unseen.is_beside) page_.begin_folded("The same on " + unseen.runs);
       const std::string where = unseen.runs.size() > 60 ? std::string("runs that neither model learned from") : unseen.runs;
       figure(first ? "unseen" : "unseen-" + name_part(where),
-             unseen_plot(titled("Seen and unseen objects, " + where), unseen.objects),
+             unseen_plot(titled("Seen and unseen objects, " + where), comparison.objects),
              fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
-                         unseen.objects.size(), 100 * unseen.mean.seen.value, 100 * unseen.mean.held_out.value),
+                         comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
              fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 9, on {}, "
                          "which neither model "
                          "learned from.",
-                         unseen.seen_model, unseen.held_out_model, where));
+                         models.seen, models.held_out, where));
       HtmlTable table{
           .caption =
               "Accuracy [%] on held-out objects, and what not having seen them changes [points]; below each its 95 % interval",
           .head = {"object", "seen", "held out", "difference"},
           .rows = {}};
-      table.rows.push_back({{.text = unseen.mean.object},
-                            percent_cell(unseen.mean.seen),
-                            percent_cell(unseen.mean.held_out),
-                            percent_cell(unseen.mean_difference)});
-      for (std::size_t i = 0; i < unseen.objects.size(); ++i) {
-        table.rows.push_back({{.text = unseen.objects[i].object},
-                              percent_cell(unseen.objects[i].seen),
-                              percent_cell(unseen.objects[i].held_out),
-                              percent_cell(unseen.differences[i])});
-      }
+      const auto add_row = [&](const std::string& name, const SeenAndHeldOut& of) {
+        table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
+      };
+      add_row("mean over objects", comparison.mean);
+      for (const auto& [object, of_object] : comparison.objects) add_row(object, of_object);
       page_.table(table);
       if (unseen.is_beside) page_.end_folded();
       first = false;

@@ -13,6 +13,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/results/accuracy.hpp"
 #include "tactile/results/json_view.hpp"
 
 namespace tactile {
@@ -170,21 +171,6 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   return evaluation;
 }
 
-std::optional<ReportedUnseen> unseen_of(const JsonView& json) {
-  ReportedUnseen unseen;
-  unseen.mean = {.object = "mean over objects",
-                 .seen = json["mean"]["seen"].get<Figure>(),
-                 .held_out = json["mean"]["held_out"].get<Figure>()};
-  unseen.mean_difference = json["mean"]["difference"].get<Figure>();
-  for (const auto& [object, values] : json["objects"].members()) {
-    unseen.objects.push_back(
-        {.object = object, .seen = values["seen"].get<Figure>(), .held_out = values["held_out"].get<Figure>()});
-    unseen.differences.push_back(values["difference"].get<Figure>());
-  }
-  if (unseen.objects.empty()) return std::nullopt;
-  return unseen;
-}
-
 /// The rows of `history.csv`; columns by their names.
 TrainingCurve training_in(const fs::path& file, const std::string& name) {
   const std::string text = read_text(file, std::size_t{16} << 20);
@@ -231,10 +217,11 @@ ReportedHistories histories_of(const std::string& runs, const std::vector<std::p
   std::map<std::string, HistoryCurve> objects;
   for (const auto& [history_ms, accuracy] : accuracies) {
     if (!accuracy) continue;
-    mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy["mean"].get<Figure>()});
-    for (const auto& [object, value] : accuracy["objects"].members()) {
+    const Accuracy read = accuracy.get<Accuracy>();
+    mean.points.push_back({.history_ms = history_ms, .accuracy = read.mean});
+    for (const auto& [object, value] : read.objects) {
       objects[object].name = object;
-      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value.get<Figure>()});
+      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value});
     }
   }
   if (mean.points.empty()) return histories;
@@ -278,8 +265,7 @@ bool is_there(ReportInput& input, const fs::path& file, std::string_view what) {
   return false;
 }
 
-std::string list_of(const JsonView& runs) {
-  const std::vector<std::string> names = runs.texts();
+std::string list_of(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return names.empty() ? "none" : fmt::format("{} runs: {}", names.size(), text);
@@ -425,13 +411,9 @@ ReportInput read_study(const fs::path& folder) {
   const JsonView unseen = study["unseen"];
   for (const auto& [key, words] : {std::pair<std::string, std::string>{"reported", "the runs reported on"},
                                    {"all_test", "all test runs, as in the paper"}}) {
-    if (std::optional<ReportedUnseen> found = unseen_of(unseen[key])) {
-      found->runs = words;
-      found->is_beside = key != "reported";
-      found->seen_model = unseen["models"]["seen"].text();
-      found->held_out_model = unseen["models"]["held_out"].text();
-      input.unseen.push_back(std::move(*found));
-    }
+    UnseenSection section{.runs = words, .comparison = unseen[key].get<UnseenComparison>(), .is_beside = key != "reported"};
+    section.comparison.models = unseen["models"].get<UnseenComparison::Models>();
+    if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
   }
   if (input.unseen.empty())
     input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' does so.");
@@ -442,12 +424,12 @@ ReportInput read_study(const fs::path& folder) {
       .head = {"split", "held out", "seen", "held out", "difference"},
       .rows = {}};
   for (const JsonView& split : study["splits"].items()) {
-    const JsonView mean = split["reported"]["mean"];
+    const SeenAndHeldOut mean = split["reported"]["mean"].get<SeenAndHeldOut>();
     const auto text = [](const Figure& value) {
       return std::isfinite(value.value) ? fmt::format("{:.2f} %", 100 * value.value) : "-";
     };
-    splits.rows.push_back({split["name"].text(), split["held_out"].words(), text(mean["seen"].get<Figure>()),
-                           text(mean["held_out"].get<Figure>()), text(mean["difference"].get<Figure>())});
+    splits.rows.push_back(
+        {split["name"].text(), split["held_out"].words(), text(mean.seen), text(mean.held_out), text(mean.difference)});
   }
   if (!splits.rows.empty()) {
     const Figure mean = study["splits_mean"]["reported"].get<Figure>();
@@ -489,7 +471,7 @@ ReportInput read_study(const fs::path& folder) {
                                     {"choice", "chosen on"},
                                     {"reported", "reported on"},
                                     {"all_test", "all test runs"}})
-    rows.push_back({words, list_of(study["runs"][name])});
+    rows.push_back({words, list_of(study["runs"][name].texts())});
   add_table("Runs", {"set", "runs"}, std::move(rows));
   add_table("Models: accuracy is the mean over objects on the runs reported on",
             {"model", "seed", "accuracy", "weights, SHA-256"}, std::move(seeds));
@@ -574,7 +556,7 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
         evaluation.id = "reported";
         evaluation.model = name;
         evaluation.history_ms = history_ms;
-        evaluation.runs = list_of(json["test_runs"]);
+        evaluation.runs = list_of(json["test_runs"].texts());
         input.evaluations.push_back(std::move(evaluation));
         add_settings(settings, "bootstrap ", json["bootstrap"]);
       }
@@ -585,13 +567,11 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
     if (const fs::path unseen_file = folder / "eval-unseen.json";
         input.unseen.empty() && fs::is_regular_file(unseen_file, ignored)) {
       const nlohmann::json document = read_json(unseen_file);
-      const JsonView unseen = JsonView(document, unseen_file.string())["unseen"];
-      if (std::optional<ReportedUnseen> found = unseen_of(unseen)) {
-        found->runs = list_of(unseen["runs"]);
-        found->seen_model = unseen["models"]["seen"].text();
-        found->held_out_model = unseen["models"]["held_out"].text();
-        input.unseen.push_back(std::move(*found));
-      }
+      UnseenSection section{.runs = {},
+                            .comparison = JsonView(document, unseen_file.string())["unseen"].get<UnseenComparison>(),
+                            .is_beside = false};
+      section.runs = list_of(section.comparison.runs);
+      if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
     }
     if (!is_first) continue;
     input.title = fmt::format("Results of {}{}", name, input.simulated ? " (simulated runs)" : "");

@@ -83,14 +83,10 @@ struct ReportedRun {
   std::filesystem::path outcome;  ///< how its intervals were met, as `tactile eval --run` writes it; may not be there
 };
 
-/// Objects seen beside the same held out.
-struct ReportedUnseen {
+/// Objects seen beside the same held out, on one set of runs.
+struct UnseenSection {
   std::string runs;  ///< in words; may be empty
-  std::string seen_model, held_out_model;
-  std::vector<UnseenBars> objects;
-  std::vector<Figure> differences;  ///< held out less seen, of each object
-  UnseenBars mean;
-  Figure mean_difference;
+  UnseenComparison comparison;
   bool is_beside = false;
 };
 
@@ -119,7 +115,7 @@ struct ReportInput {
   std::vector<ReportedTable> choice;  ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
   std::vector<ReportedRun> runs;
-  std::vector<ReportedUnseen> unseen;
+  std::vector<UnseenSection> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
   std::optional<ReportedTrade> trade;  ///< of speed for accuracy

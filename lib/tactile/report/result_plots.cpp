@@ -239,14 +239,15 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   return std::move(script).plot();
 }
 
-Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects) {
+Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects) {
   constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
   const std::size_t shown = std::min(objects.size(), most_panels);
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   PlotScript script(title, page_width, bottom + below);
+  const auto end = std::next(objects.begin(), static_cast<std::ptrdiff_t>(shown));
   std::size_t with_interval = 0, drawn = 0;
-  for (std::size_t i = 0; i < shown; ++i) {
-    for (const Figure* measured : {&objects[i].seen, &objects[i].held_out}) {
+  for (auto object = objects.begin(); object != end; ++object) {
+    for (const Figure* measured : {&object->second.seen, &object->second.held_out}) {
       with_interval += measured->has_interval() ? 1U : 0U;
       drawn += std::isfinite(measured->value) ? 1U : 0U;
     }
@@ -258,18 +259,17 @@ Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& object
   AccuracyAxis axis;
   std::vector<double> seen, held_out, joined;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < shown; ++i) {
-    const UnseenBars& object = objects[i];
-    names.push_back(object.object);
-    axis.include(object.seen);
-    axis.include(object.held_out);
-    const auto y = static_cast<double>(shown - 1 - i);
-    seen.insert(seen.end(), {percent(object.seen.value), y + 0.14});
-    add_interval(seen, object.seen);
-    held_out.insert(held_out.end(), {percent(object.held_out.value), y - 0.14});
-    add_interval(held_out, object.held_out);
-    joined.insert(joined.end(),
-                  {percent(object.seen.value), y + 0.14, percent(object.held_out.value - object.seen.value), -0.28});
+  for (auto object = objects.begin(); object != end; ++object) {
+    const auto& [name, of] = *object;
+    names.push_back(name);
+    axis.include(of.seen);
+    axis.include(of.held_out);
+    const auto y = static_cast<double>(shown - names.size());
+    seen.insert(seen.end(), {percent(of.seen.value), y + 0.14});
+    add_interval(seen, of.seen);
+    held_out.insert(held_out.end(), {percent(of.held_out.value), y - 0.14});
+    add_interval(held_out, of.held_out);
+    joined.insert(joined.end(), {percent(of.seen.value), y + 0.14, percent(of.held_out.value - of.seen.value), -0.28});
   }
   script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [-0.6:{:.9g}]", axis.begin(), axis.end(), static_cast<double>(shown) - 0.4);
   script.add("set ytics ({}) scale 0", row_names(names));

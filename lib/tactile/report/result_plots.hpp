@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/report/gnuplot.hpp"
 #include "tactile/results/figure.hpp"
+#include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
 
@@ -49,14 +51,9 @@ struct DelayBar {
 Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
                 const std::vector<DelayBar>& slip, double limit_ms = 5);
 
-/// Accuracy on one object with it in training, and without.
-struct UnseenBars {
-  std::string object;
-  Figure seen, held_out;  ///< in [0, 1]
-};
-
+/// Accuracy on each object with it in training, and without, an object a row.
 /// Source: Faris et al., arXiv:2403.10120, figure 9.
-Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects);
+Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects);
 
 /// Rows true, columns said; each field with its count and its share of the row.
 /// @param counts  [none, press, slip][none, press, slip]

@@ -602,22 +602,19 @@ class Study {
   /// A path as study.json has it: from the study's folder on.
   std::string from_study(const fs::path& path) const { return from_folder(path, options_.out); }
 
-  SeenAndHeldOut compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
-    SeenAndHeldOut comparison;
+  UnseenComparison compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
+    std::vector<std::string> runs;
     for (const std::uint32_t run : set.runs) {
       const auto& judged_on = held_out.front().runs;
-      if (std::find(judged_on.begin(), judged_on.end(), run) != judged_on.end())
-        comparison.runs.push_back(name_of(dataset_->runs()[run]));
+      if (std::find(judged_on.begin(), judged_on.end(), run) != judged_on.end()) runs.push_back(name_of(dataset_->runs()[run]));
     }
-    if (comparison.runs.empty()) return comparison;
+    if (runs.empty()) return {};
     // As many models with the objects as without them, of the same seeds.
     const auto& all = models_.at(history_);
     const std::vector<StudyModel> with(all.begin(),
                                        all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), held_out.size())));
-    const auto seen = judged(with, comparison.runs), without = judged(held_out, comparison.runs);
-    comparison.seen = accuracy_of(seen);
-    comparison.held_out = accuracy_of(without);
-    comparison.difference = accuracy_difference(seen, without);
+    UnseenComparison comparison = unseen_comparison(judged(with, runs), judged(held_out, runs));
+    comparison.runs = std::move(runs);
     return comparison;
   }
 
@@ -642,7 +639,7 @@ class Study {
                         both["still_said"].get<Figure>(), over_time["after_ms"].number(),
                         both["intervals"].count(),        both["short_ones"].count()};
     if (!unseen_.empty()) {
-      const SeenAndHeldOut comparison = compared(unseen_, set);
+      const UnseenComparison comparison = compared(unseen_, set);
       if (!comparison.runs.empty()) {
         const auto& all = models_.at(history_);
         inputs.seen = judged(all, comparison.runs);
@@ -806,17 +803,12 @@ class Study {
     study["remarks"] = remarks_;
     study["left_out"] = left_out_of(*dataset_, runs_below(options_.data));
 
-    std::vector<std::unique_ptr<SeenAndHeldOut>> comparisons;
     std::vector<UnseenRow> unseen_rows;
     const auto add_comparison = [&](json& entry, const std::string& split, const std::vector<StudyModel>& held_out) {
       for (const RunSet* set : {&reported(), &all_test()}) {
-        comparisons.push_back(std::make_unique<SeenAndHeldOut>(compared(held_out, *set)));
-        if (comparisons.back()->runs.empty()) {
-          entry[set->name] = nullptr;
-          continue;
-        }
-        entry[set->name] = *comparisons.back();
-        unseen_rows.push_back({split, set->name, comparisons.back().get()});
+        const UnseenComparison comparison = compared(held_out, *set);
+        entry[set->name] = comparison.runs.empty() ? json() : json(comparison);
+        if (!comparison.runs.empty()) unseen_rows.push_back({split, set->name, comparison});
       }
     };
     if (!unseen_.empty()) {
@@ -861,7 +853,7 @@ class Study {
   json splits_mean(const RunSet& set) const {
     std::map<std::string, RunConfusion> with, without;
     for (const StudyModel& model : split_models_) {
-      const SeenAndHeldOut comparison = compared({model}, set);
+      const UnseenComparison comparison = compared({model}, set);
       if (comparison.runs.empty()) continue;
       const auto seen = judged({models_.at(history_).front()}, comparison.runs), held_out = judged({model}, comparison.runs);
       for (std::size_t i = 0; i < comparison.runs.size(); ++i) {

@@ -20,10 +20,6 @@ std::string cells(const Figure& figure) {
                      figure.n);
 }
 
-nlohmann::json compared(const Figure& seen, const Figure& held_out, const Figure& difference) {
-  return {{"seen", seen}, {"held_out", held_out}, {"difference", difference}};
-}
-
 }  // namespace
 
 nlohmann::json software_json() {
@@ -95,22 +91,14 @@ std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
   return text;
 }
 
-void to_json(nlohmann::json& json, const SeenAndHeldOut& comparison) {
-  json = {{"runs", comparison.runs},
-          {"mean", compared(comparison.seen.mean, comparison.held_out.mean, comparison.difference.mean)},
-          {"objects", nlohmann::json::object()}};
-  for (const auto& [object, seen] : comparison.seen.objects)
-    json["objects"][object] = compared(seen, comparison.held_out.objects.at(object), comparison.difference.objects.at(object));
-}
-
 std::string unseen_csv(const std::vector<UnseenRow>& rows) {
   std::string text = "split,runs,object,of,value,low,high,n\n";
   for (const UnseenRow& row : rows) {
-    for (const auto& [of, accuracy] : {std::pair("seen", &row.comparison->seen), std::pair("held_out", &row.comparison->held_out),
-                                       std::pair("difference", &row.comparison->difference)}) {
-      text += fmt::format("{},{},all,{},{}\n", row.split, row.runs, of, cells(accuracy->mean));
-      for (const auto& [object, figure] : accuracy->objects)
-        text += fmt::format("{},{},{},{},{}\n", row.split, row.runs, object, of, cells(figure));
+    for (const auto& [of, figure] : {std::pair("seen", &SeenAndHeldOut::seen), std::pair("held_out", &SeenAndHeldOut::held_out),
+                                     std::pair("difference", &SeenAndHeldOut::difference)}) {
+      text += fmt::format("{},{},all,{},{}\n", row.split, row.runs, of, cells(row.comparison.mean.*figure));
+      for (const auto& [object, of_object] : row.comparison.objects)
+        text += fmt::format("{},{},{},{},{}\n", row.split, row.runs, object, of, cells(of_object.*figure));
     }
   }
   return text;

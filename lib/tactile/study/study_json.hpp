@@ -54,18 +54,9 @@ struct AccuracyRow {
 /// th_ms,runs,object,value,low,high,n; the mean over objects as object "all".
 std::string accuracy_csv(const std::vector<AccuracyRow>& rows);
 
-/// Accuracies with objects in training and without, on runs that neither model saw.
-struct SeenAndHeldOut {
-  std::vector<std::string> runs;
-  Accuracy seen, held_out, difference;
-};
-
-/// {"runs", "mean", "objects"}, with "seen", "held_out", "difference" in "mean" and in each of "objects".
-void to_json(nlohmann::json& json, const SeenAndHeldOut& comparison);
-
 struct UnseenRow {
   std::string split, runs;
-  const SeenAndHeldOut* comparison = nullptr;
+  UnseenComparison comparison;
 };
 
 /// split,runs,object,of,value,low,high,n
