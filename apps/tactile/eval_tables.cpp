@@ -151,8 +151,8 @@ std::string operating_text(const Evaluation& evaluation) {
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
     rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
-                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms.per_min),
-                    bounds(point.false_alarms.per_min, 1)});
+                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms_per_min),
+                    bounds(point.false_alarms_per_min, 1)});
   }
   return text_table({"said from", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
          wrapped(operating_legend) + "\n";

@@ -166,8 +166,8 @@ std::string table_of(const Evaluation& evaluation) {
     const std::string group = fmt::format("threshold:{}", point.threshold);
     table.delay(group, "all", "press", point.press);
     table.delay(group, "all", "slip", point.slip);
-    table.figure(group, "all", "", "false_alarms_per_min", point.false_alarms.per_min);
-    table.count(group, "all", "", "false_alarms", point.false_alarms.total.alarms);
+    table.figure(group, "all", "", "false_alarms_per_min", point.false_alarms_per_min);
+    table.count(group, "all", "", "false_alarms", point.false_alarms);
   }
   if (!evaluation.truth) return std::move(table).text();
   const TruthScore& truth = *evaluation.truth;

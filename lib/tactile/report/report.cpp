@@ -302,38 +302,38 @@ class Report {
     for (const ReportedTable& table : input_.choice) page_.table(table_of(table));
   }
 
-  static std::vector<std::string> objects_of(const ReportedDelays& press, const ReportedDelays& slip) {
+  static std::vector<std::string> objects_of(const DelayTable& press, const DelayTable& slip) {
     std::set<std::string> names;
-    for (const ReportedDelays* delays : {&press, &slip}) {
-      for (const DelayBar& bar : delays->objects) names.insert(bar.object);
+    for (const DelayTable* delays : {&press, &slip}) {
+      for (const auto& object : delays->objects) names.insert(object.first);
     }
     return {names.begin(), names.end()};
   }
 
   static bool has_standard_errors(const ReportedEvaluation& evaluation) {
-    const auto has_one = [](const DelayBar& bar) { return std::isfinite(bar.sem_ms); };
+    const auto has_one = [](const auto& object) { return std::isfinite(object.second.sem_ms); };
     return std::any_of(evaluation.press.objects.begin(), evaluation.press.objects.end(), has_one) ||
            std::any_of(evaluation.slip.objects.begin(), evaluation.slip.objects.end(), has_one);
   }
 
-  void delay_table(const std::string& caption, const std::vector<std::pair<std::string, const ReportedDelays*>>& classes,
+  void delay_table(const std::string& caption, const std::vector<std::pair<std::string, const DelayTable*>>& classes,
                    const std::vector<ReportedFalseAlarms>& detectors = {}) {
     HtmlTable table{.caption = caption,
                     .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"},
                     .rows = {}};
-    const auto add = [&](const std::string& object, const std::string& touch, const DelayBar& bar) {
+    const auto add = [&](const std::string& object, const std::string& touch, const DelaySummary& delay) {
       table.rows.push_back({{.text = object},
                             {.text = touch},
-                            plain_number(bar.mean_ms),
-                            plain_number(bar.sem_ms),
-                            number(fmt::format("{}", bar.intervals)),
-                            number(fmt::format("{}", bar.misses)),
-                            number(fmt::format("{}", bar.early))});
+                            plain_number(delay.mean_ms.value),
+                            plain_number(delay.sem_ms),
+                            number(fmt::format("{}", delay.intervals)),
+                            number(fmt::format("{}", delay.misses)),
+                            number(fmt::format("{}", delay.early))});
     };
     for (const auto& [touch, delays] : classes) {
       if (delays == nullptr || delays->all.intervals == 0) continue;
       add("all objects", touch, delays->all);
-      for (const DelayBar& bar : delays->objects) add(bar.object, touch, bar);
+      for (const auto& [object, delay] : delays->objects) add(object, touch, delay);
     }
     for (const ReportedFalseAlarms& detector : detectors) {
       if (detector.of == "network") continue;
@@ -381,7 +381,7 @@ class Report {
           "delays" + suffix,
           delay_plot(titled("Detection delay, " + evaluation.model), objects, evaluation.press.objects, evaluation.slip.objects),
           fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.",
-                      evaluation.press.mean.value, evaluation.slip.mean.value),
+                      evaluation.press.all.mean_ms.value, evaluation.slip.all.mean_ms.value),
           fmt::format("Detection delay of press and slip{}, as in the paper's figure 7. One tick, {:g} ms, "
                       "is the best "
                       "possible. Means leave out what was missed or said early, which is told beside the bars.",
@@ -392,7 +392,7 @@ class Report {
       delay_table("Detection delay against the labels, and that of trivial detectors, which know nothing, on the same intervals",
                   {{"press", &evaluation.press}, {"slip", &evaluation.slip}}, evaluation.false_alarms);
     }
-    const auto pointer = [](const std::optional<ReportedDelays>& delays) { return delays ? &*delays : nullptr; };
+    const auto pointer = [](const std::optional<DelayTable>& delays) { return delays ? &*delays : nullptr; };
     delay_table(
         "Detection delay against the truth of the simulation; gross: against the first motion between object and tip, negative "
         "where slip was "
@@ -412,8 +412,8 @@ class Report {
       const auto count = [](const std::optional<std::uint64_t>& alarms) {
         return number(alarms ? fmt::format("{}", *alarms) : std::string("-"));
       };
-      const auto delay = [](const DelayBar& bar) {
-        HtmlCell cell = plain_number(bar.mean_ms);
+      const auto delay = [](const DelaySummary& bar) {
+        HtmlCell cell = plain_number(bar.mean_ms.value);
         if (bar.misses == bar.intervals && bar.misses > 0)
           cell.second_line = fmt::format("all {} missed", bar.misses);
         else if (bar.early == bar.intervals && bar.early > 0)

@@ -23,24 +23,8 @@ namespace fs = std::filesystem;
 
 using Row = std::vector<std::string>;
 
-DelayBar bar_of(const std::string& object, const JsonView& delays) {
-  return {.object = object,
-          .mean_ms = delays["mean"].get<Figure>().value,
-          .sem_ms = delays["sem"].number(),
-          .intervals = delays["intervals"].count(),
-          .misses = delays["misses"].count(),
-          .early = delays["early"].count()};
-}
-
-ReportedDelays delays_of(const JsonView& json) {
-  ReportedDelays delays{
-      .all = bar_of("all", json), .mean = json["mean"].get<Figure>(), .median = json["median"].get<Figure>(), .objects = {}};
-  for (const auto& [object, of_object] : json["objects"].members()) delays.objects.push_back(bar_of(object, of_object));
-  return delays;
-}
-
-std::optional<ReportedDelays> delays_if_there(const JsonView& json) {
-  return json ? std::optional(delays_of(json)) : std::nullopt;
+std::optional<DelayTable> delays_if_there(const JsonView& json) {
+  return json ? std::optional(json.get<DelayTable>()) : std::nullopt;
 }
 
 TouchOverTime over_time_of(const JsonView& json) {
@@ -54,22 +38,14 @@ TouchOverTime over_time_of(const JsonView& json) {
   return {.since_onset = bins_of(json["since_onset"]), .before_end = bins_of(json["before_end"])};
 }
 
-OperatingMark::OfTouch operating_delay(const JsonView& json) {
-  const std::uint64_t intervals = json["intervals"].count();
-  return {.mean_ms = json["mean"].get<Figure>().value,
-          .missed = intervals == 0
-                        ? std::numeric_limits<double>::quiet_NaN()
-                        : static_cast<double>(json["misses"].count() + json["early"].count()) / static_cast<double>(intervals)};
-}
-
 /// Of a detector: the network, or a trivial one.
 ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& detector) {
   const JsonView alarms = detector["false_alarms"];
   const auto count = [](const JsonView& json) { return json ? std::optional(json.count()) : std::nullopt; };
   return {.of = name,
           .per_min = detector["false_alarms_per_min"].get<Figure>(),
-          .press = bar_of("all", detector["delay_ms"]["press"]),
-          .slip = bar_of("all", detector["delay_ms"]["slip"]),
+          .press = detector["delay_ms"]["press"].get<DelaySummary>(),
+          .slip = detector["delay_ms"]["slip"].get<DelaySummary>(),
           .count = count(alarms["count"]),
           .after_intervals = count(alarms["after_intervals"]["count"]),
           .unlabelled = count(alarms["unlabelled"]["count"]),
@@ -129,25 +105,19 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
                                                                    scores["recall"].get<Figure>(), scores["f1"].get<Figure>()});
     }
   }
-  evaluation.press = delays_of(json["delay_ms"]["press"]);
-  evaluation.slip = delays_of(json["delay_ms"]["slip"]);
+  evaluation.press = json["delay_ms"]["press"].get<DelayTable>();
+  evaluation.slip = json["delay_ms"]["slip"].get<DelayTable>();
   evaluation.true_press = delays_if_there(json["delay_true_ms"]["press"]);
   evaluation.true_slip = delays_if_there(json["delay_true_ms"]["slip"]);
   evaluation.gross_slip = delays_if_there(json["delay_gross_ms"]["slip"]);
   if (json["false_alarms_per_min"]) {
     evaluation.false_alarms.push_back(false_alarms_of("network", json));
-    evaluation.own_point = OperatingMark{.threshold = std::numeric_limits<double>::quiet_NaN(),
-                                         .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>().value,
-                                         .press = operating_delay(json["delay_ms"]["press"]),
-                                         .slip = operating_delay(json["delay_ms"]["slip"])};
+    evaluation.own_point = OperatingPoint{.press = evaluation.press.all,
+                                          .slip = evaluation.slip.all,
+                                          .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>()};
   }
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
-  for (const JsonView& point : json["operating_curve"].items()) {
-    evaluation.operating_curve.push_back({.threshold = point["threshold"].number(),
-                                          .false_alarms_per_min = point["false_alarms_per_min"].get<Figure>().value,
-                                          .press = operating_delay(point["delay_ms"]["press"]),
-                                          .slip = operating_delay(point["delay_ms"]["slip"])});
-  }
+  evaluation.operating_curve = json["operating_curve"].list_of<OperatingPoint>();
   evaluation.ece = json["calibration"]["ece"].get<Figure>();
   for (const JsonView& bin : json["calibration"]["bins"].items()) {
     evaluation.reliability.push_back({.from = bin["from"].number(),

@@ -29,17 +29,10 @@ struct ReportedClaim {
   std::optional<Side> all_test;  ///< chosen on the runs reported on, as in the paper
 };
 
-/// Delays of one class, of all objects together and of each.
-struct ReportedDelays {
-  DelayBar all;
-  Figure mean, median;
-  std::vector<DelayBar> objects;
-};
-
 struct ReportedFalseAlarms {
   std::string of;  ///< "network", "always_press"
   Figure per_min;
-  DelayBar press, slip;  ///< over all objects
+  DelaySummary press, slip;  ///< over all objects
   std::optional<std::uint64_t> count, after_intervals,
       unlabelled;                                              ///< begun in none time, within the guard, in motion nobody labels
   double none_min = std::numeric_limits<double>::quiet_NaN();  ///< what `per_min` is per [min]
@@ -62,11 +55,11 @@ struct ReportedEvaluation {
   std::vector<ReportedAccuracy> accuracies;  ///< the mean over objects first
   std::optional<std::array<std::array<std::uint64_t, touch_count>, touch_count>> confusion;
   std::vector<std::pair<std::string, std::array<Figure, 3>>> per_class;  ///< precision, recall, F1
-  ReportedDelays press, slip;
-  std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
-  std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
-  std::vector<OperatingMark> operating_curve;
-  std::optional<OperatingMark> own_point;  ///< the network's own verdicts, without a threshold
+  DelayTable press, slip;
+  std::optional<DelayTable> true_press, true_slip, gross_slip;  ///< simulated runs
+  std::vector<ReportedFalseAlarms> false_alarms;                ///< the network's first, then the trivial detectors'
+  std::vector<OperatingPoint> operating_curve;
+  std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
   std::vector<ReliabilityBin> reliability;
   Figure ece;
   std::optional<TouchOverTime> press_over_time, slip_over_time;

@@ -10,7 +10,9 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/report/gnuplot.hpp"
+#include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
+#include "tactile/results/operating_point.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
@@ -35,21 +37,14 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 /// Source: Faris et al., arXiv:2403.10120, figure 6.
 Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves);
 
-/// How late an object's intervals of one class were detected.
-struct DelayBar {
-  std::string object;
-  double mean_ms = std::numeric_limits<double>::quiet_NaN();
-  double sem_ms = std::numeric_limits<double>::quiet_NaN();  ///< standard error of the mean
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-};
-
 /// Bars of the mean detection delay with its standard error, presses beside slips, an object a row; what was missed or early is
 /// told beside them.
 /// @param objects  in the order of the rows, those of `press` and `slip` that they name
 /// @param limit_ms a line that the paper stays below
 /// Source: Faris et al., arXiv:2403.10120, figure 7.
-Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
-                const std::vector<DelayBar>& slip, double limit_ms = 5);
+Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
+                const std::map<std::string, DelaySummary>& press, const std::map<std::string, DelaySummary>& slip,
+                double limit_ms = 5);
 
 /// Accuracy on each object with it in training, and without, an object a row.
 /// Source: Faris et al., arXiv:2403.10120, figure 9.
@@ -59,22 +54,11 @@ Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHe
 /// @param counts  [none, press, slip][none, press, slip]
 Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts);
 
-/// What is met where press or slip is said from one probability on.
-struct OperatingMark {
-  struct OfTouch {
-    double mean_ms = std::numeric_limits<double>::quiet_NaN();
-    double missed = std::numeric_limits<double>::quiet_NaN();  ///< share of intervals missed or early, in [0, 1]
-  };
-  double threshold = 0;  ///< in [0, 1]
-  double false_alarms_per_min = std::numeric_limits<double>::quiet_NaN();
-  OfTouch press, slip;
-};
-
 /// Delay, and what it leaves out, against false alarms over the thresholds. A few are told beside the points of each curve, in
 /// its colour, where there is room.
 /// @param own  what the network's own verdicts give, without a threshold: hollow diamonds
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingMark>& points,
-                          const std::optional<OperatingMark>& own = {});
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
+                          const std::optional<OperatingPoint>& own = {});
 
 /// Samples whose largest probability lies in (from, to].
 struct ReliabilityBin {

@@ -62,11 +62,12 @@ class JsonView {
     return results;
   }
 
-  [[noreturn]] void refuse(std::string_view expected) const;  ///< @throws Error  "FILE: 'MEMBER' is text; expected a number"
+  const std::string& where() const { return where_; }  ///< "FILE: 'MEMBER'"
 
  private:
   JsonView(const nlohmann::json* json, std::string where, MissingMember missing)
       : json_(json), where_(std::move(where)), missing_(missing) {}
+  [[noreturn]] void refuse(std::string_view expected) const;
 
   const nlohmann::json* json_;
   std::string where_;

@@ -12,8 +12,8 @@ namespace tactile {
 
 /// Accuracy with an object in training, and without it; in [0, 1].
 struct SeenAndHeldOut {
-  Figure seen, held_out;
-  Figure difference;  ///< held out - seen, paired over runs: below 0 where not having seen an object costs accuracy
+  Figure seen{}, held_out{};
+  Figure difference{};  ///< held out - seen, paired over runs: below 0 where not having seen an object costs accuracy
 };
 
 /// Accuracies of two models on runs that neither was trained on.

@@ -729,7 +729,9 @@ class Study {
     json evaluations = json::array();
     for (const Evaluated& one : evaluated_) {
       const json full = read_json(one.json_file);
-      const double tick_ms = member<double>(full, "tick_ms", one.json_file.string());
+      const JsonView view(full, one.json_file.string(), MissingMember::is_error);
+      const double tick_ms = view["tick_ms"].number();
+      const auto slip = view["delay_ms"]["slip"].get<DelayTable>();
       json entry = {{"id", one.id},
                     {"th_ms", in_ms(one.model.settings.rendering.history)},
                     {"seed", one.model.settings.training.seed},
@@ -739,7 +741,7 @@ class Study {
                     {"csv", from_study(one.csv_file)}};
       for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
         entry[key] = full.at(key);
-      entry["slip_at_once"]["objects"] = told_at_once(delays_in(full, "slip", one.json_file.string()), tick_ms);
+      entry["slip_at_once"]["objects"] = told_at_once(slip.objects, tick_ms);
       evaluations.push_back(entry);
     }
     return evaluations;

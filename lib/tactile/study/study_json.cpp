@@ -5,7 +5,6 @@
 #include <cmath>
 #include <thread>
 
-#include "tactile/core/json.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/model/library.hpp"
@@ -53,27 +52,14 @@ std::string from_folder(const std::filesystem::path& path, const std::filesystem
   return whole(path).lexically_relative(whole(folder)).generic_string();
 }
 
-std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
-                                              const std::string& where) {
-  std::map<std::string, ObjectDelays> delays;
-  const JsonView json(evaluation, where, MissingMember::is_error);
-  for (const auto& [object, delay] : json["delay_ms"][touch]["objects"].members()) {
-    delays[object] = {delay["mean"].get<Figure>(), delay["intervals"].count(), delay["misses"].count(), delay["early"].count()};
-  }
-  return delays;
-}
-
 std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
   std::vector<RunDetections> runs;
-  for (const nlohmann::json& run : member<nlohmann::json>(evaluation, "runs", where)) {
-    runs.push_back({member<std::string>(run, "object", where), {}});
-    for (const nlohmann::json& interval : member<nlohmann::json>(run, "intervals", where))
-      runs.back().detections.push_back(detection_in(interval, where));
-  }
+  for (const JsonView& run : JsonView(evaluation, where, MissingMember::is_error)["runs"].items())
+    runs.push_back({run["object"].text(), run["intervals"].list_of<Detection>()});
   return runs;
 }
 
-std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms) {
+std::map<std::string, bool> told_at_once(const std::map<std::string, DelaySummary>& delays, double tick_ms) {
   std::map<std::string, bool> at_once;
   for (const auto& [object, delay] : delays) {
     if (delay.intervals > 0) at_once[object] = delay.misses + delay.early == 0 && delay.mean_ms.value <= tick_ms * (1 + 1e-9);

@@ -28,21 +28,11 @@ nlohmann::json steps_json(std::span<const StepRecord> steps);
 /// `path` as counted from a study's folder, whether it is there yet or not.
 std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-/// Delays of one object's intervals of one class.
-struct ObjectDelays {
-  Figure mean_ms;  ///< over detected ones
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-};
-
-/// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error, naming `where`, if there are none
-std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
-                                              const std::string& where);
-
-/// How the intervals of each run were met: "runs" of an evaluation. @throws Error  likewise
+/// How the intervals of each run were met: "runs" of an evaluation. @throws Error, naming `where`, if it has none
 std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
 
 /// Which objects had every slip told at the first tick: none missed, none early, and a mean of one tick.
-std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms);
+std::map<std::string, bool> told_at_once(const std::map<std::string, DelaySummary>& delays, double tick_ms);
 
 /// Accuracies on one set of runs, for a table.
 struct AccuracyRow {
