@@ -324,19 +324,5 @@ TEST(Claims, HistoriesOfDifferentRunsAreAnError) {
   EXPECT_THROW(claims_of(with_histories({{2ms, runs_of(1, 2, 3)}, {40ms, {run_of("fan", 3)}}})), Error);
 }
 
-TEST(Claims, JsonHasWhatTheReportNeeds) {
-  const nlohmann::json json = claim_named(with_histories({{40ms, runs_of(99, 96, 97)}}), "accuracy-at-40");
-  EXPECT_EQ(json.at("verdict"), "holds");
-  EXPECT_EQ(json.at("asked"), "above");
-  EXPECT_EQ(json.at("limit"), 95);
-  EXPECT_EQ(json.at("measured").at("n"), 3);
-  EXPECT_EQ(json.at("kept"), 3);
-  EXPECT_EQ(json.at("of"), 3);
-  EXPECT_EQ(json.at("can_be_told"), true);
-  EXPECT_EQ(json.at("why"), "");
-  EXPECT_EQ(json.at("objects").size(), 3U);
-  EXPECT_FALSE(json.at("paper").get<std::string>().empty());
-}
-
 }  // namespace
 }  // namespace tactile

@@ -64,7 +64,7 @@ TEST(StudyJson, TablesHaveARowForEachFigure) {
   claim.of = 6;
   claim.measured = {3, 2, 4, 3};
   claim.verdict = Verdict::holds;
-  EXPECT_EQ(claims_csv({claim}, {}),
+  EXPECT_EQ(claims_csv({claim}),
             "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\nx,reported,3.0,2.0,4.0,3,ms,below,5,4,6,holds\n");
 }
 

@@ -65,8 +65,12 @@ std::string with_unit(const Figure& measured, const std::string& unit) {
   return text;
 }
 
-HtmlTone tone_of(std::string_view verdict) {
-  return verdict == "holds" ? HtmlTone::good : verdict == "does not" ? HtmlTone::bad : HtmlTone::open;
+HtmlCell verdict_cell(const ClaimOutcome& outcome, const std::string& second_line) {
+  const Verdict verdict = outcome.verdict;
+  const HtmlTone tone = verdict == Verdict::holds      ? HtmlTone::good
+                        : verdict == Verdict::does_not ? HtmlTone::bad
+                                                       : HtmlTone::open;
+  return {.text = std::string(name_of(verdict)), .tone = tone, .second_line = second_line};
 }
 
 std::string summary_of(const HistoryCurve& curve) {
@@ -168,23 +172,22 @@ class Report {
       }
       return text;
     };
-    for (const ReportedClaim& claim : input_.claims) {
-      if (!std::isfinite(claim.reported.measured.value)) missing_.push_back("The claim was not measured: " + claim.claim + ".");
-      const std::string asked =
-          std::isfinite(claim.limit) ? fmt::format("; asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
-      const std::string measured = with_unit(claim.reported.measured, claim.unit) + asked;
-      const bool has_words = !claim.reported.in_words.empty();
-      std::vector<HtmlCell> row{
-          {.text = claim.claim},
-          {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict), .second_line = claim.reported.why},
-          {.text = claim.paper},
-          {.text = has_words ? claim.reported.in_words : measured,
-           .second_line = joined({has_words ? measured : std::string(), claim.reported.note})}};
+    for (const Claim& claim : input_.claims) {
+      if (!std::isfinite(claim.measured.value)) missing_.push_back("The claim was not measured: " + claim.claim + ".");
+      const std::string asked = std::isfinite(claim.limit)
+                                    ? fmt::format("; asked: {} {:g} {}", name_of(claim.asked), claim.limit, claim.unit)
+                                    : std::string();
+      const std::string measured = with_unit(claim.measured, claim.unit) + asked;
+      const bool has_words = !claim.in_words.empty();
+      std::vector<HtmlCell> row{{.text = claim.claim},
+                                verdict_cell(claim, claim.why),
+                                {.text = claim.paper},
+                                {.text = has_words ? claim.in_words : measured,
+                                 .second_line = joined({has_words ? measured : std::string(), claim.note})}};
       if (claim.all_test) {
-        row.push_back({.text = claim.all_test->verdict,
-                       .tone = tone_of(claim.all_test->verdict),
-                       .second_line = joined({claim.all_test->why, claim.all_test->in_words,
-                                              with_unit(claim.all_test->measured, claim.unit), claim.all_test->note})});
+        row.push_back(
+            verdict_cell(*claim.all_test, joined({claim.all_test->why, claim.all_test->in_words,
+                                                  with_unit(claim.all_test->measured, claim.unit), claim.all_test->note})));
       } else {
         row.push_back({.text = "-"});
       }
@@ -202,25 +205,24 @@ class Report {
                         "value its 95 % interval, where there is one, and its runs",
                     .head = {"object"},
                     .rows = {}};
-    std::vector<const ReportedClaim*> about_objects;
+    std::vector<const Claim*> about_objects;
     std::set<std::string> names;
-    for (const ReportedClaim& claim : input_.claims) {
-      if (claim.reported.objects.empty()) continue;
+    for (const Claim& claim : input_.claims) {
+      if (claim.objects.empty()) continue;
       about_objects.push_back(&claim);
-      table.head.push_back(fmt::format("{}: {} {:g} {}", claim.id, claim.asked, claim.limit, claim.unit));
-      for (const auto& [object, value] : claim.reported.objects) names.insert(object);
+      table.head.push_back(fmt::format("{}: {} {:g} {}", claim.id, name_of(claim.asked), claim.limit, claim.unit));
+      for (const auto& [object, value] : claim.objects) names.insert(object);
     }
     for (const std::string& name : names) {
       table.rows.push_back({{.text = name}});
-      for (const ReportedClaim* claim : about_objects) {
-        const auto& objects = claim->reported.objects;
-        const auto found = std::find_if(objects.begin(), objects.end(), [&](const auto& object) { return object.first == name; });
-        if (found == objects.end()) {
+      for (const Claim* claim : about_objects) {
+        const auto found = claim->objects.find(name);
+        if (found == claim->objects.end()) {
           table.rows.back().push_back(number(""));
           continue;
         }
         const Figure& value = found->second;
-        const bool is_kept = claim->asked == "below" ? value.value < claim->limit : value.value > claim->limit;
+        const bool is_kept = claim->asked == Asked::below ? value.value < claim->limit : value.value > claim->limit;
         HtmlCell cell = cell_of(value, 1);
         if (is_kept) cell.text = "✓ " + cell.text;
         const std::string runs = fmt::format("{} run{}", value.n, value.n == 1 ? "" : "s");
@@ -674,9 +676,9 @@ class Report {
                           .missing = missing_,
                           .errors = errors_,
                           .claims = input_.claims.size()};
-    for (const ReportedClaim& claim : input_.claims) {
-      summary.hold += claim.reported.verdict == "holds" ? 1U : 0U;
-      summary.do_not += claim.reported.verdict == "does not" ? 1U : 0U;
+    for (const Claim& claim : input_.claims) {
+      summary.hold += claim.verdict == Verdict::holds ? 1U : 0U;
+      summary.do_not += claim.verdict == Verdict::does_not ? 1U : 0U;
     }
     write_whole(summary.page, page_.text());
     remove_old_figures();

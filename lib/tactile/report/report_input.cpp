@@ -41,14 +41,13 @@ TouchOverTime over_time_of(const JsonView& json) {
 /// Of a detector: the network, or a trivial one.
 ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& detector) {
   const JsonView alarms = detector["false_alarms"];
-  const auto count = [](const JsonView& json) { return json ? std::optional(json.count()) : std::nullopt; };
   return {.of = name,
           .per_min = detector["false_alarms_per_min"].get<Figure>(),
           .press = detector["delay_ms"]["press"].get<DelaySummary>(),
           .slip = detector["delay_ms"]["slip"].get<DelaySummary>(),
-          .count = count(alarms["count"]),
-          .after_intervals = count(alarms["after_intervals"]["count"]),
-          .unlabelled = count(alarms["unlabelled"]["count"]),
+          .count = alarms["count"].count_if_there(),
+          .after_intervals = alarms["after_intervals"]["count"].count_if_there(),
+          .unlabelled = alarms["unlabelled"]["count"].count_if_there(),
           .none_min = alarms["none_min"].number()};
 }
 
@@ -210,17 +209,6 @@ void add_settings(std::vector<Row>& rows, const std::string& prefix, const JsonV
   }
 }
 
-ReportedClaim::Side side_of(const JsonView& json) {
-  ReportedClaim::Side side{.measured = json["measured"].get<Figure>(),
-                           .verdict = json["verdict"].text(),
-                           .note = json["note"].text(),
-                           .in_words = json["in_words"].text(),
-                           .why = json["why"].text(),
-                           .objects = {}};
-  for (const auto& [object, value] : json["objects"].members()) side.objects.emplace_back(object, value.get<Figure>());
-  return side;
-}
-
 std::string seconds_text(double seconds) {
   if (!std::isfinite(seconds)) return "-";
   if (seconds < 120) return fmt::format("{:.1f} s", seconds);
@@ -261,21 +249,9 @@ ReportInput read_study(const fs::path& folder) {
   input.summary = study["summary"].text();
   if (const JsonView data = study["settings"]["data"]) input.data = folder / data.text();
 
-  for (const JsonView& claim : study["claims"].items()) {
-    ReportedClaim reported{.id = claim["id"].text(),
-                           .claim = claim["claim"].text(),
-                           .paper = claim["paper"].text(),
-                           .asked = claim["asked"].text(),
-                           .unit = claim["unit"].text(),
-                           .limit = claim["limit"].number(),
-                           .reported = side_of(claim),
-                           .all_test = {}};
-    if (const JsonView all_test = claim["all_test"]) reported.all_test = side_of(all_test);
-    input.claims.push_back(std::move(reported));
-  }
-  std::size_t not_told = 0;
-  for (const JsonView& claim : study["claims"].items())
-    not_told += claim["can_be_told"] && !claim["can_be_told"].truth() ? 1U : 0U;
+  input.claims = study["claims"].list_of<Claim>();
+  const auto not_told =
+      std::count_if(input.claims.begin(), input.claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
   if (not_told > 0) {
     input.missing.push_back(fmt::format(
         "For {} of the {} claims there are too few runs or objects for a verdict, whatever they say; another preset of 'tactile "

@@ -11,23 +11,9 @@
 
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/report/result_plots.hpp"
+#include "tactile/results/claim.hpp"
 
 namespace tactile {
-
-/// One of the paper's claims beside what was measured.
-struct ReportedClaim {
-  struct Side {
-    Figure measured;
-    std::string verdict;        ///< "holds", "does not", "cannot tell"
-    std::string note;           ///< may be empty
-    std::string in_words, why;  ///< what was measured, and why one cannot tell; may be empty
-    std::vector<std::pair<std::string, Figure>> objects;
-  };
-  std::string id, claim, paper, asked, unit;
-  double limit = std::numeric_limits<double>::quiet_NaN();
-  Side reported;
-  std::optional<Side> all_test;  ///< chosen on the runs reported on, as in the paper
-};
 
 struct ReportedFalseAlarms {
   std::string of;  ///< "network", "always_press"
@@ -102,7 +88,7 @@ struct ReportInput {
   bool simulated = false;
   std::string summary;  ///< may be empty
   std::vector<std::string> remarks;
-  std::vector<ReportedClaim> claims;
+  std::vector<Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::vector<ReportedTable> choice;  ///< the best history of each object

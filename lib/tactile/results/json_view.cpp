@@ -55,8 +55,10 @@ std::int64_t JsonView::whole_number() const {
   return json_->get<std::int64_t>();
 }
 
-std::uint64_t JsonView::count() const {
-  if (json_ == nullptr) return 0;
+std::uint64_t JsonView::count() const { return count_if_there().value_or(0); }
+
+std::optional<std::uint64_t> JsonView::count_if_there() const {
+  if (json_ == nullptr) return std::nullopt;
   if (!json_->is_number_unsigned()) refuse("a whole number from 0");
   return json_->get<std::uint64_t>();
 }

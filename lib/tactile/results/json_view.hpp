@@ -33,8 +33,9 @@ class JsonView {
   std::optional<double> number_if_there() const;  ///< nothing where there is none
   std::int64_t whole_number() const;              ///< 0 where there is none
   std::uint64_t count() const;                    ///< 0 where there is none
-  bool truth() const;                             ///< false where there is none
-  std::string text() const;                       ///< empty where there is none
+  std::optional<std::uint64_t> count_if_there() const;
+  bool truth() const;        ///< false where there is none
+  std::string text() const;  ///< empty where there is none
   std::vector<std::string> texts() const;
 
   /// Whatever it is, in words: texts as they are, lists with commas, objects as JSON.

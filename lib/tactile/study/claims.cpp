@@ -437,18 +437,6 @@ Figure outermost_of(const ObjectFigures& figures, const std::function<bool(doubl
 
 }  // namespace
 
-std::string_view name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::holds:
-      return "holds";
-    case Verdict::does_not:
-      return "does not";
-    case Verdict::cannot_tell:
-      return "cannot tell";
-  }
-  return "cannot tell";
-}
-
 Verdict below(const Figure& figure, double limit) {
   if (figure.high && *figure.high < limit) return Verdict::holds;
   if (figure.low && *figure.low > limit) return Verdict::does_not;
@@ -469,27 +457,6 @@ Figure largest_of(const ObjectFigures& figures) {
 Figure smallest_of(const ObjectFigures& figures) {
   return outermost_of(
       figures, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
-}
-
-void to_json(nlohmann::json& json, const Claim& claim) {
-  const auto count = [](const std::optional<std::size_t>& objects) {
-    return objects ? nlohmann::json(*objects) : nlohmann::json();
-  };
-  json = {{"id", claim.id},
-          {"claim", claim.claim},
-          {"paper", claim.paper},
-          {"unit", claim.unit},
-          {"in_words", claim.in_words},
-          {"asked", claim.asked == Asked::below ? "below" : "above"},
-          {"limit", claim.limit},
-          {"measured", claim.measured},
-          {"objects", claim.objects},
-          {"kept", count(claim.kept)},
-          {"of", count(claim.of)},
-          {"verdict", name_of(claim.verdict)},
-          {"why", claim.why},
-          {"can_be_told", claim.can_be_told},
-          {"note", claim.note}};
 }
 
 std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options) {

@@ -829,15 +829,11 @@ class Study {
     }
     if (!splits_.empty()) study["splits_mean"] = {{"reported", splits_mean(reported())}, {"all_test", splits_mean(all_test())}};
 
-    const std::vector<Claim> on_reported = claims_on(reported()), on_all = claims_on(all_test());
-    study["claims"] = json::array();
-    for (std::size_t i = 0; i < on_reported.size(); ++i) {
-      json claim = on_reported[i], beside = on_all[i];
-      for (const char* key : {"measured", "verdict", "why", "can_be_told", "in_words", "kept", "of", "objects", "note"})
-        claim["all_test"][key] = beside.at(key);
-      study["claims"].push_back(claim);
-    }
-    study["summary"] = summary_of(on_reported, dataset_->simulated());
+    std::vector<Claim> claims = claims_on(reported());
+    const std::vector<Claim> on_all = claims_on(all_test());
+    for (std::size_t i = 0; i < claims.size(); ++i) claims[i].all_test = static_cast<const ClaimOutcome&>(on_all[i]);
+    study["claims"] = claims;
+    study["summary"] = summary_of(claims, dataset_->simulated());
 
     std::vector<AccuracyRow> rows;
     for (const RunSet& set : sets_) {
@@ -846,7 +842,7 @@ class Study {
     }
     write_if_changed(options_.out / "accuracy.csv", accuracy_csv(rows));
     write_if_changed(options_.out / "unseen.csv", unseen_csv(unseen_rows));
-    write_if_changed(options_.out / "claims.csv", claims_csv(on_reported, on_all));
+    write_if_changed(options_.out / "claims.csv", claims_csv(claims));
     write_if_changed(options_.out / "study.json", json_text(study, 2) + "\n");
     return study;
   }

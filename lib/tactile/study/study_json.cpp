@@ -90,19 +90,18 @@ std::string unseen_csv(const std::vector<UnseenRow>& rows) {
   return text;
 }
 
-std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test) {
+std::string claims_csv(const std::vector<Claim>& claims) {
   std::string text = "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\n";
-  const auto add = [&](const Claim& claim, const char* runs) {
+  const auto add = [&](const Claim& claim, const char* runs, const ClaimOutcome& outcome) {
     const auto count = [](const std::optional<std::size_t>& objects) {
       return objects ? std::to_string(*objects) : std::string();
     };
-    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", claim.id, runs, cells(claim.measured), claim.unit,
-                        claim.asked == Asked::below ? "below" : "above", claim.limit, count(claim.kept), count(claim.of),
-                        name_of(claim.verdict));
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", claim.id, runs, cells(outcome.measured), claim.unit, name_of(claim.asked),
+                        claim.limit, count(outcome.kept), count(outcome.of), name_of(outcome.verdict));
   };
-  for (std::size_t i = 0; i < reported.size(); ++i) {
-    add(reported[i], "reported");
-    if (i < all_test.size()) add(all_test[i], "all_test");
+  for (const Claim& claim : claims) {
+    add(claim, "reported", claim);
+    if (claim.all_test) add(claim, "all_test", *claim.all_test);
   }
   return text;
 }

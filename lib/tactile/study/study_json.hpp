@@ -52,7 +52,7 @@ struct UnseenRow {
 /// split,runs,object,of,value,low,high,n
 std::string unseen_csv(const std::vector<UnseenRow>& rows);
 
-/// id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict; `reported` and `all_test` in the same order.
-std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test);
+/// id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict
+std::string claims_csv(const std::vector<Claim>& claims);
 
 }  // namespace tactile
