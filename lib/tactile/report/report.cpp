@@ -627,13 +627,14 @@ class Report {
     page_.table(table);
     if (left_out > 0) page_.paragraph(fmt::format("{} more settings, on no front, are told in trade.csv.", left_out));
     for (const std::string& sentence : trade.left_out) missing_.push_back("Speed against accuracy: " + sentence);
-    if (trade.by_rate.empty()) return;
+    if (trade.growth.by_rate.empty()) return;
     page_.heading("How the cost grows");
     figure("trade-growth", trade_growth_plot(trade),
            fmt::format(
                "Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and {:.0f} us the "
                "dense way.",
-               trade.by_rate.back().events_per_s, trade.by_rate.back().sparse_us, trade.by_rate.back().dense_us),
+               trade.growth.by_rate.back().events_per_s, trade.growth.by_rate.back().sparse.p50_us,
+               trade.growth.by_rate.back().dense.p50_us),
            "Time per tick against the event rate, the history and the sensor's resolution, beside the dense way, which computes "
            "every "
            "pixel and every output of the network.");

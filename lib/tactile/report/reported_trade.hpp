@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tactile/report/result_plots.hpp"
+#include "tactile/results/cost_growth.hpp"
 
 namespace tactile {
 
@@ -21,13 +22,6 @@ struct ReportedSetting {
   bool on_accuracy_front = false, on_delay_front = false;                    ///< on the runs to choose on
 };
 
-/// What a tick costs at one place of a curve [us]; medians.
-struct ReportedGrowth {
-  double events_per_s = 0, history_ms = 0;
-  double width = 0, height = 0;  ///< of the sensor [px]
-  double sparse_us = 0, sparse_rendering_us = 0, dense_us = 0, dense_rendering_us = 0;
-};
-
 /// What a folder of `tactile trade` holds.
 struct ReportedTrade {
   std::string title, times_are, machine;
@@ -35,7 +29,7 @@ struct ReportedTrade {
   std::vector<std::string> choice_runs, reported_runs;
   std::vector<ReportedSetting> settings;  ///< the usual one first
   std::vector<std::string> left_out;      ///< in sentences: pairs that do not divide, and what was not measured
-  std::vector<ReportedGrowth> by_rate, by_history, by_resolution;
+  CostGrowth growth;
   std::string sentence;  ///< the recommendation
 };
 
