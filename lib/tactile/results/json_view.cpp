@@ -81,6 +81,17 @@ std::vector<std::string> JsonView::texts() const {
   return texts;
 }
 
+std::vector<std::uint64_t> JsonView::counts() const {
+  std::vector<std::uint64_t> counts;
+  if (json_ == nullptr) return counts;
+  if (!json_->is_array()) refuse("a list");
+  for (const nlohmann::json& item : *json_) {  // there may be very many: no view of each
+    if (!item.is_number_unsigned()) throw Error(where_ + " holds what is no whole number from 0");
+    counts.push_back(item.get<std::uint64_t>());
+  }
+  return counts;
+}
+
 std::string JsonView::words() const {
   if (json_ == nullptr) return "-";
   if (json_->is_string()) return json_->get<std::string>();

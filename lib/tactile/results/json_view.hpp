@@ -37,6 +37,7 @@ class JsonView {
   bool truth() const;        ///< false where there is none
   std::string text() const;  ///< empty where there is none
   std::vector<std::string> texts() const;
+  std::vector<std::uint64_t> counts() const;
 
   /// Whatever it is, in words: texts as they are, lists with commas, objects as JSON.
   std::string words() const;

@@ -112,10 +112,10 @@ TradedRun& TradedRun::operator+=(const TradedRun& other) {
   return *this;
 }
 
-TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts) {
+TradedRun outcome_of(const JudgedRun& run, const FullRun& full, std::span<const Touch> verdicts) {
   TradedRun outcome;
   outcome.object = run.object;
-  const TickRange& ticks = said.ticks;
+  const TickRange& ticks = full.ticks;
   for (const Sample& sample : run.samples) {
     const CameraTime tick = last_tick_until(sample.t, ticks.tick);
     const std::int64_t place = ticks.count > 0 && tick >= ticks.first ? between(ticks.first, tick) / ticks.tick : -1;
