@@ -100,7 +100,7 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
 }
 
 TEST(ConfusionPlot, TellsCountsAndSharesOfTheRow) {
-  const std::string svg = drawn(confusion_plot("Confusion", {{{90, 10, 0}, {1, 3, 0}, {0, 0, 0}}}));
+  const std::string svg = drawn(confusion_plot("Confusion", {.counts = {{{90, 10, 0}, {1, 3, 0}, {0, 0, 0}}}}));
   for (const char* words : {"90.0 %", "10.0 %", "75.0 %", "25.0 %", "no sample", "said", "true", ">90<", ">3<"})
     EXPECT_TRUE(tells(svg, words)) << words;
 }

@@ -30,34 +30,6 @@ Accuracy accuracy_by(std::span<const RunConfusion> runs,
 
 }  // namespace
 
-Confusion& Confusion::operator+=(const Confusion& other) {
-  for (std::size_t i = 0; i < touch_count; ++i) {
-    for (std::size_t j = 0; j < touch_count; ++j) counts[i][j] += other.counts[i][j];
-  }
-  return *this;
-}
-
-std::uint64_t Confusion::samples() const {
-  std::uint64_t sum = 0;
-  for (const auto& row : counts) {
-    for (const std::uint64_t count : row) sum += count;
-  }
-  return sum;
-}
-
-std::uint64_t Confusion::correct() const {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < touch_count; ++i) sum += counts[i][i];
-  return sum;
-}
-
-std::optional<double> Confusion::accuracy() const {
-  if (samples() == 0) return std::nullopt;
-  return static_cast<double>(correct()) / static_cast<double>(samples());
-}
-
-void to_json(nlohmann::json& json, const Confusion& confusion) { json = confusion.counts; }
-
 Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said) {
   if (truth.size() != said.size()) {
     throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(said.size()) +

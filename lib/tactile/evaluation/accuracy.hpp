@@ -1,10 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,25 +8,10 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/results/accuracy.hpp"
+#include "tactile/results/confusion.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
-
-/// How often each touch was taken for which: rows true, columns said, in the order none, press, slip.
-struct Confusion {
-  std::array<std::array<std::uint64_t, touch_count>, touch_count> counts{};
-
-  void add(Touch truth, Touch said) { ++counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(said)]; }
-  Confusion& operator+=(const Confusion& other);
-  std::uint64_t samples() const;
-  std::uint64_t correct() const;           ///< on the diagonal
-  std::optional<double> accuracy() const;  ///< correct / samples, in [0, 1]; nothing without samples
-
-  friend bool operator==(const Confusion&, const Confusion&) = default;
-};
-
-/// A list of three rows of three counts.
-void to_json(nlohmann::json& json, const Confusion& confusion);
 
 /// Pairs of what is and what was said. @throws Error  if the two are not of one length
 Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said);

@@ -121,7 +121,7 @@ void add_classes(Table& table, const ClassScores& scores) {
 void add_calibration(Table& table, const Calibration& calibration) {
   table.figure("calibration", "all", "", "ece", calibration.error);
   for (const auto& [name, error] : calibration.objects) table.figure("calibration", name, "", "ece", error);
-  for (const Calibration::Bin& bin : calibration.bins) {
+  for (const ReliabilityBin& bin : calibration.bins) {
     const std::string group = fmt::format("reliability:{:.4f}-{:.4f}", bin.from, bin.to);
     table.count(group, "all", "", "samples", bin.samples);
     table.number(group, "all", "", "confidence", bin.confidence);

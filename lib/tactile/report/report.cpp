@@ -459,7 +459,7 @@ class Report {
                       .rows = {}};
       for (std::size_t i = 0; i < touch_count; ++i) {
         table.rows.push_back({{.text = std::string(name_of(all_touches[i]))}});
-        for (const std::uint64_t count : (*evaluation.confusion)[i])
+        for (const std::uint64_t count : evaluation.confusion->counts[i])
           table.rows.back().push_back(number(fmt::format("{}", count)));
       }
       page_.table(table);
@@ -472,15 +472,15 @@ class Report {
       scores.rows.push_back({{.text = touch}, percent_cell(values[0]), percent_cell(values[1]), percent_cell(values[2])});
     page_.table(scores);
 
-    const bool has_bins = std::any_of(evaluation.reliability.begin(), evaluation.reliability.end(),
+    const bool has_bins = std::any_of(evaluation.calibration.bins.begin(), evaluation.calibration.bins.end(),
                                       [](const ReliabilityBin& bin) { return bin.samples > 0; });
     if (has_bins) {
       page_.heading("Calibration");
-      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.reliability),
+      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.calibration.bins),
              "Share said right against the largest probability, with the number of samples below.",
              fmt::format("Reliability: how often the network is right, by how sure it is; what stands on fewer than {} samples "
                          "is hollow. Expected calibration error: {:.2f} %.",
-                         few_samples, 100 * evaluation.ece.value));
+                         few_samples, 100 * evaluation.calibration.error.value));
     } else {
       missing_.push_back("The reliability of " + evaluation.model + ".");
     }

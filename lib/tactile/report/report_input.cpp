@@ -89,14 +89,7 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
     add_accuracy(evaluation, "baseline " + name, baseline["accuracy"], baseline["objects"]);
   add_accuracy(evaluation, "by the truth", json["accuracy_true"]["mean"], json["accuracy_true"]["objects"]);
 
-  const std::vector<JsonView> rows = json["confusion"].items();
-  if (rows.size() == touch_count) {
-    evaluation.confusion.emplace();
-    for (std::size_t i = 0; i < touch_count; ++i) {
-      const std::vector<JsonView> counts = rows[i].items();
-      for (std::size_t k = 0; k < std::min(counts.size(), touch_count); ++k) (*evaluation.confusion)[i][k] = counts[k].count();
-    }
-  }
+  if (const JsonView confusion = json["confusion"]) evaluation.confusion = confusion.get<Confusion>();
   for (const Touch touch : all_touches) {
     const JsonView scores = json["per_class"][name_of(touch)];
     if (scores) {
@@ -117,14 +110,7 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   }
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
   evaluation.operating_curve = json["operating_curve"].list_of<OperatingPoint>();
-  evaluation.ece = json["calibration"]["ece"].get<Figure>();
-  for (const JsonView& bin : json["calibration"]["bins"].items()) {
-    evaluation.reliability.push_back({.from = bin["from"].number(),
-                                      .to = bin["to"].number(),
-                                      .samples = bin["samples"].count(),
-                                      .confidence = bin["confidence"].number(),
-                                      .accuracy = bin["accuracy"].get<Figure>()});
-  }
+  evaluation.calibration = json["calibration"].get<Calibration>();
   const JsonView over_time = json["over_time"];
   if (over_time["press"]) evaluation.press_over_time = over_time_of(over_time["press"]);
   if (over_time["slip"]) evaluation.slip_over_time = over_time_of(over_time["slip"]);

@@ -39,15 +39,14 @@ struct ReportedEvaluation {
   std::string confirm;
   std::vector<std::string> accuracy_of;      ///< "network", "guard 0 ms", "baseline event_count", "by the truth"
   std::vector<ReportedAccuracy> accuracies;  ///< the mean over objects first
-  std::optional<std::array<std::array<std::uint64_t, touch_count>, touch_count>> confusion;
+  std::optional<Confusion> confusion;
   std::vector<std::pair<std::string, std::array<Figure, 3>>> per_class;  ///< precision, recall, F1
   DelayTable press, slip;
   std::optional<DelayTable> true_press, true_slip, gross_slip;  ///< simulated runs
   std::vector<ReportedFalseAlarms> false_alarms;                ///< the network's first, then the trivial detectors'
   std::vector<OperatingPoint> operating_curve;
   std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
-  std::vector<ReliabilityBin> reliability;
-  Figure ece;
+  Calibration calibration;
   std::optional<TouchOverTime> press_over_time, slip_over_time;
   std::vector<std::pair<std::string, std::array<Figure, 6>>>
       over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end

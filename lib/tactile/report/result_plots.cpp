@@ -283,7 +283,7 @@ Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHe
   return std::move(script).plot();
 }
 
-Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts) {
+Plot confusion_plot(const std::string& title, const Confusion& confusion) {
   constexpr int width = 760, height = 470, left = 130, right = 60, top = 100, below = 40;
   PlotScript script(title, width, height);
   script.text("said", (left + width - right) / 2.0, 60, "center font ',13'");
@@ -296,9 +296,9 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
     script.text(name_of(all_touches[i]), left + at * field_width, top - 16, "center font ',12'");
     script.text(name_of(all_touches[i]), left - 14, top + at * field_height, "right font ',12'");
     std::uint64_t row = 0;
-    for (const std::uint64_t count : counts[i]) row += count;
+    for (const std::uint64_t count : confusion.counts[i]) row += count;
     for (std::size_t k = 0; k < touch_count; ++k) {
-      const double share = row == 0 ? 0 : static_cast<double>(counts[i][k]) / static_cast<double>(row);
+      const double share = row == 0 ? 0 : static_cast<double>(confusion.counts[i][k]) / static_cast<double>(row);
       // From white to a deep blue.
       const auto mixed = [share](int full) { return static_cast<int>(std::lround(245 + (full - 245) * share)); };
       script.add(
@@ -308,7 +308,7 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
       const std::string_view colour = share > 0.5 ? "#FFFFFF" : ink;
       const double x = left + (static_cast<double>(k) + 0.5) * field_width, y = top + at * field_height;
       script.text(row == 0 ? "no sample" : fmt::format("{:.1f} %", 100 * share), x, y - 11, "center font ',16'", colour);
-      script.text(fmt::format("{}", counts[i][k]), x, y + 16, "center font ',12'", colour);
+      script.text(fmt::format("{}", confusion.counts[i][k]), x, y + 16, "center font ',12'", colour);
     }
   }
   script.add("plot {} notitle", script.table(2, {}));

@@ -10,6 +10,8 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/report/gnuplot.hpp"
+#include "tactile/results/calibration.hpp"
+#include "tactile/results/confusion.hpp"
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/operating_point.hpp"
@@ -51,22 +53,13 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
 Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects);
 
 /// Rows true, columns said; each field with its count and its share of the row.
-/// @param counts  [none, press, slip][none, press, slip]
-Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts);
+Plot confusion_plot(const std::string& title, const Confusion& confusion);
 
 /// Delay, and what it leaves out, against false alarms over the thresholds. A few are told beside the points of each curve, in
 /// its colour, where there is room.
 /// @param own  what the network's own verdicts give, without a threshold: hollow diamonds
 Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
                           const std::optional<OperatingPoint>& own = {});
-
-/// Samples whose largest probability lies in (from, to].
-struct ReliabilityBin {
-  double from = 0, to = 0;
-  std::uint64_t samples = 0;
-  double confidence = std::numeric_limits<double>::quiet_NaN();  ///< mean of their largest probability
-  Figure accuracy;                                               ///< share of them said right
-};
 
 inline constexpr std::uint64_t few_samples = 20;  ///< a bin with fewer is drawn hollow
 
