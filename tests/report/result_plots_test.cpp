@@ -201,14 +201,15 @@ TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
 }
 
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
-  const TouchOverTime press{.since_onset = {{0, 50, {0.9, 0.8, 0.95, 10}}}, .before_end = {{0, 50, {0.6, 0.5, 0.7, 10}}}};
+  const AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
+                               .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};
   const Plot plot = over_time_plot("Over time", press, {});
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
   const std::string svg = drawn(plot);
   for (const char* words : {"since the onset", "before the end", "Whiskers: 95 % intervals."})
     EXPECT_TRUE(tells(svg, words)) << words;
-  const TouchOverTime of_one_run{.since_onset = {{0, 50, {.value = 0.9}}}, .before_end = {}};
+  const AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
   EXPECT_TRUE(
       tells(drawn(over_time_plot("Of one run", press, of_one_run)), "Whiskers: 95 % intervals where three could be drawn."));
   EXPECT_FALSE(tells(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));

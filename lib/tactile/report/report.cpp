@@ -484,11 +484,12 @@ class Report {
     } else {
       missing_.push_back("The reliability of " + evaluation.model + ".");
     }
-    if (evaluation.press_over_time && evaluation.slip_over_time) {
+    const auto press_over_time = evaluation.over_time.find("press"), slip_over_time = evaluation.over_time.find("slip");
+    if (press_over_time != evaluation.over_time.end() && slip_over_time != evaluation.over_time.end()) {
       page_.heading("Within intervals");
       figure("over-time" + suffix,
-             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), *evaluation.press_over_time,
-                            *evaluation.slip_over_time),
+             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), press_over_time->second,
+                            slip_over_time->second),
              "Share of ticks said right since the onset and before the end of presses and slips.",
              "Verdicts over the whole of each interval, however long: since its onset, and before its end, where the paper sees "
              "them get worse. "
@@ -500,14 +501,18 @@ class Report {
                             "interval that still say press or slip; part of them is the history itself",
                         .head = {"class", "first", "later", "last", "ahead of the last", "last less that", "still said after"},
                         .rows = {}};
-    for (const auto& [touch, values] : evaluation.over_time)
+    for (const char* touch : {"press", "slip", "both"}) {
+      const auto found = evaluation.over_time.find(touch);
+      if (found == evaluation.over_time.end()) continue;
+      const ShareOverTime& share = found->second.all;
       over_time.rows.push_back({{.text = touch},
-                                percent_cell(values[0]),
-                                percent_cell(values[1]),
-                                percent_cell(values[2]),
-                                percent_cell(values[3]),
-                                percent_cell(values[4]),
-                                percent_cell(values[5])});
+                                percent_cell(share.first),
+                                percent_cell(share.later),
+                                percent_cell(share.last),
+                                percent_cell(share.before_last),
+                                percent_cell(share.last_minus_before),
+                                percent_cell(share.still_said)});
+    }
     page_.table(over_time);
     if (evaluation.is_beside) page_.end_folded();
   }

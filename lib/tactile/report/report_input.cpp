@@ -27,17 +27,6 @@ std::optional<DelayTable> delays_if_there(const JsonView& json) {
   return json ? std::optional(json.get<DelayTable>()) : std::nullopt;
 }
 
-TouchOverTime over_time_of(const JsonView& json) {
-  const auto bins_of = [](const JsonView& list) {
-    std::vector<TouchOverTime::Bin> bins;
-    for (const JsonView& bin : list.items())
-      bins.push_back(
-          {.from_ms = bin["from_ms"].number(), .to_ms = bin["to_ms"].number(), .accuracy = bin["accuracy"].get<Figure>()});
-    return bins;
-  };
-  return {.since_onset = bins_of(json["since_onset"]), .before_end = bins_of(json["before_end"])};
-}
-
 /// Of a detector: the network, or a trivial one.
 ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& detector) {
   const JsonView alarms = detector["false_alarms"];
@@ -111,17 +100,8 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
   evaluation.operating_curve = json["operating_curve"].list_of<OperatingPoint>();
   evaluation.calibration = json["calibration"].get<Calibration>();
-  const JsonView over_time = json["over_time"];
-  if (over_time["press"]) evaluation.press_over_time = over_time_of(over_time["press"]);
-  if (over_time["slip"]) evaluation.slip_over_time = over_time_of(over_time["slip"]);
   for (const std::string name : {"press", "slip", "both"}) {
-    const JsonView touch = over_time[name];
-    if (touch) {
-      evaluation.over_time.emplace_back(
-          name, std::array{touch["first"].get<Figure>(), touch["later"].get<Figure>(), touch["last"].get<Figure>(),
-                           touch["before_last"].get<Figure>(), touch["last_minus_before"].get<Figure>(),
-                           touch["still_said"].get<Figure>()});
-    }
+    if (const JsonView of = json["over_time"][name]) evaluation.over_time.emplace(name, of.get<AccuracyOverTime>());
   }
   return evaluation;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -47,10 +48,8 @@ struct ReportedEvaluation {
   std::vector<OperatingPoint> operating_curve;
   std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
   Calibration calibration;
-  std::optional<TouchOverTime> press_over_time, slip_over_time;
-  std::vector<std::pair<std::string, std::array<Figure, 6>>>
-      over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end
-  bool is_beside = false;  ///< the paper's own way, beside what the study reports: folded
+  std::map<std::string, AccuracyOverTime> over_time;  ///< of "press", "slip" and "both"; what is not there was not measured
+  bool is_beside = false;                             ///< the paper's own way, beside what the study reports: folded
 };
 
 /// A run over time, as a CSV of `tactile eval --run`.

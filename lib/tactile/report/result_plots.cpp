@@ -24,6 +24,8 @@ constexpr std::size_t most_panels = 60;  // of small panels, and of rows
 
 double percent(double share) { return 100 * share; }
 
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
 /// The greatest whole ten below everything that is to be seen, and 90 at most: axes of accuracy end at 100.
 class AccuracyAxis {
  public:
@@ -537,14 +539,14 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
   return std::move(script).plot();
 }
 
-Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip) {
+Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, const AccuracyOverTime& slip) {
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   PlotScript script(title, page_width, bottom + below);
   std::size_t with_interval = 0, drawn = 0;
-  for (const TouchOverTime* touch : {&press, &slip}) {
-    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const TouchOverTime::Bin& bin : *bins) {
+  for (const AccuracyOverTime* touch : {&press, &slip}) {
+    for (const std::vector<OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const OverTimeBin& bin : *bins) {
         drawn += std::isfinite(bin.accuracy.value) ? 1U : 0U;
         with_interval += bin.accuracy.has_interval() ? 1U : 0U;
       }
@@ -553,15 +555,15 @@ Plot over_time_plot(const std::string& title, const TouchOverTime& press, const 
   script.text("Blue circles: press; orange squares: slip. Share of ticks said right." + whiskers_in_words(with_interval, drawn),
               20, 52, "left font ',12'", faint_ink);
   AccuracyAxis axis;
-  for (const TouchOverTime* touch : {&press, &slip}) {
-    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const TouchOverTime::Bin& bin : *bins) axis.include(bin.accuracy);
+  for (const AccuracyOverTime* touch : {&press, &slip}) {
+    for (const std::vector<OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const OverTimeBin& bin : *bins) axis.include(bin.accuracy);
     }
   }
-  const auto table_of = [&](const std::vector<TouchOverTime::Bin>& bins) {
+  const auto table_of = [&](const std::vector<OverTimeBin>& bins) {
     std::vector<double> values;
-    for (const TouchOverTime::Bin& bin : bins) {
-      values.insert(values.end(), {(bin.from_ms + bin.to_ms) / 2, percent(bin.accuracy.value)});
+    for (const OverTimeBin& bin : bins) {
+      values.insert(values.end(), {in_ms(bin.from + bin.to) / 2, percent(bin.accuracy.value)});
       add_interval(values, bin.accuracy);
     }
     return script.table(4, std::move(values));
@@ -569,9 +571,9 @@ Plot over_time_plot(const std::string& title, const TouchOverTime& press, const 
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
-    for (const TouchOverTime* touch : {&press, &slip}) {
-      for (const TouchOverTime::Bin& bin : from_onset ? touch->since_onset : touch->before_end)
-        longest = std::max(longest, bin.to_ms);
+    for (const AccuracyOverTime* touch : {&press, &slip}) {
+      for (const OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end)
+        longest = std::max(longest, in_ms(bin.to));
     }
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");

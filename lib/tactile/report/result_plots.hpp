@@ -15,6 +15,7 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/operating_point.hpp"
+#include "tactile/results/over_time.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
@@ -79,16 +80,7 @@ struct TrainingCurve {
 /// Loss and accuracy of each training; the first eight are named.
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves);
 
-/// The share of ticks said right by where they lie in their interval.
-struct TouchOverTime {
-  struct Bin {
-    double from_ms = 0, to_ms = 0;
-    Figure accuracy;  ///< in [0, 1]
-  };
-  std::vector<Bin> since_onset, before_end;
-};
-
-/// Presses and slips, since the onset on the left and before the end on the right.
-Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip);
+/// The share of ticks said right in presses and slips, since the onset on the left and before the end on the right.
+Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, const AccuracyOverTime& slip);
 
 }  // namespace tactile

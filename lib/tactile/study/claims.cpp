@@ -309,7 +309,7 @@ Claim worse_near_the_end(const ClaimInputs& inputs) {
       "Near the end of a press or slip verdicts are worse: the share of ticks said right in the last 200 ms, less that ahead of "
       "them in the same interval",
       "Near the end of each incident the model deviates from the ground truth", "points", Asked::below, 0);
-  const VerdictsOverTime& over_time = inputs.over_time;
+  const ShareOverTime& over_time = inputs.over_time;
   claim.measured = scaled(over_time.last_minus_before, 100);
   const std::uint64_t compared = over_time.intervals - std::min(over_time.intervals, over_time.short_ones);
   claim.in_words = fmt::format(
@@ -321,7 +321,7 @@ Claim worse_near_the_end(const ClaimInputs& inputs) {
     claim.note = fmt::format(
         "The paper's first reason is what is said behind the end: in the {:g} ms after an interval {:.1f} % of the ticks still "
         "say press or slip. Part of that is t_h itself, which looks {:g} ms back.",
-        over_time.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
+        inputs.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
   }
   return claim;
 }

@@ -10,6 +10,7 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/claim.hpp"
+#include "tactile/results/over_time.hpp"
 
 namespace tactile {
 
@@ -30,23 +31,15 @@ struct ObjectFigures {
 Figure largest_of(const ObjectFigures& figures);
 Figure smallest_of(const ObjectFigures& figures);
 
-/// Right verdicts within presses and slips and behind them, as an evaluation tells them; shares in [0, 1].
-struct VerdictsOverTime {
-  Figure first;                                 ///< within 500 ms of the onset
-  Figure last_minus_before;                     ///< in the last 200 ms, less that ahead of them in the same intervals
-  Figure still_said;                            ///< press or slip said in the time after an interval
-  double after_ms = 100;                        ///< that time
-  std::uint64_t intervals = 0, short_ones = 0;  ///< all, and those with no tick ahead of the last 200 ms
-};
-
 /// What a study measured on one set of runs. What was not measured is empty, and its claims cannot be told.
 struct ClaimInputs {
   std::map<microseconds, std::vector<RunConfusion>> histories;  ///< balanced samples by history t_h, the same runs in each
-  std::vector<microseconds> untrained;    ///< of the paper's histories: without them none is the best of all
-  std::vector<RunDetections> detections;  ///< of each run, by the history chosen
-  double tick_ms = 2;                     ///< the shortest delay that there can be, > 0
-  double history_ms = 40;                 ///< t_h, the one chosen
-  VerdictsOverTime over_time;
+  std::vector<microseconds> untrained;       ///< of the paper's histories: without them none is the best of all
+  std::vector<RunDetections> detections;     ///< of each run, by the history chosen
+  double tick_ms = 2;                        ///< the shortest delay that there can be, > 0
+  double history_ms = 40;                    ///< t_h, the one chosen
+  ShareOverTime over_time;                   ///< of presses and slips, "first" 500 ms and "last" 200 ms
+  double after_ms = 100;                     ///< "still_said" is of that time after an interval
   std::vector<RunConfusion> seen, held_out;  ///< balanced samples of objects held out of training, the same runs in both
 };
 

@@ -634,10 +634,9 @@ class Study {
     inputs.detections = detections_in(evaluation, where);
     inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
     inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
-    const JsonView over_time = JsonView(evaluation, where, MissingMember::is_error)["over_time"], both = over_time["both"];
-    inputs.over_time = {both["first"].get<Figure>(),      both["last_minus_before"].get<Figure>(),
-                        both["still_said"].get<Figure>(), over_time["after_ms"].number(),
-                        both["intervals"].count(),        both["short_ones"].count()};
+    const JsonView over_time = JsonView(evaluation, where, MissingMember::is_error)["over_time"];
+    inputs.over_time = over_time["both"].get<ShareOverTime>();
+    inputs.after_ms = over_time["after_ms"].number();
     if (!unseen_.empty()) {
       const UnseenComparison comparison = compared(unseen_, set);
       if (!comparison.runs.empty()) {
