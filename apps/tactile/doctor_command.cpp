@@ -21,7 +21,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/model/library.hpp"
+#include "tactile/model/training/torch_version.hpp"
 #include "text_table.hpp"
 
 namespace tactile {

@@ -14,7 +14,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_truth.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/event_counts.hpp"
 
 namespace tactile {

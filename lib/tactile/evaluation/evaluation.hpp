@@ -19,7 +19,7 @@
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/operating_curve.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/inference/classifier.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile {

@@ -7,7 +7,7 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/inference/classifier.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {

@@ -8,7 +8,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
-#include "tactile/model/logits.hpp"
+#include "tactile/model/inference/logits.hpp"
 
 namespace tactile {
 

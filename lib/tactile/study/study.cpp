@@ -20,9 +20,9 @@
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/split_remarks.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/split_remarks.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/study/claims.hpp"
 #include "tactile/study/folder_lock.hpp"
@@ -416,7 +416,7 @@ class Study {
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, model, file](const ProgressCallback& progress) {
-                  const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+                  const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                   const auto confusions = sample_confusions(*dataset_, classifier, model.runs, {.threads = threads_}, progress);
                   std::vector<RunVerdicts> verdicts;
                   for (std::size_t i = 0; i < model.runs.size(); ++i)
@@ -534,7 +534,7 @@ class Study {
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+                       const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                        const Evaluation evaluation = evaluate(*dataset_, classifier, set.runs, {.threads = threads_}, progress);
                        write_whole(csv_file, table_of(evaluation));
                        write_json(json_file, evaluation);
@@ -577,7 +577,7 @@ class Study {
          .work =
              [&](const ProgressCallback& progress) {
                check_unchanged(*dataset_, shown);
-               const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+               const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
                std::map<CameraTime, Touch> samples;
                for (const Sample& sample : dataset_->samples()) {

@@ -9,7 +9,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/model/library.hpp"
+#include "tactile/model/training/torch_version.hpp"
 
 namespace tactile {
 namespace {

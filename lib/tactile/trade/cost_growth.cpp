@@ -9,10 +9,10 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/engine/lenet_engine.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/trade/dense_heatmaps.hpp"
 
 namespace tactile {

@@ -11,7 +11,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 
 namespace tactile {
 namespace {

@@ -11,7 +11,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confirmation.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/inference/classifier.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/sample.hpp"
 

@@ -15,8 +15,8 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
@@ -44,7 +44,7 @@ class Networks {
  private:
   static Network opened(const TimedWay& way) {
     if (way.engine == EngineKind::libtorch) {
-      const auto classifier = std::make_shared<Classifier>(way.model, 1, EngineKind::libtorch);
+      const auto classifier = std::make_shared<Classifier>(open_classifier(way.model, 1, EngineKind::libtorch));
       return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
     }
     const ModelBundle bundle{way.model};

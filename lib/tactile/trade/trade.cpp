@@ -19,8 +19,8 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/study/folder_lock.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
@@ -351,7 +351,8 @@ class Trade {
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, file, tick, network, setting](const ProgressCallback& progress) {
-                  const Classifier classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+                  const Classifier classifier =
+                      open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
                   write_said(file, said_in_runs(*dataset_, tested_.indexes, classifier, tick, threads_, progress));
                 }};
   }
