@@ -120,6 +120,13 @@ std::map<std::string, std::string> read_metadata(const std::filesystem::path& fi
   return member<std::map<std::string, std::string>>(header, "__metadata__", where);
 }
 
+void check_shapes(const Weights& weights, const std::vector<ParameterShape>& shapes, const std::string& problem) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (weights.size() != shapes.size() || weights[i].shape != shapes[i] || weights[i].values.size() != shapes[i].count())
+      throw Error(problem + "; expected " + shapes[i].name + " " + sizes_in_words(shapes[i].sizes));
+  }
+}
+
 void check_finite(const Weights& weights, const std::string& where) {
   for (const Parameter& parameter : weights) {
     const auto bad =

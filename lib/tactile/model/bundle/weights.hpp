@@ -33,6 +33,9 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
 /// What such a file says of itself; nothing where it says nothing. @throws Error  if it is no safetensors file
 std::map<std::string, std::string> read_metadata(const std::filesystem::path& file);
 
+/// @throws Error, "<problem>; expected fc1.weight [120,9744]"  if the weights are not of these shapes
+void check_shapes(const Weights& weights, const std::vector<ParameterShape>& shapes, const std::string& problem);
+
 /// @throws Error, naming `where`, the parameter and the place in it  if a value is NaN or infinite: "w: fc1.weight[3,7] is nan;
 /// ..."
 void check_finite(const Weights& weights, const std::string& where);

@@ -88,6 +88,13 @@ LeNetLayers lenet_layers(SensorSize input) {
   return layers;
 }
 
+std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size) {
+  const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  if (heatmaps.size() % cells == 0) return heatmaps.size() / cells;
+  throw Error("heatmaps: " + std::to_string(heatmaps.size()) + " bytes; expected a whole number of heatmaps of " +
+              std::to_string(size.width) + " x " + std::to_string(size.height) + " cells");
+}
+
 nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
   const std::string activation(name_of(options.activation)), pool = std::string(name_of(options.pooling)) + "-pool 2";
   nlohmann::json json = {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -62,6 +63,9 @@ struct LeNetLayers {
 
 /// @throws Error  if the heatmap is too small for the layers (16 cells each way at the least) or larger than 4096 cells a side
 LeNetLayers lenet_layers(SensorSize input);
+
+/// How many heatmaps of this size lie one after the other. @throws Error  if it is not a whole number
+std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size);
 
 /// The layers in words and numbers, with the options, for a bundle's model.json.
 nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options);

@@ -20,13 +20,9 @@ class Engines {
   explicit Engines(LeNetEngine first) { idle_.push_back(std::move(first)); }
 
   std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, SensorSize size, unsigned threads) {
-    const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-    if (heatmaps.size() % cells != 0) {
-      throw Error("heatmaps: " + std::to_string(heatmaps.size()) + " bytes; expected a whole number of heatmaps of " +
-                  std::to_string(size.width) + " x " + std::to_string(size.height) + " cells");
-    }
     constexpr std::size_t share = 32;  // heatmaps that a thread takes at once
-    std::vector<Logits> logits(heatmaps.size() / cells);
+    std::vector<Logits> logits(heatmap_count(heatmaps, size));
+    const std::size_t cells = logits.empty() ? 0 : heatmaps.size() / logits.size();
     parallel_for((logits.size() + share - 1) / share, threads, [&](std::size_t i) {
       LeNetEngine engine = take();
       for (std::size_t k = i * share; k < std::min((i + 1) * share, logits.size()); ++k)

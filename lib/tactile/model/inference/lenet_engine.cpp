@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "tactile/core/error.hpp"
 #include "tactile/model/inference/lenet_kernel.hpp"
@@ -18,15 +17,6 @@ constexpr float largest_byte = 127;
 constexpr std::size_t rounded_up(std::size_t value, std::size_t step) { return (value + step - 1) / step * step; }
 
 std::size_t side(int cells) { return static_cast<std::size_t>(cells); }
-
-void check(const Weights& weights, const std::vector<ParameterShape>& shapes) {
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (weights.size() != shapes.size() || weights[i].shape != shapes[i] || weights[i].values.size() != shapes[i].count()) {
-      throw Error("weights: not of this network; expected " + shapes[i].name + " " + nlohmann::json(shapes[i].sizes).dump());
-    }
-  }
-  check_finite(weights, "weights");
-}
 
 /// What a layer's outputs cannot exceed, if its inputs do not exceed `input`.
 double largest_output(const Parameter& weight, const Parameter& bias, double input) {
@@ -186,7 +176,8 @@ LeNetEngine::LeNetEngine(SensorSize input, const Weights& weights, const LeNetOp
   }
   auto plan = std::make_shared<LeNetPlan>();
   plan->layers = lenet_layers(input);
-  check(weights, plan->layers.parameters());
+  check_shapes(weights, plan->layers.parameters(), "weights: not of this network");
+  check_finite(weights, "weights");
   check_range(weights);
   set_sizes(*plan);
   set_convolutions(*plan, weights);

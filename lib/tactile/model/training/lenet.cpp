@@ -43,13 +43,6 @@ torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, SensorSize size) 
   return input;
 }
 
-std::size_t count_of(std::span<const std::uint8_t> heatmaps, SensorSize size) {
-  const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-  if (heatmaps.size() % cells == 0) return heatmaps.size() / cells;
-  throw Error("heatmaps: " + std::to_string(heatmaps.size()) + " bytes; expected a whole number of heatmaps of " +
-              std::to_string(size.width) + " x " + std::to_string(size.height) + " cells");
-}
-
 std::vector<float> values_of(const torch::Tensor& tensor) {
   const torch::Tensor values = tensor.detach().to(torch::kFloat32).contiguous();
   const float* first = values.data_ptr<float>();
@@ -61,13 +54,6 @@ void copy_into(torch::Tensor& tensor, const std::vector<float>& values) {
   const torch::Tensor source = torch::empty(tensor.sizes());
   std::copy(values.begin(), values.end(), source.data_ptr<float>());
   tensor.copy_(source);
-}
-
-void check_shapes(const Weights& weights, const std::vector<ParameterShape>& shapes, const std::string& what) {
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (weights.size() != shapes.size() || weights[i].shape != shapes[i] || weights[i].values.size() != shapes[i].count())
-      throw Error(what + "; expected " + shapes[i].name + " " + nlohmann::json(shapes[i].sizes).dump());
-  }
 }
 
 /// The moments an optimizer keeps, by the names that its papers and libtorch give them.
@@ -150,7 +136,7 @@ Weights LeNet::weights() const {
 
 std::vector<Logits> LeNet::logits(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
   const SensorSize size = state_->layers.input;
-  const std::size_t count = count_of(heatmaps, size), cells = count == 0 ? 0 : heatmaps.size() / count;
+  const std::size_t count = heatmap_count(heatmaps, size), cells = count == 0 ? 0 : heatmaps.size() / count;
   std::vector<Logits> logits(count);
   set_threads(1);
   parallel_for((count + chunk - 1) / chunk, threads, [&](std::size_t i) {
@@ -313,7 +299,7 @@ LeNetTrainer::LeNetTrainer(LeNet& network, OptimizerKind optimizer, const std::a
 LeNetTrainer::~LeNetTrainer() = default;
 
 BatchResult LeNetTrainer::learn(std::span<const std::uint8_t> heatmaps, std::span<const Touch> truth, double learning_rate) {
-  const std::size_t count = count_of(heatmaps, state_->network.layers().input);
+  const std::size_t count = heatmap_count(heatmaps, state_->network.layers().input);
   if (count == 0 || count != truth.size()) {
     throw Error("training batch: " + std::to_string(count) + " heatmaps for " + std::to_string(truth.size()) +
                 " touches; expected one each, and at least one");
