@@ -153,8 +153,8 @@ void first_backward(const LeNetLayers& layers, const Kept& kept, Gradients& sums
   const auto pooled_width = static_cast<std::size_t>(layers.first_pooled.width);
   float* strip = work.strip.data();
   std::fill(work.strip.begin(), work.strip.end(), 0.0F);
-  alignas(64) float weights[25 * lanes_of_first] = {};
-  alignas(64) float bias[lanes_of_first] = {};
+  alignas(cache_line) float weights[25 * lanes_of_first] = {};
+  alignas(cache_line) float bias[lanes_of_first] = {};
   for (std::size_t y = 0; y < static_cast<std::size_t>(layers.first_pooled.height); ++y) {
     for (std::size_t v = 0; v < lanes_of_first; v += eight_lanes) {
       auto bias_here = hn::Zero(d);

@@ -60,7 +60,7 @@ void FusedConvolutions::set(const ConvolutionValues<const float>& values) {
 
 FusedConvolutions::Kept FusedConvolutions::make_kept() const {
   const std::size_t first = cells_of(layers_.first_pooled) * channels_1 + beyond;
-  return {LineVector(first), std::vector<std::uint8_t>(first), std::vector<std::uint8_t>(layers_.flat)};
+  return {AlignedValues<float>(first), std::vector<std::uint8_t>(first), std::vector<std::uint8_t>(layers_.flat)};
 }
 
 FusedConvolutions::Workspace FusedConvolutions::make_workspace() const {
@@ -91,11 +91,12 @@ void FusedConvolutions::backward(std::span<const std::uint8_t> heatmap, const Ke
 }
 
 void FusedConvolutions::Gradients::clear() {
-  for (LineVector* values : {&first, &first_bias, &second, &second_bias}) std::fill(values->begin(), values->end(), 0.0F);
+  for (AlignedValues<float>* values : {&first, &first_bias, &second, &second_bias})
+    std::fill(values->begin(), values->end(), 0.0F);
 }
 
 void FusedConvolutions::Gradients::add(const Gradients& other) {
-  const auto add_all = [](LineVector& to, const LineVector& from) {
+  const auto add_all = [](AlignedValues<float>& to, const AlignedValues<float>& from) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
   };
   add_all(first, other.first);

@@ -3,28 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <span>
 #include <vector>
 
 #include "tactile/model/definition/lenet_layers.hpp"
+#include "tactile/model/inference/aligned_values.hpp"
 
 namespace tactile {
-
-/// Places memory at whole cache lines, as vectors of any width are read fastest.
-template <class T>
-struct LineAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t line{64};
-
-  LineAllocator() = default;
-  template <class U>
-  explicit LineAllocator(const LineAllocator<U>&) {}
-  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), line)); }
-  void deallocate(T* memory, std::size_t) { ::operator delete(memory, line); }
-  friend bool operator==(const LineAllocator&, const LineAllocator&) { return true; }
-};
-using LineVector = std::vector<float, LineAllocator<float>>;
 
 /// Weights and biases of the two layers, or their gradients, as libtorch lays them out: [out][in][5][5].
 template <class Float>
@@ -54,7 +39,7 @@ class FusedConvolutions {
 
   /// What a heatmap's way back needs of its way forward.
   struct Kept {
-    LineVector pooled;                         ///< the first layer's answer, [height][width][6]
+    AlignedValues<float> pooled;               ///< the first layer's answer, [height][width][6]
     std::vector<std::uint8_t> first_largest;   ///< which of four, 0 to 3 row by row; 4: none, cut off by ReLU. As `pooled`
     std::vector<std::uint8_t> second_largest;  ///< as above, [height][width][16]
   };
@@ -62,8 +47,8 @@ class FusedConvolutions {
 
   /// Sums of gradients, in the layout of the passes.
   struct Gradients {
-    LineVector first = LineVector(25 * 8), first_bias = LineVector(8);
-    LineVector second = LineVector(std::size_t{16} * 5 * 32), second_bias = LineVector(16);
+    AlignedValues<float> first = AlignedValues<float>(25 * 8), first_bias = AlignedValues<float>(8);
+    AlignedValues<float> second = AlignedValues<float>(std::size_t{16} * 5 * 32), second_bias = AlignedValues<float>(16);
 
     void clear();
     void add(const Gradients& other);
@@ -75,7 +60,7 @@ class FusedConvolutions {
     std::vector<std::uint32_t> row_begin;  ///< of the cells that are not 0
     std::vector<std::uint16_t> cell_x;
     std::vector<float> cell_value;
-    LineVector strip, pooled_gradient;
+    AlignedValues<float> strip, pooled_gradient;
     std::vector<std::uint32_t> tiles;  ///< of the second layer, that see more than empty cells
     std::vector<std::uint8_t> lit;
     std::array<std::vector<std::uint32_t>, 16> places;  ///< of gradients, for each channel
@@ -94,9 +79,10 @@ class FusedConvolutions {
 
   /// The weights as the passes read them.
   struct Packed {
-    LineVector first = LineVector(25 * 8), first_bias = LineVector(8);                    ///< [5][5][8 of 6 channels]
-    LineVector second = LineVector(std::size_t{150} * 16), second_bias = LineVector(16);  ///< [5][5 * 6][16 channels]
-    LineVector second_back = LineVector(std::size_t{16} * 5 * 32);                        ///< [16][5][32 of 5 * 6]
+    AlignedValues<float> first = AlignedValues<float>(25 * 8), first_bias = AlignedValues<float>(8);  ///< [5][5][8 of 6 channels]
+    AlignedValues<float> second = AlignedValues<float>(std::size_t{150} * 16),
+                         second_bias = AlignedValues<float>(16);                        ///< [5][5 * 6][16 channels]
+    AlignedValues<float> second_back = AlignedValues<float>(std::size_t{16} * 5 * 32);  ///< [16][5][32 of 5 * 6]
     std::array<float, 16> empty_answer{};  ///< the second layer's to an empty heatmap
     std::array<std::uint8_t, 16> empty_largest{};
   };

@@ -218,7 +218,7 @@ void second_forward(const LeNetLayers& layers, const Packed& packed, float* flat
   const auto tiles_x = static_cast<std::size_t>(layers.second_pooled.width);
   const std::size_t tiles = tiles_x * static_cast<std::size_t>(layers.second_pooled.height);
   const std::size_t stride = static_cast<std::size_t>(layers.first_pooled.width) * first_channels;
-  alignas(64) float value[at_once * second_channels];
+  alignas(cache_line) float value[at_once * second_channels];
   std::uint8_t which[at_once * second_channels];
   const auto field_of = [&](std::size_t tile) {
     return kept.pooled.data() + tile / tiles_x * 2 * stride + tile % tiles_x * 2 * first_channels;
@@ -250,7 +250,7 @@ void forward(const LeNetLayers& layers, const Packed& packed, const std::uint8_t
 
 /// The second layer's answer where the first layer's is that to an empty heatmap.
 void answer_empty(Packed& packed) {
-  alignas(64) std::array<float, 6 * 6 * first_channels + padded_row> field{};
+  alignas(cache_line) std::array<float, 6 * 6 * first_channels + padded_row> field{};
   for (std::size_t i = 0; i < 6 * 6 * first_channels; ++i) {
     const float bias = packed.first_bias[i % first_channels];
     field[i] = bias <= 0 ? 0.0F : bias;
