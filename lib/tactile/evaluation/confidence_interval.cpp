@@ -1,10 +1,10 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "tactile/core/random.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 namespace {
@@ -35,7 +35,7 @@ Figure figure_of_draws(std::optional<double> value, std::size_t n, const Bootstr
   if (2 * values.size() < options.draws) return figure;
   const double outside = (1 - options.confidence) / 2;
   figure.low = quantile(values, outside);
-  figure.high = quantile(std::move(values), 1 - outside);
+  figure.high = quantile(values, 1 - outside);
   return figure;
 }
 
@@ -97,15 +97,6 @@ double poisson_upper_bound(std::uint64_t count, double confidence) {
     (share_up_to_count(middle) > share ? low : high) = middle;
   }
   return high;
-}
-
-double quantile(std::vector<double> values, double q) {
-  assert(!values.empty() && q >= 0 && q <= 1);
-  std::sort(values.begin(), values.end());
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 }  // namespace tactile

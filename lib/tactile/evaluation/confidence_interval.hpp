@@ -50,8 +50,4 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
 /// Source: F. Garwood, Fiducial limits for the Poisson distribution, Biometrika 28 (1936).
 double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
 
-/// The value below which the share `q` in [0, 1] of the values lies, interpolated between neighbours; `values` not empty, in any
-/// order.
-double quantile(std::vector<double> values, double q);
-
 }  // namespace tactile

@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
 namespace tactile {
@@ -79,7 +80,7 @@ DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject&
     });
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
-  summary.median_ms = figure([](std::vector<double> delays) { return quantile(std::move(delays), 0.5); });
+  summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
   return summary;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/labels/correlation.hpp"
 #include "tactile/labels/imu_motion.hpp"
 #include "tactile/labels/lowest_point.hpp"
@@ -227,10 +228,7 @@ std::array<std::vector<double>, 3> arm_acceleration(const ArmMotion& motion) {
   std::vector<double> sizes;
   sizes.reserve(motion.acceleration.size());
   for (const auto& a : motion.acceleration) sizes.push_back(std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
-  std::vector<double> sorted = sizes;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = 3.0 * *middle;
+  const double limit = 3.0 * upper_median(sizes);
   std::array<std::vector<double>, 3> axes;
   for (std::size_t k = 0; k < 3; ++k) {
     axes[k].resize(sizes.size());
@@ -298,10 +296,7 @@ std::vector<Stretch> stretches_of(const RobotLog& log, const Origins& origins) {
   std::vector<double> speeds;
   speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
-  std::vector<double> sorted = speeds;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = std::max(0.004, 4.2 * *middle);
+  const double limit = std::max(0.004, 4.2 * upper_median(speeds));
   const auto t = [&](std::size_t i) { return origins.seconds_of(states[i].t); };
   std::vector<Stretch> stretches;
   for (std::size_t i = 0; i < states.size(); ++i) {

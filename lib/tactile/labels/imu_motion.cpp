@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -11,12 +13,6 @@ using Vector3 = std::array<double, 3>;
 constexpr double gravity_m_s2 = 9.80665;
 constexpr double median_over_s = 2.0, median_every_s = 0.5;
 constexpr double longest_gap_s = 0.020;
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Medians of one axis over `median_over_s` round every `median_every_s`, and the time of each.
 struct Medians {
@@ -50,7 +46,7 @@ Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& f
     values.clear();
     for (std::size_t i = begin; i < end; ++i) values.push_back(felt[i][axis]);
     medians.at_s.push_back(at);
-    medians.value.push_back(median_of(values));
+    medians.value.push_back(upper_median(values));
   }
   return medians;
 }
@@ -79,7 +75,7 @@ FeltMotion felt_motion(std::span<const ImuSample> samples) {
     for (std::size_t i = 0; i < n; ++i) felt.acceleration[i][axis] -= medians.value_at(t_s[i]);
     for (std::size_t i = 0; i < n; ++i) sizes.push_back(std::abs(felt.acceleration[i][axis]));
   }
-  felt.noise_m_s2 = 1.4826 * median_of(sizes);
+  felt.noise_m_s2 = sigma_per_median * upper_median(sizes);
 
   felt.velocity.resize(n);
   std::array<Vector3, 3> moments{};

@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -25,10 +27,8 @@ double rest_limit(const std::vector<RobotState>& states) {
   std::vector<double> speeds;
   speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(length_of(velocity_of(state)));
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
   // The magnitude of three noisy components has a median of 1.54 of their standard deviations.
-  return std::max(0.004, *middle * (1.54 + 5.0) / 1.54);
+  return std::max(0.004, upper_median(speeds) * (1.54 + 5.0) / 1.54);
 }
 
 /// The direction in which most of the motion goes, by the power method on the speeds' second moments; in the first half it is

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -217,10 +219,8 @@ class Fit {
   void weigh_rows() {
     Vector distances(times_.size());
     for (std::size_t i = 0; i < times_.size(); ++i) distances[i] = distance(i);
-    Vector sorted = distances;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double usual = std::max(*middle * (axes_ == 1 ? 1.48 : 0.65), noise_) * std::sqrt(static_cast<double>(axes_));
+    const double usual =
+        std::max(upper_median(distances) * (axes_ == 1 ? 1.48 : 0.65), noise_) * std::sqrt(static_cast<double>(axes_));
     for (std::size_t i = 0; i < times_.size(); ++i) weights_[i] = std::min(1.0, 3.0 * usual / std::max(distances[i], 1e-12));
   }
 

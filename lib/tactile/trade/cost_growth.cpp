@@ -9,8 +9,8 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/engine/lenet_engine.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/trade/dense_heatmaps.hpp"
