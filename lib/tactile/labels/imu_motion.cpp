@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/main_direction.hpp"
 
 namespace tactile {
 namespace {
@@ -78,29 +79,14 @@ FeltMotion felt_motion(std::span<const ImuSample> samples) {
   felt.noise_m_s2 = sigma_per_median * upper_median(sizes);
 
   felt.velocity.resize(n);
-  std::array<Vector3, 3> moments{};
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vector3& a = felt.acceleration[i];
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k) moments[j][k] += a[j] * a[k];
-    }
-    if (i == 0) continue;
+  for (std::size_t i = 1; i < n; ++i) {
+    const Vector3 &before = felt.acceleration[i - 1], &a = felt.acceleration[i];
     const double step_s = t_s[i] - t_s[i - 1];
     for (std::size_t k = 0; k < 3; ++k) {
-      felt.velocity[i][k] =
-          felt.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + felt.acceleration[i - 1][k]));
+      felt.velocity[i][k] = felt.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + before[k]));
     }
   }
-  felt.axis = {1, 1, 1};
-  for (int round = 0; round < 50; ++round) {
-    Vector3 next{};
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k) next[j] += moments[j][k] * felt.axis[k];
-    }
-    const double length = std::sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2]);
-    if (!(length > 0)) return felt;
-    for (std::size_t j = 0; j < 3; ++j) felt.axis[j] = next[j] / length;
-  }
+  felt.axis = main_direction(felt.acceleration).axis;
   return felt;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/main_direction.hpp"
 
 namespace tactile {
 namespace {
@@ -31,26 +32,11 @@ double rest_limit(const std::vector<RobotState>& states) {
   return std::max(0.004, upper_median(speeds) * (1.54 + 5.0) / 1.54);
 }
 
-/// The direction in which most of the motion goes, by the power method on the speeds' second moments; in the first half it is
-/// positive.
+/// The direction in which most of the motion goes; in the first half it is positive.
 Vector3 direction_of(std::span<const RobotState> rows) {
-  std::array<Vector3, 3> moments{};
-  for (const RobotState& row : rows) {
-    const Vector3 v = velocity_of(row);
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) moments[i][j] += v[i] * v[j];
-    }
-  }
-  const auto largest = std::max_element(rows.begin(), rows.end(), [](const RobotState& a, const RobotState& b) {
-    return length_of(velocity_of(a)) < length_of(velocity_of(b));
-  });
-  Vector3 axis = velocity_of(*largest);
-  for (int i = 0; i < 30; ++i) {
-    axis = {dot(moments[0], axis), dot(moments[1], axis), dot(moments[2], axis)};
-    const double length = length_of(axis);
-    if (!(length > 0)) return {0, 0, 1};
-    for (double& value : axis) value /= length;
-  }
+  std::vector<Vector3> velocities;
+  for (const RobotState& row : rows) velocities.push_back(velocity_of(row));
+  Vector3 axis = main_direction(velocities).axis;
   double first_half = 0;
   for (const RobotState& row : rows.first((rows.size() + 1) / 2)) first_half += dot(axis, velocity_of(row));
   if (first_half < 0) {

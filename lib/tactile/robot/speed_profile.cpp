@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/main_direction.hpp"
 
 namespace tactile {
 namespace {
@@ -417,33 +418,12 @@ class Fit {
 
 /// The one axis that the rows move along, if they move along one.
 std::optional<Speed> common_axis(std::span<const SpeedRow> rows, double noise) {
-  std::array<std::array<double, 3>, 3> squares{};
-  double all = 0;
-  for (const SpeedRow& row : rows) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      all += row.speed[a] * row.speed[a];
-      for (std::size_t b = 0; b < 3; ++b) squares[a][b] += row.speed[a] * row.speed[b];
-    }
-  }
-  Speed axis{1, 1, 1};
-  const auto fastest = std::max_element(rows.begin(), rows.end(), [](const SpeedRow& a, const SpeedRow& b) {
-    return std::hypot(a.speed[0], a.speed[1], a.speed[2]) < std::hypot(b.speed[0], b.speed[1], b.speed[2]);
-  });
-  if (fastest != rows.end()) axis = fastest->speed;
-  double along = 0;
-  for (int turn = 0; turn < 50; ++turn) {
-    Speed next{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t b = 0; b < 3; ++b) next[a] += squares[a][b] * axis[b];
-    }
-    const double length = std::hypot(next[0], next[1], next[2]), size = std::hypot(axis[0], axis[1], axis[2]);
-    if (!(length > 0) || !(size > 0)) return Speed{0, 0, 1};
-    along = length / size;
-    for (std::size_t a = 0; a < 3; ++a) axis[a] = next[a] / length;
-  }
-  const double across = all - along, by_chance = 2.0 * noise * noise * static_cast<double>(rows.size());
-  if (across > 2.0 * by_chance + 1e-4 * along) return std::nullopt;
-  return axis;
+  std::vector<Speed> speeds;
+  for (const SpeedRow& row : rows) speeds.push_back(row.speed);
+  const MainDirection main = main_direction(speeds);
+  const double by_chance = 2.0 * noise * noise * static_cast<double>(rows.size());
+  if (main.across > 2.0 * by_chance + 1e-4 * main.along) return std::nullopt;
+  return main.axis;
 }
 
 constexpr double well_fitted = 1.5;  // a row's mean square over the noise's: more asks for another knot
