@@ -15,10 +15,10 @@
 #include "onednn_lenet.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/engine/lenet_engine.hpp"
-#include "tactile/model/lenet.hpp"
-#include "tactile/model/model_bundle.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
+#include "tactile/model/training/lenet.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/dataset.hpp"
 
 // engine_benchmark heatmaps DATASET MODEL FOLDER: writes what is measured with, a group of heatmaps a file, and

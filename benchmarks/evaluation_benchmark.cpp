@@ -20,8 +20,8 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
-#include "tactile/model/lenet.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/training/lenet.hpp"
 
 namespace tactile {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/model/lenet.hpp"
-#include "tactile/model/onnx_model.hpp"
+#include "tactile/model/bundle/onnx_model.hpp"
+#include "tactile/model/training/lenet.hpp"
 
 // model_benchmark train|train-libtorch|infer THREADS IMAGES [SHARE]: for each line that comes, learns from or judges IMAGES
 // heatmaps, a SHARE [0.2] of whose cells is active, and prints how many a second that were. train-libtorch: by its layers.

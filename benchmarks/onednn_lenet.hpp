@@ -4,8 +4,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "tactile/model/lenet_layers.hpp"
-#include "tactile/model/weights.hpp"
+#include "tactile/model/bundle/weights.hpp"
+#include "tactile/model/definition/lenet_layers.hpp"
 
 #ifdef TACTILE_HAS_ONEDNN
 #include <dnnl.hpp>

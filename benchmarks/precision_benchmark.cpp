@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tactile/evaluation/confidence_interval.hpp"
-#include "tactile/model/train_model.hpp"
-#include "tactile/model/training.hpp"
+#include "tactile/model/training/train_model.hpp"
+#include "tactile/model/training/training.hpp"
 #include "tactile/windows/dataset.hpp"
 
 // precision_benchmark DATASET SEEDS EPOCHS THREADS: what rounding costs. With each seed a network learns three times from the

@@ -40,9 +40,9 @@
 #include "tactile/detect/recorded_copy.hpp"
 #include "tactile/detect/tick_log.hpp"
 #include "tactile/detect/udp_records.hpp"
-#include "tactile/engine/lenet_engine.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 #include "tactile/report/gnuplot.hpp"
 #include "tick_reader.hpp"
 
@@ -110,7 +110,7 @@ ClassifyHeatmap network_of(const DetectArguments& args, const ModelBundle& bundl
     return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
   }
   if (precision != Precision::fp32) throw Error("--precision int8: libtorch runs fp32 alone; expected --engine fast");
-  const auto classifier = std::make_shared<const Classifier>(bundle.folder, 1, kind);
+  const auto classifier = std::make_shared<const Classifier>(open_classifier(bundle.folder, 1, kind));
   return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
 }
 

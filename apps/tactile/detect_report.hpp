@@ -10,7 +10,7 @@
 
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/detect/live_detector.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/robot/robot_inputs.hpp"
 
 namespace tactile {

@@ -20,8 +20,9 @@
 #include "commands.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/machine.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/model/library.hpp"
+#include "tactile/model/training/torch_version.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -99,8 +100,7 @@ double wake_up_delay_us() {
     std::this_thread::sleep_until(due);
     delays.push_back(std::chrono::duration<double, std::micro>(Clock::now() - due).count());
   }
-  std::nth_element(delays.begin(), delays.begin() + 25, delays.end());
-  return delays[25];
+  return upper_median(delays);
 }
 
 /// Writes 64 MiB into `folder` and syncs them [MB/s]; nothing if it cannot.

@@ -21,8 +21,9 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
-#include "tactile/model/split_remarks.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/split_remarks.hpp"
+#include "tactile/model/training/train_model.hpp"
 
 namespace tactile {
 namespace {
@@ -85,7 +86,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   }
   check_writable(bundle->folder);
   spdlog::info("evaluating {}", bundle->folder.string());
-  const Classifier classifier(bundle->folder, common.threads, engine_named(args.engine));
+  const Classifier classifier = open_classifier(bundle->folder, common.threads, engine_named(args.engine));
   const auto runs = test_runs_of(dataset, classifier.model());
   EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
@@ -126,7 +127,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
 
   const EngineKind engine = engine_named(args.engine);
-  const Classifier with(seen.folder, common.threads, engine), without(held_out.folder, common.threads, engine);
+  const Classifier with = open_classifier(seen.folder, common.threads, engine);
+  const Classifier without = open_classifier(held_out.folder, common.threads, engine);
   const std::vector<SplitOptions> splits{with.model().settings.split, without.model().settings.split};
   std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
   const auto runs = runs_neither_saw(dataset, with.model(), without.model());

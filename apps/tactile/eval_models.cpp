@@ -10,7 +10,7 @@
 #include "model_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 
 namespace tactile {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile {

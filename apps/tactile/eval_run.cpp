@@ -16,7 +16,8 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/report/prediction_picture.hpp"
 #include "text_table.hpp"
 
@@ -151,7 +152,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   for (const std::string& given : args.runs) attempt([&] { asked_for.push_back(chosen_run(given, args, dataset)); });
   if (asked_for.empty()) return end_with(errors);
   const ModelBundle bundle = model_for_runs(args, dataset);
-  const Classifier classifier(bundle.folder, common.threads, engine_named(args.engine));
+  const Classifier classifier = open_classifier(bundle.folder, common.threads, engine_named(args.engine));
   const ModelDescription& model = classifier.model();
   spdlog::info("every tick as {} sees it", bundle.folder.string());
 

@@ -151,8 +151,8 @@ std::string operating_text(const Evaluation& evaluation) {
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
     rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
-                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms.per_min),
-                    bounds(point.false_alarms.per_min, 1)});
+                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms_per_min),
+                    bounds(point.false_alarms_per_min, 1)});
   }
   return text_table({"said from", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
          wrapped(operating_legend) + "\n";
@@ -250,15 +250,14 @@ std::string text_of(const Evaluation& evaluation) {
 
 std::string text_of(const UnseenComparison& comparison, bool simulated) {
   std::vector<Row> rows;
-  const auto row = [&](const std::string& name, const Figure& seen, const Figure& held_out, const Figure& difference) {
-    rows.push_back({name, percent(seen), bounds(seen, 100), percent(held_out), bounds(held_out, 100), percent(difference),
-                    bounds(difference, 100)});
+  const auto add_row = [&](const std::string& name, const SeenAndHeldOut& of) {
+    rows.push_back({name, percent(of.seen), bounds(of.seen, 100), percent(of.held_out), bounds(of.held_out, 100),
+                    percent(of.difference), bounds(of.difference, 100)});
   };
-  for (const auto& [name, seen] : comparison.seen.objects)
-    row(name, seen, comparison.held_out.objects.at(name), comparison.difference.objects.at(name));
-  row("mean over objects", comparison.seen.mean, comparison.held_out.mean, comparison.difference.mean);
+  for (const auto& [name, of_object] : comparison.objects) add_row(name, of_object);
+  add_row("mean over objects", comparison.mean);
   return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither learned from",
-                             comparison.seen_model, comparison.held_out_model, comparison.runs.size(),
+                             comparison.models->seen, comparison.models->held_out, comparison.runs.size(),
                              simulated ? "simulated" : "real")) +
          "\n\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows) + "\n";
 }

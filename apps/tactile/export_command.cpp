@@ -11,8 +11,8 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/model/model_bundle.hpp"
-#include "tactile/model/onnx_model.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/bundle/onnx_model.hpp"
 #include "text_table.hpp"
 
 namespace tactile {

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
 
+#include "tactile/core/robust_statistics.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -113,19 +113,11 @@ struct Measured {
   double largest = 0;
 };
 
-double median_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 Measured measured(const std::vector<double>& values) {
   if (values.empty()) return {};
-  const double median = median_of(values);
-  std::vector<double> apart;
-  for (const double value : values) apart.push_back(std::abs(value - median));
+  const double middle = median(values), spread = sigma_per_median * median(distances_from(middle, values));
   const auto [least, largest] = std::minmax_element(values.begin(), values.end());
-  return {.n = values.size(), .median = median, .spread = 1.4826 * median_of(apart), .least = *least, .largest = *largest};
+  return {.n = values.size(), .median = middle, .spread = spread, .least = *least, .largest = *largest};
 }
 
 std::vector<std::string> cells_of(const Measured& m) {

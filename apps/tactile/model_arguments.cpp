@@ -12,7 +12,7 @@
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/confirmation.hpp"
-#include "tactile/model/split_remarks.hpp"
+#include "tactile/model/training/split_remarks.hpp"
 #include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 

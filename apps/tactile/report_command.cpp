@@ -14,8 +14,8 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/report/json_view.hpp"
 #include "tactile/report/report.hpp"
+#include "tactile/results/json_view.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile {

@@ -220,7 +220,7 @@ std::vector<std::string> draw_figures(const fs::path& out) {
   const ReportedTrade trade = read_trade(out);
   std::vector<std::pair<std::string, Plot>> plots{{"trade-accuracy", trade_accuracy_plot(trade)},
                                                   {"trade-delay", trade_delay_plot(trade)}};
-  if (!trade.by_rate.empty()) {
+  if (!trade.growth.by_rate.empty()) {
     plots.emplace_back("trade-growth", trade_growth_plot(trade));
   } else {
     for (const char* type : {".svg", ".png"}) fs::remove(out / "figures" / ("trade-growth" + std::string(type)));

@@ -19,7 +19,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "text_table.hpp"
 
 namespace tactile {

@@ -11,6 +11,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/labels/clock_fit.hpp"
@@ -116,12 +117,12 @@ class Errors {
   nlohmann::json json(bool with_interval) const {
     nlohmann::json object = {{"n", n()},
                              {"flagged", flagged_},
-                             {"median", quantile(errors_ms_, 0.5)},
-                             {"p95", quantile(errors_ms_, 0.95)},
-                             {"max", quantile(errors_ms_, 1)}};
+                             {"median", nearest_rank_quantile(errors_ms_, 0.5)},
+                             {"p95", nearest_rank_quantile(errors_ms_, 0.95)},
+                             {"max", nearest_rank_quantile(errors_ms_, 1)}};
     if (with_interval) {
       object["covered"] = covered_;
-      object["median_width"] = quantile(widths_ms_, 0.5);
+      object["median_width"] = nearest_rank_quantile(widths_ms_, 0.5);
     }
     return object;
   }
@@ -130,21 +131,14 @@ class Errors {
     return {"  " + name,
             std::to_string(n()),
             std::to_string(flagged_),
-            fmt::format("{:.2f}", quantile(errors_ms_, 0.5)),
-            fmt::format("{:.2f}", quantile(errors_ms_, 0.95)),
-            fmt::format("{:.2f}", quantile(errors_ms_, 1)),
+            fmt::format("{:.2f}", nearest_rank_quantile(errors_ms_, 0.5)),
+            fmt::format("{:.2f}", nearest_rank_quantile(errors_ms_, 0.95)),
+            fmt::format("{:.2f}", nearest_rank_quantile(errors_ms_, 1)),
             with_interval ? fmt::format("{:.0f} %", 100 * static_cast<double>(covered_) / static_cast<double>(n())) : "",
-            with_interval ? fmt::format("{:.2f}", quantile(widths_ms_, 0.5)) : ""};
+            with_interval ? fmt::format("{:.2f}", nearest_rank_quantile(widths_ms_, 0.5)) : ""};
   }
 
  private:
-  /// The least value that so large a share of them does not exceed.
-  static double quantile(std::vector<double> values, double share) {
-    std::sort(values.begin(), values.end());
-    const auto index = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-    return values[index > 0 ? index - 1 : 0];
-  }
-
   std::vector<double> errors_ms_, widths_ms_;
   std::size_t covered_ = 0, flagged_ = 0;
 };

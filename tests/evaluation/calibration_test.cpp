@@ -45,7 +45,7 @@ TEST(Calibration, TellsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
   EXPECT_NEAR(calibration.objects.at("fan").value, 0.2, 1e-12);
   EXPECT_NEAR(calibration.objects.at("box").value, 0.2, 1e-12);
   ASSERT_EQ(calibration.bins.size(), reliability_bins);
-  const Calibration::Bin& bin = calibration.bins[10];
+  const ReliabilityBin& bin = calibration.bins[10];
   EXPECT_EQ(bin.samples, 20U);
   EXPECT_NEAR(bin.confidence, 0.7, 1e-12);
   EXPECT_NEAR(bin.accuracy.value, 0.7, 1e-12);

@@ -32,14 +32,6 @@ std::vector<std::size_t> first(std::size_t count) {
   return runs;
 }
 
-TEST(Quantile, InterpolatesBetweenNeighbours) {
-  EXPECT_DOUBLE_EQ(quantile({3, 1, 2}, 0.5), 2);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({0, 10}, 0.025), 0.25);
-  EXPECT_DOUBLE_EQ(quantile({7}, 0.975), 7);
-  EXPECT_DOUBLE_EQ(quantile({1, 2}, 1), 2);
-}
-
 TEST(FigureOfObject, HasNoBoundsBelowThreeRuns) {
   const Figure two = figure_of_object(first(2), mean_of({1, 3}));
   EXPECT_DOUBLE_EQ(two.value, 2);

@@ -9,6 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile {
 namespace {
@@ -40,7 +41,7 @@ TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
 TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
   const Trained trained;
   const Dataset dataset(trained.file);
-  const Classifier fast(trained.bundle.folder, 1), libtorch(trained.bundle.folder, 1, EngineKind::libtorch);
+  const Classifier fast(trained.bundle.folder, 1), libtorch = open_classifier(trained.bundle.folder, 1, EngineKind::libtorch);
   EXPECT_EQ(fast.engine(), EngineKind::fast);
   EXPECT_EQ(libtorch.engine(), EngineKind::libtorch);
   const auto events = dataset.run_folder(1) / "events.aedat4";
@@ -60,7 +61,7 @@ TEST(Evaluation, TellsItsEngineAndCloseTicks) {
   const Trained trained({"fan", "small-box"});
   const Dataset dataset(trained.file);
   const auto by = [&](EngineKind engine) -> nlohmann::json {
-    return evaluate(dataset, Classifier(trained.bundle.folder, 1, engine), test_runs(dataset), {.threads = 1});
+    return evaluate(dataset, open_classifier(trained.bundle.folder, 1, engine), test_runs(dataset), {.threads = 1});
   };
   const nlohmann::json fast = by(EngineKind::fast), libtorch = by(EngineKind::libtorch);
   EXPECT_EQ(fast.at("engine").at("name").get<std::string>(), "fast");

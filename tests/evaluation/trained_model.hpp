@@ -7,7 +7,7 @@
 
 #include "model/small_data.hpp"
 #include "support/temporary_folder.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile::test {

@@ -11,7 +11,7 @@
 #include "support/power_cut.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile {

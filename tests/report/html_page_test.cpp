@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "support/error_of.hpp"
-#include "tactile/report/json_view.hpp"
-
 namespace tactile {
 namespace {
 
@@ -56,29 +53,6 @@ TEST(HtmlPage, NeedsNothingBesideItAndEscapesWhateverItIsGiven) {
   for (const char* part :
        {"name=\"viewport\"", "prefers-color-scheme: dark", "default-src 'none'", "href=\"#part\"", "id=\"part\"", "lang=\"en\""})
     EXPECT_EQ(count_of(html, part), 1U) << part;
-}
-
-TEST(JsonView, GivesWhatIsThereAndNamesWhatIsOfAnotherType) {
-  const nlohmann::json json = nlohmann::json::parse(
-      R"({"a": {"value": 0.5, "low": null, "high": 0.6, "n": 3}, "b": [1, "x"], "c": null, "d": "text", "e": -1, "f": true})");
-  const JsonView view(json, "eval.json");
-  const Measured measured = view["a"].measured();
-  EXPECT_EQ(measured.value, 0.5);
-  EXPECT_TRUE(std::isnan(measured.low));
-  EXPECT_EQ(measured.high, 0.6);
-  EXPECT_EQ(measured.n, 3U);
-  EXPECT_FALSE(view["c"]);
-  EXPECT_FALSE(view["nothing"]["deeper"]);
-  EXPECT_TRUE(std::isnan(view["nothing"]["deeper"].number()));
-  EXPECT_TRUE(view["nothing"].items().empty());
-  EXPECT_EQ(view["b"].words(), "1, x");
-  EXPECT_EQ(view["f"].words(), "yes");
-  EXPECT_EQ(test::error_of([&] { view["d"].number(); }), "eval.json: 'd' is string; expected a number");
-  EXPECT_EQ(test::error_of([&] { view["a"]["value"].text(); }), "eval.json: 'a': 'value' is number; expected text");
-  for (const auto& action :
-       std::vector<std::function<void()>>{[&] { view["e"].count(); }, [&] { view["d"].items(); }, [&] { view["b"].members(); },
-                                          [&] { view["d"]["x"]; }, [&] { view["b"].texts(); }, [&] { view["d"].truth(); }})
-    EXPECT_NE(test::error_of(action).find("eval.json: '"), std::string::npos);
 }
 
 }  // namespace

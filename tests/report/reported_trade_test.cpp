@@ -277,7 +277,7 @@ TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
     for (ReportedSetting& one : trade.settings) {
-      for (Measured* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = NAN;
+      for (Figure* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = std::nullopt;
     }
   }
 }
@@ -368,22 +368,20 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
   EXPECT_TRUE(tells(trade_delay_plot(trade_of({usual, silent})).script, "Left out for want of a value: 1."));
 }
 
-ReportedGrowth growth(double events_per_s, double history_ms, double width, double height) {
+GrowthPoint growth(double events_per_s, microseconds history, int width, int height) {
   return {.events_per_s = events_per_s,
-          .history_ms = history_ms,
-          .width = width,
-          .height = height,
-          .sparse_us = 100,
-          .sparse_rendering_us = 10,
-          .dense_us = 1000,
-          .dense_rendering_us = 0.1};
+          .history = history,
+          .sensor = {width, height},
+          .sparse = {.rendering_us = 10, .p50_us = 100},
+          .dense = {.rendering_us = 0.1, .p50_us = 1000}};
 }
 
 ReportedTrade grown() {
   ReportedTrade trade;
-  for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) trade.by_rate.push_back(growth(rate, 40, 640, 480));
-  for (const double history : {2.0, 10.0, 20.0, 40.0, 100.0, 200.0}) trade.by_history.push_back(growth(3e5, history, 640, 480));
-  for (const double width : {160.0, 320.0, 640.0, 1280.0}) trade.by_resolution.push_back(growth(3e5, 40, width, 0.75 * width));
+  for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) trade.growth.by_rate.push_back(growth(rate, 40ms, 640, 480));
+  for (const microseconds history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms})
+    trade.growth.by_history.push_back(growth(3e5, history, 640, 480));
+  for (const int width : {160, 320, 640, 1280}) trade.growth.by_resolution.push_back(growth(3e5, 40ms, width, 3 * width / 4));
   return trade;
 }
 
@@ -429,12 +427,12 @@ TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
   EXPECT_TRUE(tells(drawn(trade_growth_plot({})), "not measured"));
   ReportedTrade trade = grown();
   EXPECT_FALSE(tells(trade_growth_plot(trade).script, "not measured"));
-  trade.by_rate.resize(1);
-  trade.by_history.resize(1);
-  trade.by_history[0].sparse_us = NAN;
-  trade.by_history[0].dense_us = 0;
-  trade.by_resolution.resize(2);
-  trade.by_resolution[1].width = NAN;
+  trade.growth.by_rate.resize(1);
+  trade.growth.by_history.resize(1);
+  trade.growth.by_history[0].sparse.p50_us = NAN;
+  trade.growth.by_history[0].dense.p50_us = 0;
+  trade.growth.by_resolution.resize(2);
+  trade.growth.by_resolution[1].sensor.width = 0;
   const Plot plot = trade_growth_plot(trade);
   drawn(plot);
   const std::vector<XAxis> axes = x_axes(plot);

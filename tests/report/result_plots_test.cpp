@@ -71,8 +71,8 @@ TEST(AccuracyByHistoryPlot, BearsWhatIsMissingManyObjectsAndLongNames) {
 
 TEST(DelayPlot, HoldsBarsWhiskersAndWhatWasMissed) {
   const Plot plot = delay_plot(
-      "Delays", {"fan", "usb-hub"}, {{.object = "fan", .mean_ms = 4, .sem_ms = 0.5, .intervals = 9, .misses = 1, .early = 2}},
-      {{.object = "fan", .mean_ms = 2, .sem_ms = 0, .intervals = 9}, {.object = "usb-hub", .intervals = 3, .misses = 3}});
+      "Delays", {"fan", "usb-hub"}, {{"fan", {.mean_ms = {.value = 4}, .sem_ms = 0.5, .intervals = 9, .misses = 1, .early = 2}}},
+      {{"fan", {.mean_ms = {.value = 2}, .sem_ms = 0, .intervals = 9}}, {"usb-hub", {.intervals = 3, .misses = 3}}});
   EXPECT_TRUE(has_row(plot, {2, 1, 0, 4, 0.68, 1.32}));  // the fan, on top: its bar from 0 to 4
   EXPECT_TRUE(has_row(plot, {4, 1, 3.5, 4.5}));
   EXPECT_TRUE(has_row(plot, {2, 1, 2, 2}));
@@ -83,47 +83,54 @@ TEST(DelayPlot, HoldsBarsWhiskersAndWhatWasMissed) {
 }
 
 TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
-  const Plot plot = unseen_plot("Unseen", {{.object = "fan", .seen = {0.97, 0.96, 0.98, 9}, .held_out = {0.90, 0.85, 0.94, 9}},
-                                           {.object = "sprayer", .seen = {.value = 0.99}, .held_out = {.value = 0.5}}});
+  const Plot plot = unseen_plot("Unseen", {{"fan", {{0.97, 0.96, 0.98, 9}, {0.90, 0.85, 0.94, 9}, {}}},
+                                           {"sprayer", {{.value = 0.99}, {.value = 0.5}, {}}}});
   EXPECT_TRUE(has_row(plot, {97, 1.14, 96, 98}));
   EXPECT_TRUE(has_row(plot, {90, 0.86, 85, 94}));
   EXPECT_TRUE(has_row(plot, {99, 0.14, 99, 99}));  // without an interval: a point
   const std::string svg = drawn(plot);
   EXPECT_TRUE(tells(svg, "sprayer"));
   EXPECT_TRUE(tells(svg, "Whiskers: 95 % intervals where three could be drawn."));
-  const Measured bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
-  EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", bounded, bounded}})), "Whiskers: 95 % intervals."));
-  const std::string without = drawn(unseen_plot("None", {{"fan", single, single}}));
+  const Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
+  EXPECT_TRUE(tells(drawn(unseen_plot("All", {{"fan", {bounded, bounded, {}}}})), "Whiskers: 95 % intervals."));
+  const std::string without = drawn(unseen_plot("None", {{"fan", {single, single, {}}}}));
   EXPECT_TRUE(tells(without, "No interval for want of three"));
   EXPECT_FALSE(tells(without, "95 %"));
   drawn(unseen_plot("Nothing", {}));
 }
 
 TEST(ConfusionPlot, TellsCountsAndSharesOfTheRow) {
-  const std::string svg = drawn(confusion_plot("Confusion", {{{90, 10, 0}, {1, 3, 0}, {0, 0, 0}}}));
+  const std::string svg = drawn(confusion_plot("Confusion", {.counts = {{{90, 10, 0}, {1, 3, 0}, {0, 0, 0}}}}));
   for (const char* words : {"90.0 %", "10.0 %", "75.0 %", "25.0 %", "no sample", "said", "true", ">90<", ">3<"})
     EXPECT_TRUE(tells(svg, words)) << words;
 }
 
+/// Of ten intervals so many are missed.
+OperatingPoint operating_point(double threshold, double alarms, double press_ms, std::uint64_t press_misses, double slip_ms,
+                               std::uint64_t slip_misses) {
+  return {.threshold = threshold,
+          .press = {.mean_ms = {.value = press_ms}, .intervals = 10, .misses = press_misses},
+          .slip = {.mean_ms = {.value = slip_ms}, .intervals = 10, .misses = slip_misses},
+          .false_alarms_per_min = {.value = alarms}};
+}
+
 TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
-  const Plot plot = operating_curve_plot("Operating curve",
-                                         {{.threshold = 0.5, .false_alarms_per_min = 6, .press = {2, 0}, .slip = {3, 0.1}},
-                                          {.threshold = 0.9, .false_alarms_per_min = 1, .press = {8, 0.2}, .slip = {12, 0.4}}});
+  const Plot plot =
+      operating_curve_plot("Operating curve", {operating_point(0.5, 6, 2, 0, 3, 1), operating_point(0.9, 1, 8, 2, 12, 4)});
   EXPECT_TRUE(has_row(plot, {std::log10(6), 2, 3}));
   EXPECT_TRUE(has_row(plot, {0, 20, 40}));
   const std::string svg = drawn(plot);
   for (const char* words : {"0.5", "0.9", "false alarms per minute", "mean delay [ms]", "missed or early [%]"})
     EXPECT_TRUE(tells(svg, words)) << words;
-  drawn(operating_curve_plot("No alarms", {{.threshold = 0.5, .false_alarms_per_min = 0, .press = {}, .slip = {}}}));
+  drawn(operating_curve_plot("No alarms", {{.threshold = 0.5, .false_alarms_per_min = {.value = 0}}}));
   drawn(operating_curve_plot("Nothing", {}));
 }
 
 TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoints) {
-  const OperatingMark own{.threshold = NAN, .false_alarms_per_min = 100, .press = {4, 0.1}, .slip = {5, 0.2}};
-  std::vector<OperatingMark> points;
+  const OperatingPoint own = operating_point(NAN, 100, 4, 1, 5, 2);
+  std::vector<OperatingPoint> points;
   for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})
-    points.push_back(
-        {.threshold = threshold, .false_alarms_per_min = 10, .press = {2 + threshold, 0}, .slip = {3 + threshold, 0}});
+    points.push_back(operating_point(threshold, 10, 2 + threshold, 0, 3 + threshold, 0));
   const Plot plot = operating_curve_plot("Crowded", points, own);
   EXPECT_TRUE(has_row(plot, {2, 4, 5}));
   EXPECT_TRUE(has_row(plot, {2, 10, 20}));
@@ -163,8 +170,8 @@ TEST(Captions, SpeakOfIntervalsAndWhiskersOnlyWhereThereAreSome) {
   EXPECT_TRUE(tells(without, "no interval for want of three runs"));
   EXPECT_TRUE(
       tells(drawn(accuracy_by_history_plot("By history", {bare, curve("hub", {{2, 0.8}})})), "where three could be drawn"));
-  EXPECT_FALSE(tells(drawn(delay_plot("Delays", {"fan"}, {{.object = "fan", .mean_ms = 4, .intervals = 1}}, {})), "whiskers"));
-  EXPECT_TRUE(tells(drawn(delay_plot("Delays", {"fan"}, {{.object = "fan", .mean_ms = 4, .sem_ms = 1, .intervals = 2}}, {})),
+  EXPECT_FALSE(tells(drawn(delay_plot("Delays", {"fan"}, {{"fan", {.mean_ms = {.value = 4}, .intervals = 1}}}, {})), "whiskers"));
+  EXPECT_TRUE(tells(drawn(delay_plot("Delays", {"fan"}, {{"fan", {.mean_ms = {.value = 4}, .sem_ms = 1, .intervals = 2}}}, {})),
                     "whiskers"));
 }
 
@@ -194,14 +201,15 @@ TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
 }
 
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
-  const TouchOverTime press{.since_onset = {{0, 50, {0.9, 0.8, 0.95, 10}}}, .before_end = {{0, 50, {0.6, 0.5, 0.7, 10}}}};
+  const AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
+                               .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};
   const Plot plot = over_time_plot("Over time", press, {});
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
   const std::string svg = drawn(plot);
   for (const char* words : {"since the onset", "before the end", "Whiskers: 95 % intervals."})
     EXPECT_TRUE(tells(svg, words)) << words;
-  const TouchOverTime of_one_run{.since_onset = {{0, 50, {.value = 0.9}}}, .before_end = {}};
+  const AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
   EXPECT_TRUE(
       tells(drawn(over_time_plot("Of one run", press, of_one_run)), "Whiskers: 95 % intervals where three could be drawn."));
   EXPECT_FALSE(tells(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
@@ -227,7 +235,7 @@ TEST(FramesPlot, ShowsCountsRightWayUpAndRefusesWhatIsNoFrame) {
 
 TEST(FigureText, OfAnyNameIsShownAsItIsAndShortened) {
   const std::string hostile = "<b>'x\"&; system 'ls'";
-  const std::string svg = drawn(unseen_plot(hostile, {{.object = hostile, .seen = {.value = 0.9}, .held_out = {.value = 0.8}}}));
+  const std::string svg = drawn(unseen_plot(hostile, {{hostile, {{.value = 0.9}, {.value = 0.8}, {}}}}));
   EXPECT_TRUE(tells(svg, "&lt;b>")) << svg;
   EXPECT_FALSE(tells(svg, "<b>"));
   EXPECT_EQ(shortened("water-bottle", 20), "water-bottle");

@@ -11,8 +11,10 @@ JudgedRun run_with_a_press() {
   return run;
 }
 
-RunSaid said_every(microseconds tick, CameraTime first, std::vector<Touch> said) {
-  RunSaid run{"fan/03", {.first = first, .count = static_cast<std::int64_t>(said.size()), .tick = tick}, said, {}};
+FullRun said_every(microseconds tick, CameraTime first, std::vector<Touch> said) {
+  FullRun run{.run = "fan/03",
+              .ticks = {.first = first, .count = static_cast<std::int64_t>(said.size()), .tick = tick},
+              .verdicts = said};
   run.events.assign(said.size(), 100);
   return run;
 }
@@ -23,8 +25,8 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
                  {0, camera_time(30'000), Touch::press},   // at a tick
                  {0, camera_time(38'000), Touch::press},   // 8 ms behind it
                  {0, camera_time(42'000), Touch::press}};  // behind the last one
-  const RunSaid said = said_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
-  const TradedRun outcome = outcome_of(run, said, said.said);
+  const FullRun said = said_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
+  const TradedRun outcome = outcome_of(run, said, said.verdicts);
   EXPECT_EQ(outcome.confusion.counts[0][0], 1U);
   EXPECT_EQ(outcome.confusion.counts[1][1], 2U);
   EXPECT_EQ(outcome.confusion.counts[1][2], 1U);
@@ -32,13 +34,13 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
 
 TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   const JudgedRun run = run_with_a_press();
-  const RunSaid said = said_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
-  const TradedRun outcome = outcome_of(run, said, said.said);
+  const FullRun said = said_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
+  const TradedRun outcome = outcome_of(run, said, said.verdicts);
   EXPECT_EQ(outcome.intervals, 1U);
   EXPECT_EQ(outcome.delays_us, std::vector<double>{40'000 - 21'000});
   EXPECT_EQ(outcome.misses + outcome.early, 0U);
-  const RunSaid silent = said_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
-  EXPECT_EQ(outcome_of(run, silent, silent.said).misses, 1U);
+  const FullRun silent = said_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
+  EXPECT_EQ(outcome_of(run, silent, silent.verdicts).misses, 1U);
 }
 
 TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, std::vector<double> delays,

@@ -9,7 +9,7 @@
 
 #include "tactile/evaluation/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/logits.hpp"
+#include "tactile/model/inference/logits.hpp"
 
 namespace tactile {
 

@@ -30,34 +30,6 @@ Accuracy accuracy_by(std::span<const RunConfusion> runs,
 
 }  // namespace
 
-Confusion& Confusion::operator+=(const Confusion& other) {
-  for (std::size_t i = 0; i < touch_count; ++i) {
-    for (std::size_t j = 0; j < touch_count; ++j) counts[i][j] += other.counts[i][j];
-  }
-  return *this;
-}
-
-std::uint64_t Confusion::samples() const {
-  std::uint64_t sum = 0;
-  for (const auto& row : counts) {
-    for (const std::uint64_t count : row) sum += count;
-  }
-  return sum;
-}
-
-std::uint64_t Confusion::correct() const {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < touch_count; ++i) sum += counts[i][i];
-  return sum;
-}
-
-std::optional<double> Confusion::accuracy() const {
-  if (samples() == 0) return std::nullopt;
-  return static_cast<double>(correct()) / static_cast<double>(samples());
-}
-
-void to_json(nlohmann::json& json, const Confusion& confusion) { json = confusion.counts; }
-
 Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said) {
   if (truth.size() != said.size()) {
     throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(said.size()) +
@@ -67,8 +39,6 @@ Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said
   for (std::size_t i = 0; i < truth.size(); ++i) confusion.add(truth[i], said[i]);
   return confusion;
 }
-
-void to_json(nlohmann::json& json, const Accuracy& accuracy) { json = {{"mean", accuracy.mean}, {"objects", accuracy.objects}}; }
 
 Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
   return accuracy_by(
@@ -90,6 +60,17 @@ Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const Ru
         return *second - *first;
       },
       options);
+}
+
+UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
+                                   const BootstrapOptions& options) {
+  const Accuracy with = accuracy_of(seen, options), without = accuracy_of(held_out, options);
+  const Accuracy difference = accuracy_difference(seen, held_out, options);
+  UnseenComparison comparison;
+  comparison.mean = {with.mean, without.mean, difference.mean};
+  for (const auto& [name, figure] : with.objects)
+    comparison.objects[name] = {figure, without.objects.at(name), difference.objects.at(name)};
+  return comparison;
 }
 
 }  // namespace tactile

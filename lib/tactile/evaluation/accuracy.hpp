@@ -1,34 +1,17 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/accuracy.hpp"
+#include "tactile/results/confusion.hpp"
+#include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
-
-/// How often each touch was taken for which: rows true, columns said, in the order none, press, slip.
-struct Confusion {
-  std::array<std::array<std::uint64_t, touch_count>, touch_count> counts{};
-
-  void add(Touch truth, Touch said) { ++counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(said)]; }
-  Confusion& operator+=(const Confusion& other);
-  std::uint64_t samples() const;
-  std::uint64_t correct() const;           ///< on the diagonal
-  std::optional<double> accuracy() const;  ///< correct / samples, in [0, 1]; nothing without samples
-
-  friend bool operator==(const Confusion&, const Confusion&) = default;
-};
-
-/// A list of three rows of three counts.
-void to_json(nlohmann::json& json, const Confusion& confusion);
 
 /// Pairs of what is and what was said. @throws Error  if the two are not of one length
 Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said);
@@ -39,20 +22,17 @@ struct RunConfusion {
   Confusion confusion;
 };
 
-/// The share of balanced samples said right: of each object over all samples of its runs, and the mean over objects.
-struct Accuracy {
-  Figure mean;                            ///< objects drawn first, then runs; n = objects
-  std::map<std::string, Figure> objects;  ///< runs drawn; n = runs
-};
-
-void to_json(nlohmann::json& json, const Accuracy& accuracy);
-
 /// Runs without samples are left out.
 Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options = {});
 
 /// `b - a` of the same runs in the same order, in each draw too. @throws Error  if they are not runs of the same objects
 Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b,
                              const BootstrapOptions& options = {});
+
+/// Verdicts on the same runs with their objects in training and without, compared; neither models nor runs are named.
+/// @throws Error  likewise
+UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
+                                   const BootstrapOptions& options = {});
 
 /// The runs of each object, by their place in `runs`, objects by name; those for which `taken` is false are left out.
 template <class Run, class Taken>

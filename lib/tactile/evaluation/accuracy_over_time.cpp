@@ -142,39 +142,7 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
   return accuracy;
 }
 
-nlohmann::json json_of(const ShareOverTime& share) {
-  return {{"first", share.first},
-          {"later", share.later},
-          {"last", share.last},
-          {"before_last", share.before_last},
-          {"last_minus_before", share.last_minus_before},
-          {"still_said", share.still_said},
-          {"intervals", share.intervals},
-          {"short_ones", share.short_ones}};
-}
-
 double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
-
-nlohmann::json json_of(const std::vector<OverTimeBin>& bins) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const OverTimeBin& bin : bins) {
-    json.push_back({{"from_ms", in_ms(bin.from)},
-                    {"to_ms", in_ms(bin.to)},
-                    {"accuracy", bin.accuracy},
-                    {"ticks", bin.ticks},
-                    {"intervals", bin.intervals}});
-  }
-  return json;
-}
-
-nlohmann::json json_of(const AccuracyOverTime& accuracy) {
-  nlohmann::json json = json_of(accuracy.all);
-  json["objects"] = nlohmann::json::object();
-  for (const auto& [name, share] : accuracy.objects) json["objects"][name] = json_of(share);
-  json["since_onset"] = json_of(accuracy.since_onset);
-  json["before_end"] = json_of(accuracy.before_end);
-  return json;
-}
 
 }  // namespace
 
@@ -222,10 +190,13 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
 }
 
 void to_json(nlohmann::json& json, const OverTime& over_time) {
-  json = {{"bin_ms", in_ms(over_time.options.bin)},   {"first_ms", in_ms(over_time.options.first)},
-          {"last_ms", in_ms(over_time.options.last)}, {"after_ms", in_ms(over_time.options.after)},
-          {"press", json_of(over_time.press)},        {"slip", json_of(over_time.slip)},
-          {"both", json_of(over_time.both)}};
+  json = {{"bin_ms", in_ms(over_time.options.bin)},
+          {"first_ms", in_ms(over_time.options.first)},
+          {"last_ms", in_ms(over_time.options.last)},
+          {"after_ms", in_ms(over_time.options.after)},
+          {"press", over_time.press},
+          {"slip", over_time.slip},
+          {"both", over_time.both}};
 }
 
 OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options,

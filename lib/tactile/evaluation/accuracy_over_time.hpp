@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/over_time.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
@@ -52,36 +52,13 @@ struct RunOverTime {
   OverTimeOfRun counts;
 };
 
-/// The shares of an interval's ticks that were said right: of each object over its runs, then the mean over objects.
-struct ShareOverTime {
-  Figure first, later, last;
-  Figure before_last;        ///< ahead of the last ticks, of intervals that have such ticks
-  Figure last_minus_before;  ///< the last ticks of the same intervals less that: below 0 where verdicts are worse near the end
-  Figure still_said;         ///< share of the ticks behind intervals at which press or slip is said still
-  std::uint64_t intervals = 0, short_ones = 0;  ///< with a tick, and of them those with none ahead of the last ones
-};
-
-struct OverTimeBin {
-  microseconds from{0}, to{0};
-  Figure accuracy;
-  std::uint64_t ticks = 0, intervals = 0;
-};
-
-struct AccuracyOverTime {
-  ShareOverTime all;
-  std::map<std::string, ShareOverTime> objects;
-  std::vector<OverTimeBin> since_onset, before_end;  ///< up to the last bin with a tick
-};
-
 /// Of press, of slip and of both together.
 struct OverTime {
   OverTimeOptions options;
   AccuracyOverTime press, slip, both;
 };
 
-/// {"bin_ms", "first_ms", "last_ms", "after_ms", "press", "slip", "both"}, and in each of the three "first", "later", "last",
-/// "before_last", "last_minus_before", "still_said", "intervals", "short_ones", "objects", "since_onset", "before_end" with
-/// "from_ms", "to_ms", "accuracy", "ticks", "intervals" in each bin.
+/// {"bin_ms", "first_ms", "last_ms", "after_ms", "press", "slip", "both"}
 void to_json(nlohmann::json& json, const OverTime& over_time);
 
 OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options = {},

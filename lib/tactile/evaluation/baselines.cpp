@@ -1,5 +1,6 @@
 #include "tactile/evaluation/baselines.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,8 +15,8 @@ constexpr std::size_t inputs = feature_count + 1;
 constexpr std::size_t others = touch_count - 1;
 constexpr std::size_t unknowns = inputs * others;
 
-using Vector = std::array<double, unknowns>;
-using Matrix = std::array<Vector, unknowns>;
+using Vector = Eigen::Vector<double, unknowns>;
+using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
 using Inputs = std::array<double, inputs>;
 
 void check_one_each(std::size_t values, std::size_t samples, const char* baseline) {
@@ -60,52 +61,28 @@ double loss_of(std::span<const Inputs> samples, std::span<const Touch> truth, co
   return loss;
 }
 
-/// Solves `a x = b` for a positive definite `a` by its Cholesky factor.
-Vector solve(Matrix a, Vector b) {
-  for (std::size_t i = 0; i < unknowns; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = a[i][j];
-      for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
-      a[i][j] = i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / a[j][j];
-    }
-  }
-  for (std::size_t i = 0; i < unknowns; ++i) {
-    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
-    b[i] /= a[i][i];
-  }
-  for (std::size_t i = unknowns; i-- > 0;) {
-    for (std::size_t k = i + 1; k < unknowns; ++k) b[i] -= a[k][i] * b[k];
-    b[i] /= a[i][i];
-  }
-  return b;
-}
-
 struct Slope {
-  Vector gradient{};
-  Matrix curvature{};
+  Vector gradient = Vector::Zero();
+  Matrix curvature = Matrix::Zero();
 };
 
 Slope slope_of(std::span<const Inputs> samples, std::span<const Touch> truth, const LogisticBaseline& model, double ridge) {
   Slope slope;
   const double share = 1.0 / static_cast<double>(samples.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
-    const Inputs& x = samples[n];
-    const auto p = softmax(x, model);
+    const auto x = Eigen::Vector<double, inputs>::Map(samples[n].data());
+    const auto p = softmax(samples[n], model);
     for (std::size_t c = 0; c < others; ++c) {
       const double error = p[c + 1] - (static_cast<std::size_t>(truth[n]) == c + 1 ? 1.0 : 0.0);
-      for (std::size_t i = 0; i < inputs; ++i) slope.gradient[c * inputs + i] += share * error * x[i];
+      slope.gradient.segment<inputs>(c * inputs) += share * error * x;
       for (std::size_t d = 0; d < others; ++d) {
         const double spread = share * p[c + 1] * ((c == d ? 1.0 : 0.0) - p[d + 1]);
-        for (std::size_t i = 0; i < inputs; ++i) {
-          for (std::size_t j = 0; j < inputs; ++j) slope.curvature[c * inputs + i][d * inputs + j] += spread * x[i] * x[j];
-        }
+        slope.curvature.block<inputs, inputs>(c * inputs, d * inputs) += spread * x * x.transpose();
       }
     }
   }
-  for (std::size_t i = 0; i < unknowns; ++i) {
-    slope.gradient[i] += ridge * model.weights[i / inputs][i % inputs];
-    slope.curvature[i][i] += ridge;
-  }
+  for (std::size_t i = 0; i < unknowns; ++i) slope.gradient[i] += ridge * model.weights[i / inputs][i % inputs];
+  slope.curvature.diagonal().array() += ridge;
   return slope;
 }
 
@@ -244,9 +221,8 @@ LogisticBaseline fit_logistic(std::span<const Features> features, std::span<cons
   double loss = loss_of(samples, truth, model, options.ridge);
   for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {
     const Slope slope = slope_of(samples, truth, model, options.ridge);
-    const auto largest = [](double a, double b) { return std::max(a, std::abs(b)); };
-    if (std::accumulate(slope.gradient.begin(), slope.gradient.end(), 0.0, largest) < options.tolerance) break;
-    const Vector direction = solve(slope.curvature, slope.gradient);
+    if (slope.gradient.lpNorm<Eigen::Infinity>() < options.tolerance) break;
+    const Vector direction = slope.curvature.llt().solve(slope.gradient);
     double step = 1;
     const LogisticBaseline from = model;
     double stepped = loss;

@@ -49,17 +49,6 @@ double calibration_error(const Reliability& reliability) {
   return error / std::max(1.0, static_cast<double>(reliability.samples()));
 }
 
-void to_json(nlohmann::json& json, const Calibration& calibration) {
-  json = {{"ece", calibration.error}, {"objects", calibration.objects}, {"bins", nlohmann::json::array()}};
-  for (const Calibration::Bin& bin : calibration.bins) {
-    json["bins"].push_back({{"from", bin.from},
-                            {"to", bin.to},
-                            {"samples", bin.samples},
-                            {"confidence", std::isfinite(bin.confidence) ? nlohmann::json(bin.confidence) : nlohmann::json()},
-                            {"accuracy", bin.accuracy}});
-  }
-}
-
 Calibration calibration_of(std::span<const RunReliability> runs, const BootstrapOptions& options) {
   const auto objects = runs_by_object(runs, [](const RunReliability& run) { return run.reliability.samples() > 0; });
   const RunsByObject chosen = without_names(objects);

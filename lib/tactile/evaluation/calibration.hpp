@@ -2,13 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/calibration.hpp"
 
 namespace tactile {
 
@@ -39,22 +38,6 @@ struct RunReliability {
   std::string object;
   Reliability reliability;
 };
-
-/// Whether the network's probabilities are what they say.
-struct Calibration {
-  struct Bin {
-    double from = 0, to = 0;
-    std::uint64_t samples = 0;
-    double confidence = 0;  ///< mean of its samples' largest probability; NaN without samples
-    Figure accuracy;        ///< share of them said right; objects drawn first, then runs
-  };
-  Figure error;                           ///< ECE of the samples of all runs together; objects drawn first, then runs
-  std::map<std::string, Figure> objects;  ///< ECE; runs drawn
-  std::vector<Bin> bins;
-};
-
-/// {"ece", "objects", "bins": [{"from", "to", "samples", "confidence", "accuracy"}]}
-void to_json(nlohmann::json& json, const Calibration& calibration);
 
 Calibration calibration_of(std::span<const RunReliability> runs, const BootstrapOptions& options = {});
 

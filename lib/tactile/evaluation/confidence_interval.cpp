@@ -1,19 +1,15 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "tactile/core/random.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 namespace {
 
 constexpr std::size_t fewest_to_draw_from = 3;
-
-nlohmann::json number_or_null(std::optional<double> number) {
-  return number && std::isfinite(*number) ? nlohmann::json(*number) : nlohmann::json();
-}
 
 std::vector<std::size_t> drawn_from(std::span<const std::size_t> runs, Random& random) {
   std::vector<std::size_t> drawn(runs.size());
@@ -35,18 +31,11 @@ Figure figure_of_draws(std::optional<double> value, std::size_t n, const Bootstr
   if (2 * values.size() < options.draws) return figure;
   const double outside = (1 - options.confidence) / 2;
   figure.low = quantile(values, outside);
-  figure.high = quantile(std::move(values), 1 - outside);
+  figure.high = quantile(values, 1 - outside);
   return figure;
 }
 
 }  // namespace
-
-void to_json(nlohmann::json& json, const Figure& figure) {
-  json = {{"value", number_or_null(figure.value)},
-          {"low", number_or_null(figure.low)},
-          {"high", number_or_null(figure.high)},
-          {"n", figure.n}};
-}
 
 Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options) {
   if (runs.empty()) return {};
@@ -97,15 +86,6 @@ double poisson_upper_bound(std::uint64_t count, double confidence) {
     (share_up_to_count(middle) > share ? low : high) = middle;
   }
   return high;
-}
-
-double quantile(std::vector<double> values, double q) {
-  assert(!values.empty() && q >= 0 && q <= 1);
-  std::sort(values.begin(), values.end());
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 }  // namespace tactile

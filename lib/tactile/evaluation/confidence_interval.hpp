@@ -3,23 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "tactile/results/figure.hpp"
+
 namespace tactile {
-
-/// A value and its 95 % interval.
-struct Figure {
-  double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
-  std::optional<double> low, high;                          ///< nothing where fewer than three runs or objects could be drawn
-  std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
-};
-
-/// {"value", "low", "high", "n"}; what is not known is null.
-void to_json(nlohmann::json& json, const Figure& figure);
 
 struct BootstrapOptions {
   std::size_t draws = 2000;  ///< > 0
@@ -49,9 +39,5 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
 /// P(X <= count | m) = (1 - confidence) / 2, the upper end of the exact two-sided interval; 3.69 for none met, at 95 %.
 /// Source: F. Garwood, Fiducial limits for the Poisson distribution, Biometrika 28 (1936).
 double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
-
-/// The value below which the share `q` in [0, 1] of the values lies, interpolated between neighbours; `values` not empty, in any
-/// order.
-double quantile(std::vector<double> values, double q);
 
 }  // namespace tactile

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
 namespace tactile {
@@ -79,7 +79,7 @@ DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject&
     });
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
-  summary.median_ms = figure([](std::vector<double> delays) { return quantile(std::move(delays), 0.5); });
+  summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
   return summary;
 }
 
@@ -155,22 +155,16 @@ void to_json(nlohmann::json& json, const Detection& detection) {
       {"delay_ms", detection.outcome == DetectionOutcome::detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}};
 }
 
-Detection detection_in(const nlohmann::json& json, const std::string& where) {
-  Detection detection;
-  detection.interval = {touch_named(member<std::string>(json, "class", where)),
-                        camera_time(member<std::int64_t>(json, "start_us", where)),
-                        camera_time(member<std::int64_t>(json, "end_us", where))};
-  const auto outcome = member<std::string>(json, "outcome", where);
-  bool is_known = false;
-  for (const auto one : {DetectionOutcome::detected, DetectionOutcome::missed, DetectionOutcome::early}) {
-    if (outcome != name_of(one)) continue;
-    detection.outcome = one;
-    is_known = true;
-  }
-  if (!is_known) throw Error(where + ": outcome is '" + outcome + "'; expected detected, missed or early");
+void from_json(const JsonView& json, Detection& detection) {
+  detection.interval = {touch_named(json["class"].text()), camera_time(json["start_us"].whole_number()),
+                        camera_time(json["end_us"].whole_number())};
+  const JsonView outcome = json["outcome"];
+  const auto all = {DetectionOutcome::detected, DetectionOutcome::missed, DetectionOutcome::early};
+  const auto found = std::find_if(all.begin(), all.end(), [&](DetectionOutcome one) { return name_of(one) == outcome.text(); });
+  if (found == all.end()) throw Error(outcome.where() + " is '" + outcome.text() + "'; expected detected, missed or early");
+  detection.outcome = *found;
   if (detection.outcome == DetectionOutcome::detected)
-    detection.delay = microseconds{std::llround(1000 * member<double>(json, "delay_ms", where))};
-  return detection;
+    detection.delay = microseconds{std::llround(1000 * json["delay_ms"].number())};
 }
 
 Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks) {
@@ -179,18 +173,6 @@ Detection counted_from(const Detection& detection, CameraTime onset, const TickR
   const std::int64_t k = first_tick_after(detection.first_right, ticks) - 1;
   other.delay = ticks.tick * (k - first_tick_after(onset, ticks) + 1);
   return other;
-}
-
-void to_json(nlohmann::json& json, const DelaySummary& summary) {
-  json = {
-      {"mean", summary.mean_ms},     {"sem", std::isfinite(summary.sem_ms) ? nlohmann::json(summary.sem_ms) : nlohmann::json()},
-      {"median", summary.median_ms}, {"intervals", summary.intervals},
-      {"misses", summary.misses},    {"early", summary.early}};
-}
-
-void to_json(nlohmann::json& json, const DelayTable& table) {
-  json = table.all;
-  json["objects"] = table.objects;
 }
 
 DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/delay_table.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
@@ -39,8 +39,7 @@ std::string_view name_of(DetectionOutcome outcome);  ///< "detected", "missed", 
 /// {"class", "start_us", "end_us", "outcome", "delay_ms"}; the delay is null but of a detected one.
 void to_json(nlohmann::json& json, const Detection& detection);
 
-/// As `to_json` wrote it, but for the ticks. @throws Error  if it is none, naming `where`
-Detection detection_in(const nlohmann::json& json, const std::string& where);
+void from_json(const JsonView& json, Detection& detection);  ///< but for the ticks
 
 /// The detection delay of each interval:
 ///
@@ -66,24 +65,6 @@ struct RunDetections {
   std::string object;
   std::vector<Detection> detections;
 };
-
-/// Delays of one class over runs; missed and early intervals are counted, never averaged in.
-struct DelaySummary {
-  Figure mean_ms;
-  double sem_ms = 0;  ///< standard deviation of the delays / sqrt(their number); NaN for fewer than two
-  Figure median_ms;
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-};
-
-/// Over all runs, and of each object.
-struct DelayTable {
-  DelaySummary all;                             ///< objects drawn first, then runs
-  std::map<std::string, DelaySummary> objects;  ///< runs drawn
-};
-
-/// {"mean", "sem", "median", "intervals", "misses", "early"}, and "objects" in a table.
-void to_json(nlohmann::json& json, const DelaySummary& summary);
-void to_json(nlohmann::json& json, const DelayTable& table);
 
 /// Over all runs only, as `delay_table(...).all`.
 DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options = {});

@@ -14,7 +14,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_truth.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/event_counts.hpp"
 
 namespace tactile {
@@ -344,10 +344,6 @@ std::vector<microseconds> guards_beside(microseconds own) {
   return guards;
 }
 
-nlohmann::json compared(const Figure& seen, const Figure& held_out, const Figure& difference) {
-  return {{"seen", seen}, {"held_out", held_out}, {"difference", difference}};
-}
-
 }  // namespace
 
 std::optional<bool> Evaluation::above_baselines() const {
@@ -483,27 +479,13 @@ std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classi
   return confusions;
 }
 
-void to_json(nlohmann::json& json, const UnseenComparison& comparison) {
-  json = {{"models", {{"seen", comparison.seen_model}, {"held_out", comparison.held_out_model}}},
-          {"runs", comparison.runs},
-          {"mean", compared(comparison.seen.mean, comparison.held_out.mean, comparison.difference.mean)},
-          {"objects", nlohmann::json::object()}};
-  for (const auto& [name, seen] : comparison.seen.objects) {
-    json["objects"][name] = compared(seen, comparison.held_out.objects.at(name), comparison.difference.objects.at(name));
-  }
-}
-
 UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,
                                 std::span<const std::uint32_t> runs, const EvaluationOptions& options,
                                 const ProgressCallback& progress) {
   const auto by_seen = sample_confusions(dataset, seen, runs, options, progress);
-  const auto by_held_out = sample_confusions(dataset, held_out, runs, options, progress);
-  UnseenComparison comparison{seen.bundle().filename().string(),
-                              held_out.bundle().filename().string(),
-                              accuracy_of(by_seen, options.bootstrap),
-                              accuracy_of(by_held_out, options.bootstrap),
-                              accuracy_difference(by_seen, by_held_out, options.bootstrap),
-                              {}};
+  UnseenComparison comparison =
+      unseen_comparison(by_seen, sample_confusions(dataset, held_out, runs, options, progress), options.bootstrap);
+  comparison.models = {seen.bundle().filename().string(), held_out.bundle().filename().string()};
   for (const std::uint32_t run : runs) comparison.runs.push_back(name_of(dataset.runs()[run]));
   return comparison;
 }

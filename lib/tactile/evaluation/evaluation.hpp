@@ -19,7 +19,7 @@
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/operating_curve.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/inference/classifier.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile {
@@ -131,17 +131,6 @@ std::string title_of(const Evaluation& evaluation);
 std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
                                             std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
                                             const ProgressCallback& progress = {});
-
-/// Accuracies of two models on the same runs.
-struct UnseenComparison {
-  std::string seen_model, held_out_model;  ///< trained with the objects, and without them
-  Accuracy seen, held_out;
-  Accuracy difference;  ///< held out - seen, paired over runs: below 0 where not having seen an object costs accuracy
-  std::vector<std::string> runs;
-};
-
-/// {"models", "runs", "mean", "objects"}, with "seen", "held_out" and "difference" in "mean" and in each of "objects".
-void to_json(nlohmann::json& json, const UnseenComparison& comparison);
 
 /// Compares on `runs`, which neither model was trained on. @throws Error as `evaluate`
 UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,

@@ -121,7 +121,7 @@ void add_classes(Table& table, const ClassScores& scores) {
 void add_calibration(Table& table, const Calibration& calibration) {
   table.figure("calibration", "all", "", "ece", calibration.error);
   for (const auto& [name, error] : calibration.objects) table.figure("calibration", name, "", "ece", error);
-  for (const Calibration::Bin& bin : calibration.bins) {
+  for (const ReliabilityBin& bin : calibration.bins) {
     const std::string group = fmt::format("reliability:{:.4f}-{:.4f}", bin.from, bin.to);
     table.count(group, "all", "", "samples", bin.samples);
     table.number(group, "all", "", "confidence", bin.confidence);
@@ -166,8 +166,8 @@ std::string table_of(const Evaluation& evaluation) {
     const std::string group = fmt::format("threshold:{}", point.threshold);
     table.delay(group, "all", "press", point.press);
     table.delay(group, "all", "slip", point.slip);
-    table.figure(group, "all", "", "false_alarms_per_min", point.false_alarms.per_min);
-    table.count(group, "all", "", "false_alarms", point.false_alarms.total.alarms);
+    table.figure(group, "all", "", "false_alarms_per_min", point.false_alarms_per_min);
+    table.count(group, "all", "", "false_alarms", point.false_alarms);
   }
   if (!evaluation.truth) return std::move(table).text();
   const TruthScore& truth = *evaluation.truth;

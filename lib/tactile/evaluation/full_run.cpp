@@ -16,10 +16,13 @@ constexpr std::size_t batch = 256;  // heatmaps rendered before they are classif
 }  // namespace
 
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t)>& advance, const TickCallback& see) {
+                          const std::function<void(std::size_t)>& advance, const TickCallback& see,
+                          std::optional<microseconds> tick) {
+  HeatmapOptions rendering = classifier.rendering();
+  rendering.tick = tick.value_or(rendering.tick);
   RecordingReader reader(recording);
   const Stream& stream = event_stream(reader);
-  const SensorSize size = stream.size ? heatmap_size(*stream.size, classifier.rendering().factor) : SensorSize{};
+  const SensorSize size = stream.size ? heatmap_size(*stream.size, rendering.factor) : SensorSize{};
   const SensorSize expected = classifier.input_size();
   if (size != expected) {
     throw Error(fmt::format("{}: its heatmaps are {} x {} cells; expected the {} x {} that {} was trained on", recording.string(),
@@ -35,13 +38,13 @@ FullRun classify_full_run(const std::filesystem::path& recording, const Classifi
     waiting.clear();
     if (advance) advance(logits.size());
   };
-  const auto use = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
-    if (see) see(tick, heatmap, events);
+  const auto use = [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
+    if (see) see(t, heatmap, events);
     run.events.push_back(events);
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };
-  run.ticks = for_every_tick(reader, stream.id, classifier.rendering(), use);
+  run.ticks = for_every_tick(reader, stream.id, rendering, use);
   if (!waiting.empty()) classify_waiting();
   return run;
 }

@@ -3,23 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <vector>
+#include <optional>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/windows/sample.hpp"
+#include "tactile/model/inference/classifier.hpp"
+#include "tactile/results/full_run.hpp"
 
 namespace tactile {
-
-/// What a model says at every full tick of a run; one entry for each tick.
-struct FullRun {
-  TickRange ticks;
-  std::vector<Touch> verdicts;               ///< the likeliest, unconfirmed
-  std::vector<Probabilities> probabilities;  ///< of none, press, slip
-  std::vector<std::uint64_t> events;         ///< in [t_c - t_h, t_c)
-  std::size_t close = 0;                     ///< ticks of logits so close that another engine may give another verdict
-};
 
 /// Renders every full tick of a recording with the model's own settings and classifies it, batch by batch: memory follows the
 /// batch, and the ticks.
@@ -27,9 +18,11 @@ struct FullRun {
 /// @param threads  to classify on, > 0; the verdicts do not depend on it
 /// @param advance  told after each batch how many ticks it held, may be empty
 /// @param see      handed each tick as it is rendered, may be empty
+/// @param tick     another than the model's own
 /// @throws Error   if the recording cannot be read, or its sensor gives heatmaps of another size than the model's
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {});
+                          const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {},
+                          std::optional<microseconds> tick = {});
 
 /// Takes the ticks with fewer than `limit` events for none, with the probabilities {1, 0, 0}, as if the network had not been
 /// asked. @return how many

@@ -20,19 +20,11 @@ std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, 
   return verdicts;
 }
 
-void to_json(nlohmann::json& json, const OperatingPoint& point) {
-  json = {{"threshold", point.threshold},
-          {"delay_ms", {{"press", point.press}, {"slip", point.slip}}},
-          {"false_alarms_per_min", point.false_alarms.per_min},
-          {"false_alarms", point.false_alarms.total.alarms}};
-}
-
 OperatingPoint operating_point(double threshold, std::span<const RunDetections> detections,
                                std::span<const RunFalseAlarms> alarms, const BootstrapOptions& options) {
-  OperatingPoint point{threshold, delay_summary(detections, Touch::press, options),
-                       delay_summary(detections, Touch::slip, options), false_alarm_table(alarms, options)};
-  point.false_alarms.objects.clear();
-  return point;
+  const FalseAlarmTable table = false_alarm_table(alarms, options);
+  return {threshold, delay_summary(detections, Touch::press, options), delay_summary(detections, Touch::slip, options),
+          table.per_min, table.total.alarms};
 }
 
 }  // namespace tactile

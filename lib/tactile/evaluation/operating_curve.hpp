@@ -1,14 +1,13 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
-#include "tactile/model/logits.hpp"
+#include "tactile/model/inference/logits.hpp"
+#include "tactile/results/operating_point.hpp"
 
 namespace tactile {
 
@@ -17,16 +16,6 @@ const std::vector<double>& default_thresholds();
 
 /// The likelier of press and slip where its probability is at least `threshold`, else none; press where they are alike.
 std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, double threshold);
-
-/// What becomes of delays and false alarms at one threshold.
-struct OperatingPoint {
-  double threshold = 0;
-  DelaySummary press, slip;      ///< over all runs
-  FalseAlarmTable false_alarms;  ///< without the objects
-};
-
-/// {"threshold", "delay_ms": {"press", "slip"}, "false_alarms_per_min", "false_alarms"}
-void to_json(nlohmann::json& json, const OperatingPoint& point);
 
 /// @param detections, alarms  at this threshold, one entry a run
 OperatingPoint operating_point(double threshold, std::span<const RunDetections> detections,

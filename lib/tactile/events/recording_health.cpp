@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/events/packet_checksums.hpp"
 
 namespace tactile {
@@ -24,13 +25,6 @@ CameraTime tick_begin_of(CameraTime t, microseconds tick) {
   std::int64_t rest = us % tick.count();
   if (rest < 0) rest += tick.count();
   return camera_time(saturating_subtract(us, rest));
-}
-
-/// Of positive counts; the lower one where two are in the middle.
-std::uint32_t median_of(std::vector<std::uint32_t>& counts) {
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>((counts.size() - 1) / 2);
-  std::nth_element(counts.begin(), middle, counts.end());
-  return *middle;
 }
 
 std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
@@ -251,7 +245,7 @@ void EventMeter::find_hot_pixels(EventHealth& health) const {
 
   const HotPixelRule& rule = options_.hot;
   const bool has_scene = static_cast<double>(fired.size()) >= fewest_active_share * static_cast<double>(counts_.size());
-  const double median = has_scene ? median_of(fired) : 1;
+  const double median = has_scene ? lower_median<std::uint32_t>(fired) : 1;
   const double least = std::max({rule.over_median * median, rule.min_rate_hz * seconds, static_cast<double>(rule.min_events)});
   const auto count_at = [&](int x, int y) -> std::uint32_t {
     if (x < 0 || y < 0 || x >= size_.width || y >= size_.height) return 0;

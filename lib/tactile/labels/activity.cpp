@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::size_t bins_in(microseconds span, const EventRate& rate) {
   return static_cast<std::size_t>(std::max<std::int64_t>(1, span / rate.bin));
@@ -46,9 +41,8 @@ QuietRate quiet_rate(const EventRate& rate) {
     for (std::size_t i = begin; i < begin + width; ++i) sum += rate.counts[i];
     sums.push_back(sum);
   }
-  const double median = median_of(sums);
-  for (double& sum : sums) sum = std::abs(sum - median);
-  const double deviation = 1.4826 * median_of(sums);
+  const double median = upper_median(sums);
+  const double deviation = sigma_per_median * upper_median(distances_from(median, sums));
   return {.mean = median / static_cast<double>(width),
           .dispersion = std::max(1.0, deviation * deviation / std::max(median, 1.0))};
 }

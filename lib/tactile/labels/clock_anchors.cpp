@@ -2,12 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/labels/correlation.hpp"
 #include "tactile/labels/imu_motion.hpp"
 #include "tactile/labels/lowest_point.hpp"
@@ -126,40 +128,25 @@ struct TimedSpeed {
 
 /// The sum of squares that v = a + b t + c . felt velocity leaves of v, as a share of what a + b t leaves; 1 where samples lack.
 double unexplained(const std::vector<TimedSpeed>& rows, const FeltVelocity& felt, double shift_s) {
-  constexpr std::size_t n = 5;  // 1, t, and three axes
-  std::array<std::array<double, n + 1>, n + 1> sums{};
+  constexpr int n = 5;  // 1, t, and three axes
+  Eigen::Matrix<double, n + 1, n + 1> sums;
+  sums.setZero();
   const double middle_s = 0.5 * (rows.front().t_s + rows.back().t_s);
   std::array<double, 3> origin{};
   if (!felt.at(rows.front().t_s + shift_s, origin)) return 1.0;
   for (const TimedSpeed& row : rows) {
     std::array<double, 3> moved{};
     if (!felt.at(row.t_s + shift_s, moved)) return 1.0;
-    const std::array<double, n + 1> terms{
-        1.0, row.t_s - middle_s, moved[0] - origin[0], moved[1] - origin[1], moved[2] - origin[2], row.v};
-    for (std::size_t i = 0; i <= n; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) sums[i][j] += terms[i] * terms[j];
-    }
+    const Eigen::Vector<double, n + 1> terms{
+        {1.0, row.t_s - middle_s, moved[0] - origin[0], moved[1] - origin[1], moved[2] - origin[2], row.v}};
+    sums += terms * terms.transpose();
   }
-  // Cholesky's decomposition: the last pivot is what is left of v.
-  double without_felt = 0;
-  for (std::size_t i = 0; i <= n; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      double value = sums[i][j];
-      for (std::size_t k = 0; k < j; ++k) value -= sums[i][k] * sums[j][k];
-      if (j < i) {
-        sums[i][j] = sums[j][j] > 0 ? value / sums[j][j] : 0.0;
-        if (i == n && j == 1) {
-          without_felt = sums[n][n];
-          without_felt -= sums[n][0] * sums[n][0] + sums[n][1] * sums[n][1];
-        }
-      } else if (i == n) {
-        return without_felt > 0 ? std::max(value, 0.0) / without_felt : 1.0;
-      } else {
-        sums[i][i] = value > 1e-12 * std::max(1e-12, sums[i][i]) ? std::sqrt(value) : 0.0;
-      }
-    }
-  }
-  return 1.0;
+  const auto left_by = [&sums](int first) {  // by so many of the terms, of v
+    const auto products = sums.col(n).head(first);
+    return sums(n, n) - products.dot(sums.topLeftCorner(first, first).ldlt().solve(products));
+  };
+  const double without_felt = left_by(2);
+  return without_felt > 0 ? std::max(left_by(n), 0.0) / without_felt : 1.0;
 }
 
 /// The felt acceleration on the grid, each point the mean since the one before it; what noise alone does is 0.
@@ -227,10 +214,7 @@ std::array<std::vector<double>, 3> arm_acceleration(const ArmMotion& motion) {
   std::vector<double> sizes;
   sizes.reserve(motion.acceleration.size());
   for (const auto& a : motion.acceleration) sizes.push_back(std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
-  std::vector<double> sorted = sizes;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = 3.0 * *middle;
+  const double limit = 3.0 * upper_median(sizes);
   std::array<std::vector<double>, 3> axes;
   for (std::size_t k = 0; k < 3; ++k) {
     axes[k].resize(sizes.size());
@@ -298,10 +282,7 @@ std::vector<Stretch> stretches_of(const RobotLog& log, const Origins& origins) {
   std::vector<double> speeds;
   speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
-  std::vector<double> sorted = speeds;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = std::max(0.004, 4.2 * *middle);
+  const double limit = std::max(0.004, 4.2 * upper_median(speeds));
   const auto t = [&](std::size_t i) { return origins.seconds_of(states[i].t); };
   std::vector<Stretch> stretches;
   for (std::size_t i = 0; i < states.size(); ++i) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -16,9 +18,7 @@ constexpr std::array<AnchorKind, 8> all_kinds{AnchorKind::stage_output, AnchorKi
                                               AnchorKind::film_of_arm,  AnchorKind::film_of_skin};
 
 /// An anchor in numbers of ordinary size: microseconds from the middle, and offset less that of the first anchor.
-struct Point {
-  double x = 0, y = 0;
-  double sigma = 1;  ///< all of it, a drift that is not measured included
+struct Point : UncertainPoint {  // sigma: all of it, a drift that is not measured included
   double weight = 1;
   bool used = true;
 };
@@ -29,37 +29,11 @@ struct Line {
   double residual(const Point& p) const { return p.y - at_middle - slope * p.x; }
 };
 
-double weighted_median(std::vector<std::pair<double, double>> values) {
-  std::sort(values.begin(), values.end());
-  double all = 0, until = 0;
-  for (const auto& [value, weight] : values) all += weight;
-  for (const auto& [value, weight] : values) {
-    until += weight;
-    if (until >= 0.5 * all) return value;
-  }
-  return values.empty() ? 0.0 : values.back().first;
-}
-
 Line first_line(const std::vector<Point>& points, bool with_slope) {
-  constexpr std::size_t most_pairs = 200'000;
   Line line;
-  if (with_slope) {
-    std::vector<std::pair<double, double>> slopes;
-    const std::size_t n = points.size(), stride = 1 + n * n / 2 / most_pairs;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = i + 1; j < n; ++j) {
-        const double apart = points[j].x - points[i].x;
-        if (apart == 0 || count++ % stride != 0) continue;
-        const double sigma = std::hypot(points[i].sigma, points[j].sigma) / std::abs(apart);
-        slopes.emplace_back((points[j].y - points[i].y) / apart, 1.0 / sigma);
-      }
-    }
-    line.slope = weighted_median(std::move(slopes));
-  }
-  std::vector<std::pair<double, double>> offsets;
-  offsets.reserve(points.size());
-  for (const Point& p : points) offsets.emplace_back(p.y - line.slope * p.x, 1.0 / (p.sigma * p.sigma));
+  if (with_slope) line.slope = theil_sen_gradient(std::vector<UncertainPoint>(points.begin(), points.end()));
+  std::vector<Weighted> offsets;
+  for (const Point& p : points) offsets.push_back({p.y - line.slope * p.x, 1.0 / (p.sigma * p.sigma)});
   line.at_middle = weighted_median(std::move(offsets));
   return line;
 }
@@ -71,10 +45,9 @@ double scatter_of(const std::vector<Point>& points, const Line& line, std::size_
     if (p.used) sizes.push_back(std::abs(line.residual(p)) / p.sigma);
   }
   if (sizes.size() <= free_parameters) return 1.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) / 2);  // of two the one that fits
-  std::nth_element(sizes.begin(), middle, sizes.end());
   const auto n = static_cast<double>(sizes.size());
-  return std::max(1.0, 1.4826 * *middle * std::sqrt(n / (n - static_cast<double>(free_parameters))));
+  // The lower median: of two anchors the one that fits.
+  return std::max(1.0, sigma_per_median * lower_median(sizes) * std::sqrt(n / (n - static_cast<double>(free_parameters))));
 }
 
 struct Sums {
@@ -105,14 +78,13 @@ Line least_squares(const Sums& s, bool with_slope) {
 
 /// Huber's line from `line` on, and which anchors are beyond doubt not of it.
 Line robust_line(std::vector<Point>& points, Line line, bool with_slope, double reject_beyond) {
-  constexpr double huber = 1.345;
   const std::size_t free_parameters = with_slope ? 2 : 1;
   for (int round = 0; round < 30; ++round) {
     const double scatter = scatter_of(points, line, free_parameters);
     for (Point& p : points) {
       const double size = std::abs(line.residual(p)) / (p.sigma * scatter);
       p.used = size <= reject_beyond;
-      p.weight = (size > huber ? huber / size : 1.0) / (p.sigma * p.sigma);
+      p.weight = huber_weight(size) / (p.sigma * p.sigma);
     }
     const Sums sums = sums_of(points);
     if (!(sums.w > 0) || (with_slope && !(sums.determinant() > 1e-12 * sums.w * sums.wxx))) {
@@ -177,9 +149,9 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
   for (const ClockAnchor& anchor : anchors) {
     const std::int64_t in_camera = between(anchors.front().camera, anchor.camera).count();
     const std::int64_t in_clock = saturating_subtract(anchor.clock_us, anchors.front().clock_us);
-    points.push_back({.x = static_cast<double>(saturating_subtract(anchor.clock_us, middle_us)),
-                      .y = static_cast<double>(saturating_subtract(in_camera, in_clock)),
-                      .sigma = std::max(1.0, std::hypot(anchor.sigma_us, anchor.bias_us))});
+    points.push_back({{.x = static_cast<double>(saturating_subtract(anchor.clock_us, middle_us)),
+                       .y = static_cast<double>(saturating_subtract(in_camera, in_clock)),
+                       .sigma = std::max(1.0, std::hypot(anchor.sigma_us, anchor.bias_us))}});
   }
   // A witness that is far more uncertain than the best, and than what a usual drift does over all of the anchors' time, says
   // nothing of a drift.
@@ -262,9 +234,7 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
   variance *= scatter * scatter;
   if (!with_slope) variance += usual * usual * drift_share * drift_share;
   for (const double value : bias) variance += value * value;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double residual = sizes.size() < 3 ? own_sigma : 1.4826 * *middle;
+  const double residual = sizes.size() < 3 ? own_sigma : sigma_per_median * upper_median(sizes);
 
   const double at_reference = line.at_middle + line.slope * static_cast<double>(saturating_subtract(reference_us, middle_us));
   constexpr double furthest_us = 9e18;  // of int64's 9.22e18

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/main_direction.hpp"
+
 namespace tactile {
 namespace {
 
@@ -11,12 +14,6 @@ using Vector3 = std::array<double, 3>;
 constexpr double gravity_m_s2 = 9.80665;
 constexpr double median_over_s = 2.0, median_every_s = 0.5;
 constexpr double longest_gap_s = 0.020;
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Medians of one axis over `median_over_s` round every `median_every_s`, and the time of each.
 struct Medians {
@@ -50,7 +47,7 @@ Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& f
     values.clear();
     for (std::size_t i = begin; i < end; ++i) values.push_back(felt[i][axis]);
     medians.at_s.push_back(at);
-    medians.value.push_back(median_of(values));
+    medians.value.push_back(upper_median(values));
   }
   return medians;
 }
@@ -79,32 +76,17 @@ FeltMotion felt_motion(std::span<const ImuSample> samples) {
     for (std::size_t i = 0; i < n; ++i) felt.acceleration[i][axis] -= medians.value_at(t_s[i]);
     for (std::size_t i = 0; i < n; ++i) sizes.push_back(std::abs(felt.acceleration[i][axis]));
   }
-  felt.noise_m_s2 = 1.4826 * median_of(sizes);
+  felt.noise_m_s2 = sigma_per_median * upper_median(sizes);
 
   felt.velocity.resize(n);
-  std::array<Vector3, 3> moments{};
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vector3& a = felt.acceleration[i];
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k) moments[j][k] += a[j] * a[k];
-    }
-    if (i == 0) continue;
+  for (std::size_t i = 1; i < n; ++i) {
+    const Vector3 &before = felt.acceleration[i - 1], &a = felt.acceleration[i];
     const double step_s = t_s[i] - t_s[i - 1];
     for (std::size_t k = 0; k < 3; ++k) {
-      felt.velocity[i][k] =
-          felt.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + felt.acceleration[i - 1][k]));
+      felt.velocity[i][k] = felt.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + before[k]));
     }
   }
-  felt.axis = {1, 1, 1};
-  for (int round = 0; round < 50; ++round) {
-    Vector3 next{};
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k) next[j] += moments[j][k] * felt.axis[k];
-    }
-    const double length = std::sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2]);
-    if (!(length > 0)) return felt;
-    for (std::size_t j = 0; j < 3; ++j) felt.axis[j] = next[j] / length;
-  }
+  felt.axis = main_direction(felt.acceleration).axis;
   return felt;
 }
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -322,9 +324,7 @@ double size_of(const MotionStep& step, double noise) {
 double usual_of(const MotionEnergy& energy, const Stretch& stretch, double MotionStep::*value) {
   std::vector<double> values;
   for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(energy.steps[i].*value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upper_median(values);
 }
 
 std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
@@ -596,11 +596,9 @@ SeenMotion seen_motion(const ArmMotion& motion, const FittedClock& robot_clock) 
     if (motion.known[i]) known.push_back(speeds.back());
   }
   if (known.empty()) return seen;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
   // The magnitude of three noisy components has a median of 1.54 of their standard deviations; the arm rests mostly.
   constexpr double median_of_noise = 1.54, beyond_noise = 5;
-  const double limit = *middle * (median_of_noise + beyond_noise) / median_of_noise;
+  const double limit = upper_median(known) * (median_of_noise + beyond_noise) / median_of_noise;
 
   const ClockRelation& clock = robot_clock.relation;
   seen.begin = clock.camera_from(motion.begin);

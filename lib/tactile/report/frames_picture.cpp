@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/report/moments.hpp"
@@ -40,9 +41,7 @@ double bright_value(const std::vector<TouchFrame>& frames, cv::Mat TouchFrame::*
     std::copy_if(cells.begin<T>(), cells.end<T>(), std::back_inserter(values), [](T value) { return value > 0; });
   }
   if (values.empty()) return 1;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 995 / 1000);
-  std::nth_element(values.begin(), place, values.end());
-  return static_cast<double>(*place);
+  return static_cast<double>(value_of_rank<T>(values, (values.size() - 1) * 995 / 1000));
 }
 
 /// As gnuplot reads a matrix: rows from the bottom to the top.

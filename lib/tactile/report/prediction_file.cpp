@@ -13,7 +13,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/json_view.hpp"
+#include "tactile/results/json_view.hpp"
 
 namespace tactile {
 namespace {

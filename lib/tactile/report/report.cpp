@@ -30,15 +30,14 @@ HtmlCell number(const std::string& text, const std::string& second_line = {}) {
 }
 
 /// "95.12", below it "93.10 to 97.00"; of shares in percent.
-HtmlCell cell_of(const Measured& measured, double factor, std::string_view unit = {}) {
+HtmlCell cell_of(const Figure& measured, double factor, std::string_view unit = {}) {
   if (!std::isfinite(measured.value)) return number("-");
-  const std::string interval = std::isfinite(measured.low) && std::isfinite(measured.high)
-                                   ? fmt::format("{:.2f} to {:.2f}", factor * measured.low, factor * measured.high)
-                                   : std::string();
+  const std::string interval =
+      measured.has_interval() ? fmt::format("{:.2f} to {:.2f}", factor * *measured.low, factor * *measured.high) : std::string();
   return number(fmt::format("{:.2f}{}", factor * measured.value, unit), interval);
 }
 
-HtmlCell percent_cell(const Measured& measured) { return cell_of(measured, 100); }
+HtmlCell percent_cell(const Figure& measured) { return cell_of(measured, 100); }
 
 HtmlCell plain_number(double value, int digits = 2) {
   return number(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-"));
@@ -53,22 +52,25 @@ HtmlTable table_of(const ReportedTable& table) {
   return html;
 }
 
-std::string with_unit(const Measured& measured, const std::string& unit) {
+std::string with_unit(const Figure& measured, const std::string& unit) {
   if (!std::isfinite(measured.value)) return "not measured";
   const bool is_whole = measured.value == std::round(measured.value);  // a count, or a delay of whole ticks
   const bool is_one = measured.value == 1 && unit.ends_with('s') && unit != "ms";
   std::string text = fmt::format("{:.{}f} {}", measured.value, is_whole ? 0 : 2, is_one ? unit.substr(0, unit.size() - 1) : unit);
-  const auto bound = [&](double value) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, value == std::round(value) ? 0 : 2) : std::string("unknown");
+  const auto bound = [&](std::optional<double> value) {
+    return value ? fmt::format("{:.{}f}", *value, *value == std::round(*value) ? 0 : 2) : std::string("unknown");
   };
-  text += std::isfinite(measured.low) || std::isfinite(measured.high)
-              ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
-              : std::string(" (no interval)");
+  text += measured.low || measured.high ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
+                                        : std::string(" (no interval)");
   return text;
 }
 
-HtmlTone tone_of(std::string_view verdict) {
-  return verdict == "holds" ? HtmlTone::good : verdict == "does not" ? HtmlTone::bad : HtmlTone::open;
+HtmlCell verdict_cell(const ClaimOutcome& outcome, const std::string& second_line) {
+  const Verdict verdict = outcome.verdict;
+  const HtmlTone tone = verdict == Verdict::holds      ? HtmlTone::good
+                        : verdict == Verdict::does_not ? HtmlTone::bad
+                                                       : HtmlTone::open;
+  return {.text = std::string(name_of(verdict)), .tone = tone, .second_line = second_line};
 }
 
 std::string summary_of(const HistoryCurve& curve) {
@@ -170,23 +172,22 @@ class Report {
       }
       return text;
     };
-    for (const ReportedClaim& claim : input_.claims) {
-      if (!std::isfinite(claim.reported.measured.value)) missing_.push_back("The claim was not measured: " + claim.claim + ".");
-      const std::string asked =
-          std::isfinite(claim.limit) ? fmt::format("; asked: {} {:g} {}", claim.asked, claim.limit, claim.unit) : std::string();
-      const std::string measured = with_unit(claim.reported.measured, claim.unit) + asked;
-      const bool has_words = !claim.reported.in_words.empty();
-      std::vector<HtmlCell> row{
-          {.text = claim.claim},
-          {.text = claim.reported.verdict, .tone = tone_of(claim.reported.verdict), .second_line = claim.reported.why},
-          {.text = claim.paper},
-          {.text = has_words ? claim.reported.in_words : measured,
-           .second_line = joined({has_words ? measured : std::string(), claim.reported.note})}};
+    for (const Claim& claim : input_.claims) {
+      if (!std::isfinite(claim.measured.value)) missing_.push_back("The claim was not measured: " + claim.claim + ".");
+      const std::string asked = std::isfinite(claim.limit)
+                                    ? fmt::format("; asked: {} {:g} {}", name_of(claim.asked), claim.limit, claim.unit)
+                                    : std::string();
+      const std::string measured = with_unit(claim.measured, claim.unit) + asked;
+      const bool has_words = !claim.in_words.empty();
+      std::vector<HtmlCell> row{{.text = claim.claim},
+                                verdict_cell(claim, claim.why),
+                                {.text = claim.paper},
+                                {.text = has_words ? claim.in_words : measured,
+                                 .second_line = joined({has_words ? measured : std::string(), claim.note})}};
       if (claim.all_test) {
-        row.push_back({.text = claim.all_test->verdict,
-                       .tone = tone_of(claim.all_test->verdict),
-                       .second_line = joined({claim.all_test->why, claim.all_test->in_words,
-                                              with_unit(claim.all_test->measured, claim.unit), claim.all_test->note})});
+        row.push_back(
+            verdict_cell(*claim.all_test, joined({claim.all_test->why, claim.all_test->in_words,
+                                                  with_unit(claim.all_test->measured, claim.unit), claim.all_test->note})));
       } else {
         row.push_back({.text = "-"});
       }
@@ -204,25 +205,24 @@ class Report {
                         "value its 95 % interval, where there is one, and its runs",
                     .head = {"object"},
                     .rows = {}};
-    std::vector<const ReportedClaim*> about_objects;
+    std::vector<const Claim*> about_objects;
     std::set<std::string> names;
-    for (const ReportedClaim& claim : input_.claims) {
-      if (claim.reported.objects.empty()) continue;
+    for (const Claim& claim : input_.claims) {
+      if (claim.objects.empty()) continue;
       about_objects.push_back(&claim);
-      table.head.push_back(fmt::format("{}: {} {:g} {}", claim.id, claim.asked, claim.limit, claim.unit));
-      for (const auto& [object, value] : claim.reported.objects) names.insert(object);
+      table.head.push_back(fmt::format("{}: {} {:g} {}", claim.id, name_of(claim.asked), claim.limit, claim.unit));
+      for (const auto& [object, value] : claim.objects) names.insert(object);
     }
     for (const std::string& name : names) {
       table.rows.push_back({{.text = name}});
-      for (const ReportedClaim* claim : about_objects) {
-        const auto& objects = claim->reported.objects;
-        const auto found = std::find_if(objects.begin(), objects.end(), [&](const auto& object) { return object.first == name; });
-        if (found == objects.end()) {
+      for (const Claim* claim : about_objects) {
+        const auto found = claim->objects.find(name);
+        if (found == claim->objects.end()) {
           table.rows.back().push_back(number(""));
           continue;
         }
-        const Measured& value = found->second;
-        const bool is_kept = claim->asked == "below" ? value.value < claim->limit : value.value > claim->limit;
+        const Figure& value = found->second;
+        const bool is_kept = claim->asked == Asked::below ? value.value < claim->limit : value.value > claim->limit;
         HtmlCell cell = cell_of(value, 1);
         if (is_kept) cell.text = "✓ " + cell.text;
         const std::string runs = fmt::format("{} run{}", value.n, value.n == 1 ? "" : "s");
@@ -304,38 +304,38 @@ class Report {
     for (const ReportedTable& table : input_.choice) page_.table(table_of(table));
   }
 
-  static std::vector<std::string> objects_of(const ReportedDelays& press, const ReportedDelays& slip) {
+  static std::vector<std::string> objects_of(const DelayTable& press, const DelayTable& slip) {
     std::set<std::string> names;
-    for (const ReportedDelays* delays : {&press, &slip}) {
-      for (const DelayBar& bar : delays->objects) names.insert(bar.object);
+    for (const DelayTable* delays : {&press, &slip}) {
+      for (const auto& object : delays->objects) names.insert(object.first);
     }
     return {names.begin(), names.end()};
   }
 
   static bool has_standard_errors(const ReportedEvaluation& evaluation) {
-    const auto has_one = [](const DelayBar& bar) { return std::isfinite(bar.sem_ms); };
+    const auto has_one = [](const auto& object) { return std::isfinite(object.second.sem_ms); };
     return std::any_of(evaluation.press.objects.begin(), evaluation.press.objects.end(), has_one) ||
            std::any_of(evaluation.slip.objects.begin(), evaluation.slip.objects.end(), has_one);
   }
 
-  void delay_table(const std::string& caption, const std::vector<std::pair<std::string, const ReportedDelays*>>& classes,
+  void delay_table(const std::string& caption, const std::vector<std::pair<std::string, const DelayTable*>>& classes,
                    const std::vector<ReportedFalseAlarms>& detectors = {}) {
     HtmlTable table{.caption = caption,
                     .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"},
                     .rows = {}};
-    const auto add = [&](const std::string& object, const std::string& touch, const DelayBar& bar) {
+    const auto add = [&](const std::string& object, const std::string& touch, const DelaySummary& delay) {
       table.rows.push_back({{.text = object},
                             {.text = touch},
-                            plain_number(bar.mean_ms),
-                            plain_number(bar.sem_ms),
-                            number(fmt::format("{}", bar.intervals)),
-                            number(fmt::format("{}", bar.misses)),
-                            number(fmt::format("{}", bar.early))});
+                            plain_number(delay.mean_ms.value),
+                            plain_number(delay.sem_ms),
+                            number(fmt::format("{}", delay.intervals)),
+                            number(fmt::format("{}", delay.misses)),
+                            number(fmt::format("{}", delay.early))});
     };
     for (const auto& [touch, delays] : classes) {
       if (delays == nullptr || delays->all.intervals == 0) continue;
       add("all objects", touch, delays->all);
-      for (const DelayBar& bar : delays->objects) add(bar.object, touch, bar);
+      for (const auto& [object, delay] : delays->objects) add(object, touch, delay);
     }
     for (const ReportedFalseAlarms& detector : detectors) {
       if (detector.of == "network") continue;
@@ -369,7 +369,7 @@ class Report {
       for (const std::string& name : evaluation.accuracy_of) table.head.push_back(name);
       for (const ReportedAccuracy& row : evaluation.accuracies) {
         table.rows.push_back({{.text = row.object}});
-        for (const Measured& value : row.values) table.rows.back().push_back(percent_cell(value));
+        for (const Figure& value : row.values) table.rows.back().push_back(percent_cell(value));
       }
       page_.table(table);
     }
@@ -383,7 +383,7 @@ class Report {
           "delays" + suffix,
           delay_plot(titled("Detection delay, " + evaluation.model), objects, evaluation.press.objects, evaluation.slip.objects),
           fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.",
-                      evaluation.press.mean.value, evaluation.slip.mean.value),
+                      evaluation.press.all.mean_ms.value, evaluation.slip.all.mean_ms.value),
           fmt::format("Detection delay of press and slip{}, as in the paper's figure 7. One tick, {:g} ms, "
                       "is the best "
                       "possible. Means leave out what was missed or said early, which is told beside the bars.",
@@ -394,7 +394,7 @@ class Report {
       delay_table("Detection delay against the labels, and that of trivial detectors, which know nothing, on the same intervals",
                   {{"press", &evaluation.press}, {"slip", &evaluation.slip}}, evaluation.false_alarms);
     }
-    const auto pointer = [](const std::optional<ReportedDelays>& delays) { return delays ? &*delays : nullptr; };
+    const auto pointer = [](const std::optional<DelayTable>& delays) { return delays ? &*delays : nullptr; };
     delay_table(
         "Detection delay against the truth of the simulation; gross: against the first motion between object and tip, negative "
         "where slip was "
@@ -414,8 +414,8 @@ class Report {
       const auto count = [](const std::optional<std::uint64_t>& alarms) {
         return number(alarms ? fmt::format("{}", *alarms) : std::string("-"));
       };
-      const auto delay = [](const DelayBar& bar) {
-        HtmlCell cell = plain_number(bar.mean_ms);
+      const auto delay = [](const DelaySummary& bar) {
+        HtmlCell cell = plain_number(bar.mean_ms.value);
         if (bar.misses == bar.intervals && bar.misses > 0)
           cell.second_line = fmt::format("all {} missed", bar.misses);
         else if (bar.early == bar.intervals && bar.early > 0)
@@ -459,7 +459,7 @@ class Report {
                       .rows = {}};
       for (std::size_t i = 0; i < touch_count; ++i) {
         table.rows.push_back({{.text = std::string(name_of(all_touches[i]))}});
-        for (const std::uint64_t count : (*evaluation.confusion)[i])
+        for (const std::uint64_t count : evaluation.confusion->counts[i])
           table.rows.back().push_back(number(fmt::format("{}", count)));
       }
       page_.table(table);
@@ -472,23 +472,24 @@ class Report {
       scores.rows.push_back({{.text = touch}, percent_cell(values[0]), percent_cell(values[1]), percent_cell(values[2])});
     page_.table(scores);
 
-    const bool has_bins = std::any_of(evaluation.reliability.begin(), evaluation.reliability.end(),
+    const bool has_bins = std::any_of(evaluation.calibration.bins.begin(), evaluation.calibration.bins.end(),
                                       [](const ReliabilityBin& bin) { return bin.samples > 0; });
     if (has_bins) {
       page_.heading("Calibration");
-      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.reliability),
+      figure("reliability" + suffix, reliability_plot(titled("Reliability, " + evaluation.model), evaluation.calibration.bins),
              "Share said right against the largest probability, with the number of samples below.",
              fmt::format("Reliability: how often the network is right, by how sure it is; what stands on fewer than {} samples "
                          "is hollow. Expected calibration error: {:.2f} %.",
-                         few_samples, 100 * evaluation.ece.value));
+                         few_samples, 100 * evaluation.calibration.error.value));
     } else {
       missing_.push_back("The reliability of " + evaluation.model + ".");
     }
-    if (evaluation.press_over_time && evaluation.slip_over_time) {
+    const auto press_over_time = evaluation.over_time.find("press"), slip_over_time = evaluation.over_time.find("slip");
+    if (press_over_time != evaluation.over_time.end() && slip_over_time != evaluation.over_time.end()) {
       page_.heading("Within intervals");
       figure("over-time" + suffix,
-             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), *evaluation.press_over_time,
-                            *evaluation.slip_over_time),
+             over_time_plot(titled("Right verdicts within intervals, " + evaluation.model), press_over_time->second,
+                            slip_over_time->second),
              "Share of ticks said right since the onset and before the end of presses and slips.",
              "Verdicts over the whole of each interval, however long: since its onset, and before its end, where the paper sees "
              "them get worse. "
@@ -500,14 +501,18 @@ class Report {
                             "interval that still say press or slip; part of them is the history itself",
                         .head = {"class", "first", "later", "last", "ahead of the last", "last less that", "still said after"},
                         .rows = {}};
-    for (const auto& [touch, values] : evaluation.over_time)
+    for (const char* touch : {"press", "slip", "both"}) {
+      const auto found = evaluation.over_time.find(touch);
+      if (found == evaluation.over_time.end()) continue;
+      const ShareOverTime& share = found->second.all;
       over_time.rows.push_back({{.text = touch},
-                                percent_cell(values[0]),
-                                percent_cell(values[1]),
-                                percent_cell(values[2]),
-                                percent_cell(values[3]),
-                                percent_cell(values[4]),
-                                percent_cell(values[5])});
+                                percent_cell(share.first),
+                                percent_cell(share.later),
+                                percent_cell(share.last),
+                                percent_cell(share.before_last),
+                                percent_cell(share.last_minus_before),
+                                percent_cell(share.still_said)});
+    }
     page_.table(over_time);
     if (evaluation.is_beside) page_.end_folded();
   }
@@ -541,32 +546,29 @@ class Report {
     if (input_.unseen.empty()) return;
     page_.section("unseen", "Unseen objects");
     bool first = true;
-    for (const ReportedUnseen& unseen : input_.unseen) {
+    for (const UnseenSection& unseen : input_.unseen) {
+      const UnseenComparison& comparison = unseen.comparison;
+      const UnseenComparison::Models models = comparison.models.value_or(UnseenComparison::Models{});
       if (unseen.is_beside) page_.begin_folded("The same on " + unseen.runs);
       const std::string where = unseen.runs.size() > 60 ? std::string("runs that neither model learned from") : unseen.runs;
       figure(first ? "unseen" : "unseen-" + name_part(where),
-             unseen_plot(titled("Seen and unseen objects, " + where), unseen.objects),
+             unseen_plot(titled("Seen and unseen objects, " + where), comparison.objects),
              fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
-                         unseen.objects.size(), 100 * unseen.mean.seen.value, 100 * unseen.mean.held_out.value),
+                         comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
              fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 9, on {}, "
                          "which neither model "
                          "learned from.",
-                         unseen.seen_model, unseen.held_out_model, where));
+                         models.seen, models.held_out, where));
       HtmlTable table{
           .caption =
               "Accuracy [%] on held-out objects, and what not having seen them changes [points]; below each its 95 % interval",
           .head = {"object", "seen", "held out", "difference"},
           .rows = {}};
-      table.rows.push_back({{.text = unseen.mean.object},
-                            percent_cell(unseen.mean.seen),
-                            percent_cell(unseen.mean.held_out),
-                            percent_cell(unseen.mean_difference)});
-      for (std::size_t i = 0; i < unseen.objects.size(); ++i) {
-        table.rows.push_back({{.text = unseen.objects[i].object},
-                              percent_cell(unseen.objects[i].seen),
-                              percent_cell(unseen.objects[i].held_out),
-                              percent_cell(unseen.differences[i])});
-      }
+      const auto add_row = [&](const std::string& name, const SeenAndHeldOut& of) {
+        table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
+      };
+      add_row("mean over objects", comparison.mean);
+      for (const auto& [object, of_object] : comparison.objects) add_row(object, of_object);
       page_.table(table);
       if (unseen.is_beside) page_.end_folded();
       first = false;
@@ -630,13 +632,14 @@ class Report {
     page_.table(table);
     if (left_out > 0) page_.paragraph(fmt::format("{} more settings, on no front, are told in trade.csv.", left_out));
     for (const std::string& sentence : trade.left_out) missing_.push_back("Speed against accuracy: " + sentence);
-    if (trade.by_rate.empty()) return;
+    if (trade.growth.by_rate.empty()) return;
     page_.heading("How the cost grows");
     figure("trade-growth", trade_growth_plot(trade),
            fmt::format(
                "Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and {:.0f} us the "
                "dense way.",
-               trade.by_rate.back().events_per_s, trade.by_rate.back().sparse_us, trade.by_rate.back().dense_us),
+               trade.growth.by_rate.back().events_per_s, trade.growth.by_rate.back().sparse.p50_us,
+               trade.growth.by_rate.back().dense.p50_us),
            "Time per tick against the event rate, the history and the sensor's resolution, beside the dense way, which computes "
            "every "
            "pixel and every output of the network.");
@@ -679,9 +682,9 @@ class Report {
                           .missing = missing_,
                           .errors = errors_,
                           .claims = input_.claims.size()};
-    for (const ReportedClaim& claim : input_.claims) {
-      summary.hold += claim.reported.verdict == "holds" ? 1U : 0U;
-      summary.do_not += claim.reported.verdict == "does not" ? 1U : 0U;
+    for (const Claim& claim : input_.claims) {
+      summary.hold += claim.verdict == Verdict::holds ? 1U : 0U;
+      summary.do_not += claim.verdict == Verdict::does_not ? 1U : 0U;
     }
     write_whole(summary.page, page_.text());
     remove_old_figures();

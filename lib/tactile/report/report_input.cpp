@@ -13,7 +13,8 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/json_view.hpp"
+#include "tactile/results/accuracy.hpp"
+#include "tactile/results/json_view.hpp"
 
 namespace tactile {
 namespace {
@@ -22,56 +23,20 @@ namespace fs = std::filesystem;
 
 using Row = std::vector<std::string>;
 
-DelayBar bar_of(const std::string& object, const JsonView& delays) {
-  return {.object = object,
-          .mean_ms = delays["mean"].measured().value,
-          .sem_ms = delays["sem"].number(),
-          .intervals = delays["intervals"].count(),
-          .misses = delays["misses"].count(),
-          .early = delays["early"].count()};
-}
-
-ReportedDelays delays_of(const JsonView& json) {
-  ReportedDelays delays{
-      .all = bar_of("all", json), .mean = json["mean"].measured(), .median = json["median"].measured(), .objects = {}};
-  for (const auto& [object, of_object] : json["objects"].members()) delays.objects.push_back(bar_of(object, of_object));
-  return delays;
-}
-
-std::optional<ReportedDelays> delays_if_there(const JsonView& json) {
-  return json ? std::optional(delays_of(json)) : std::nullopt;
-}
-
-TouchOverTime over_time_of(const JsonView& json) {
-  const auto bins_of = [](const JsonView& list) {
-    std::vector<TouchOverTime::Bin> bins;
-    for (const JsonView& bin : list.items())
-      bins.push_back(
-          {.from_ms = bin["from_ms"].number(), .to_ms = bin["to_ms"].number(), .accuracy = bin["accuracy"].measured()});
-    return bins;
-  };
-  return {.since_onset = bins_of(json["since_onset"]), .before_end = bins_of(json["before_end"])};
-}
-
-OperatingMark::OfTouch operating_delay(const JsonView& json) {
-  const std::uint64_t intervals = json["intervals"].count();
-  return {.mean_ms = json["mean"].measured().value,
-          .missed = intervals == 0
-                        ? std::numeric_limits<double>::quiet_NaN()
-                        : static_cast<double>(json["misses"].count() + json["early"].count()) / static_cast<double>(intervals)};
+std::optional<DelayTable> delays_if_there(const JsonView& json) {
+  return json ? std::optional(json.get<DelayTable>()) : std::nullopt;
 }
 
 /// Of a detector: the network, or a trivial one.
 ReportedFalseAlarms false_alarms_of(const std::string& name, const JsonView& detector) {
   const JsonView alarms = detector["false_alarms"];
-  const auto count = [](const JsonView& json) { return json ? std::optional(json.count()) : std::nullopt; };
   return {.of = name,
-          .per_min = detector["false_alarms_per_min"].measured(),
-          .press = bar_of("all", detector["delay_ms"]["press"]),
-          .slip = bar_of("all", detector["delay_ms"]["slip"]),
-          .count = count(alarms["count"]),
-          .after_intervals = count(alarms["after_intervals"]["count"]),
-          .unlabelled = count(alarms["unlabelled"]["count"]),
+          .per_min = detector["false_alarms_per_min"].get<Figure>(),
+          .press = detector["delay_ms"]["press"].get<DelaySummary>(),
+          .slip = detector["delay_ms"]["slip"].get<DelaySummary>(),
+          .count = alarms["count"].count_if_there(),
+          .after_intervals = alarms["after_intervals"]["count"].count_if_there(),
+          .unlabelled = alarms["unlabelled"]["count"].count_if_there(),
           .none_min = alarms["none_min"].number()};
 }
 
@@ -80,17 +45,17 @@ void add_accuracy(ReportedEvaluation& evaluation, const std::string& name, const
   if (!mean && !objects) return;
   const std::size_t before = evaluation.accuracy_of.size();
   evaluation.accuracy_of.push_back(name);
-  const auto put = [&](const std::string& object, const Measured& value) {
+  const auto put = [&](const std::string& object, const Figure& value) {
     auto found = std::find_if(evaluation.accuracies.begin(), evaluation.accuracies.end(),
                               [&](const ReportedAccuracy& row) { return row.object == object; });
     if (found == evaluation.accuracies.end()) {
-      evaluation.accuracies.push_back({.object = object, .values = std::vector<Measured>(before)});
+      evaluation.accuracies.push_back({.object = object, .values = std::vector<Figure>(before)});
       found = std::prev(evaluation.accuracies.end());
     }
     found->values.push_back(value);
   };
-  put("mean over objects", mean.measured());
-  for (const auto& [object, value] : objects.members()) put(object, value.measured());
+  put("mean over objects", mean.get<Figure>());
+  for (const auto& [object, value] : objects.members()) put(object, value.get<Figure>());
   for (ReportedAccuracy& row : evaluation.accuracies) row.values.resize(before + 1);
 }
 
@@ -113,73 +78,32 @@ ReportedEvaluation evaluation_of(const JsonView& json) {
     add_accuracy(evaluation, "baseline " + name, baseline["accuracy"], baseline["objects"]);
   add_accuracy(evaluation, "by the truth", json["accuracy_true"]["mean"], json["accuracy_true"]["objects"]);
 
-  const std::vector<JsonView> rows = json["confusion"].items();
-  if (rows.size() == touch_count) {
-    evaluation.confusion.emplace();
-    for (std::size_t i = 0; i < touch_count; ++i) {
-      const std::vector<JsonView> counts = rows[i].items();
-      for (std::size_t k = 0; k < std::min(counts.size(), touch_count); ++k) (*evaluation.confusion)[i][k] = counts[k].count();
-    }
-  }
+  if (const JsonView confusion = json["confusion"]) evaluation.confusion = confusion.get<Confusion>();
   for (const Touch touch : all_touches) {
     const JsonView scores = json["per_class"][name_of(touch)];
     if (scores) {
-      evaluation.per_class.emplace_back(
-          name_of(touch), std::array{scores["precision"].measured(), scores["recall"].measured(), scores["f1"].measured()});
+      evaluation.per_class.emplace_back(name_of(touch), std::array{scores["precision"].get<Figure>(),
+                                                                   scores["recall"].get<Figure>(), scores["f1"].get<Figure>()});
     }
   }
-  evaluation.press = delays_of(json["delay_ms"]["press"]);
-  evaluation.slip = delays_of(json["delay_ms"]["slip"]);
+  evaluation.press = json["delay_ms"]["press"].get<DelayTable>();
+  evaluation.slip = json["delay_ms"]["slip"].get<DelayTable>();
   evaluation.true_press = delays_if_there(json["delay_true_ms"]["press"]);
   evaluation.true_slip = delays_if_there(json["delay_true_ms"]["slip"]);
   evaluation.gross_slip = delays_if_there(json["delay_gross_ms"]["slip"]);
   if (json["false_alarms_per_min"]) {
     evaluation.false_alarms.push_back(false_alarms_of("network", json));
-    evaluation.own_point = OperatingMark{.threshold = std::numeric_limits<double>::quiet_NaN(),
-                                         .false_alarms_per_min = json["false_alarms_per_min"].measured().value,
-                                         .press = operating_delay(json["delay_ms"]["press"]),
-                                         .slip = operating_delay(json["delay_ms"]["slip"])};
+    evaluation.own_point = OperatingPoint{.press = evaluation.press.all,
+                                          .slip = evaluation.slip.all,
+                                          .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>()};
   }
   for (const auto& [name, trivial] : json["trivial"].members()) evaluation.false_alarms.push_back(false_alarms_of(name, trivial));
-  for (const JsonView& point : json["operating_curve"].items()) {
-    evaluation.operating_curve.push_back({.threshold = point["threshold"].number(),
-                                          .false_alarms_per_min = point["false_alarms_per_min"].measured().value,
-                                          .press = operating_delay(point["delay_ms"]["press"]),
-                                          .slip = operating_delay(point["delay_ms"]["slip"])});
-  }
-  evaluation.ece = json["calibration"]["ece"].measured();
-  for (const JsonView& bin : json["calibration"]["bins"].items()) {
-    evaluation.reliability.push_back({.from = bin["from"].number(),
-                                      .to = bin["to"].number(),
-                                      .samples = bin["samples"].count(),
-                                      .confidence = bin["confidence"].number(),
-                                      .accuracy = bin["accuracy"].measured()});
-  }
-  const JsonView over_time = json["over_time"];
-  if (over_time["press"]) evaluation.press_over_time = over_time_of(over_time["press"]);
-  if (over_time["slip"]) evaluation.slip_over_time = over_time_of(over_time["slip"]);
+  evaluation.operating_curve = json["operating_curve"].list_of<OperatingPoint>();
+  evaluation.calibration = json["calibration"].get<Calibration>();
   for (const std::string name : {"press", "slip", "both"}) {
-    const JsonView touch = over_time[name];
-    if (touch) {
-      evaluation.over_time.emplace_back(name, std::array{touch["first"].measured(), touch["later"].measured(),
-                                                         touch["last"].measured(), touch["before_last"].measured(),
-                                                         touch["last_minus_before"].measured(), touch["still_said"].measured()});
-    }
+    if (const JsonView of = json["over_time"][name]) evaluation.over_time.emplace(name, of.get<AccuracyOverTime>());
   }
   return evaluation;
-}
-
-std::optional<ReportedUnseen> unseen_of(const JsonView& json) {
-  ReportedUnseen unseen;
-  unseen.mean = {
-      .object = "mean over objects", .seen = json["mean"]["seen"].measured(), .held_out = json["mean"]["held_out"].measured()};
-  unseen.mean_difference = json["mean"]["difference"].measured();
-  for (const auto& [object, values] : json["objects"].members()) {
-    unseen.objects.push_back({.object = object, .seen = values["seen"].measured(), .held_out = values["held_out"].measured()});
-    unseen.differences.push_back(values["difference"].measured());
-  }
-  if (unseen.objects.empty()) return std::nullopt;
-  return unseen;
 }
 
 /// The rows of `history.csv`; columns by their names.
@@ -228,10 +152,11 @@ ReportedHistories histories_of(const std::string& runs, const std::vector<std::p
   std::map<std::string, HistoryCurve> objects;
   for (const auto& [history_ms, accuracy] : accuracies) {
     if (!accuracy) continue;
-    mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy["mean"].measured()});
-    for (const auto& [object, value] : accuracy["objects"].members()) {
+    const Accuracy read = accuracy.get<Accuracy>();
+    mean.points.push_back({.history_ms = history_ms, .accuracy = read.mean});
+    for (const auto& [object, value] : read.objects) {
       objects[object].name = object;
-      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value.measured()});
+      objects[object].points.push_back({.history_ms = history_ms, .accuracy = value});
     }
   }
   if (mean.points.empty()) return histories;
@@ -250,17 +175,6 @@ void add_settings(std::vector<Row>& rows, const std::string& prefix, const JsonV
   }
 }
 
-ReportedClaim::Side side_of(const JsonView& json) {
-  ReportedClaim::Side side{.measured = json["measured"].measured(),
-                           .verdict = json["verdict"].text(),
-                           .note = json["note"].text(),
-                           .in_words = json["in_words"].text(),
-                           .why = json["why"].text(),
-                           .objects = {}};
-  for (const auto& [object, value] : json["objects"].members()) side.objects.emplace_back(object, value.measured());
-  return side;
-}
-
 std::string seconds_text(double seconds) {
   if (!std::isfinite(seconds)) return "-";
   if (seconds < 120) return fmt::format("{:.1f} s", seconds);
@@ -275,8 +189,7 @@ bool is_there(ReportInput& input, const fs::path& file, std::string_view what) {
   return false;
 }
 
-std::string list_of(const JsonView& runs) {
-  const std::vector<std::string> names = runs.texts();
+std::string list_of(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return names.empty() ? "none" : fmt::format("{} runs: {}", names.size(), text);
@@ -302,21 +215,9 @@ ReportInput read_study(const fs::path& folder) {
   input.summary = study["summary"].text();
   if (const JsonView data = study["settings"]["data"]) input.data = folder / data.text();
 
-  for (const JsonView& claim : study["claims"].items()) {
-    ReportedClaim reported{.id = claim["id"].text(),
-                           .claim = claim["claim"].text(),
-                           .paper = claim["paper"].text(),
-                           .asked = claim["asked"].text(),
-                           .unit = claim["unit"].text(),
-                           .limit = claim["limit"].number(),
-                           .reported = side_of(claim),
-                           .all_test = {}};
-    if (const JsonView all_test = claim["all_test"]) reported.all_test = side_of(all_test);
-    input.claims.push_back(std::move(reported));
-  }
-  std::size_t not_told = 0;
-  for (const JsonView& claim : study["claims"].items())
-    not_told += claim["can_be_told"] && !claim["can_be_told"].truth() ? 1U : 0U;
+  input.claims = study["claims"].list_of<Claim>();
+  const auto not_told =
+      std::count_if(input.claims.begin(), input.claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
   if (not_told > 0) {
     input.missing.push_back(fmt::format(
         "For {} of the {} claims there are too few runs or objects for a verdict, whatever they say; another preset of 'tactile "
@@ -355,7 +256,7 @@ ReportInput read_study(const fs::path& folder) {
     told.push_back(name);
     const fs::path history_file = folder / model["history"].text();
     if (is_there(input, history_file, "The training of " + name)) input.trainings.push_back(training_in(history_file, name));
-    const Measured accuracy = model["accuracy"].measured();
+    const Figure accuracy = model["accuracy"].get<Figure>();
     seeds.push_back({name, model["seed"].words(),
                      std::isfinite(accuracy.value) ? fmt::format("{:.2f} %", 100 * accuracy.value) : without_accuracy,
                      model["weights_sha256"].text().substr(0, 16)});
@@ -422,13 +323,9 @@ ReportInput read_study(const fs::path& folder) {
   const JsonView unseen = study["unseen"];
   for (const auto& [key, words] : {std::pair<std::string, std::string>{"reported", "the runs reported on"},
                                    {"all_test", "all test runs, as in the paper"}}) {
-    if (std::optional<ReportedUnseen> found = unseen_of(unseen[key])) {
-      found->runs = words;
-      found->is_beside = key != "reported";
-      found->seen_model = unseen["models"]["seen"].text();
-      found->held_out_model = unseen["models"]["held_out"].text();
-      input.unseen.push_back(std::move(*found));
-    }
+    UnseenSection section{.runs = words, .comparison = unseen[key].get<UnseenComparison>(), .is_beside = key != "reported"};
+    section.comparison.models = unseen["models"].get<UnseenComparison::Models>();
+    if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
   }
   if (input.unseen.empty())
     input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' does so.");
@@ -439,15 +336,15 @@ ReportInput read_study(const fs::path& folder) {
       .head = {"split", "held out", "seen", "held out", "difference"},
       .rows = {}};
   for (const JsonView& split : study["splits"].items()) {
-    const JsonView mean = split["reported"]["mean"];
-    const auto text = [](const Measured& value) {
+    const SeenAndHeldOut mean = split["reported"]["mean"].get<SeenAndHeldOut>();
+    const auto text = [](const Figure& value) {
       return std::isfinite(value.value) ? fmt::format("{:.2f} %", 100 * value.value) : "-";
     };
-    splits.rows.push_back({split["name"].text(), split["held_out"].words(), text(mean["seen"].measured()),
-                           text(mean["held_out"].measured()), text(mean["difference"].measured())});
+    splits.rows.push_back(
+        {split["name"].text(), split["held_out"].words(), text(mean.seen), text(mean.held_out), text(mean.difference)});
   }
   if (!splits.rows.empty()) {
-    const Measured mean = study["splits_mean"]["reported"].measured();
+    const Figure mean = study["splits_mean"]["reported"].get<Figure>();
     if (std::isfinite(mean.value)) {
       input.remarks.push_back(fmt::format("Over {} drawn splits an object that is held out loses {:.2f} points on average.",
                                           splits.rows.size(), -100 * mean.value));
@@ -486,7 +383,7 @@ ReportInput read_study(const fs::path& folder) {
                                     {"choice", "chosen on"},
                                     {"reported", "reported on"},
                                     {"all_test", "all test runs"}})
-    rows.push_back({words, list_of(study["runs"][name])});
+    rows.push_back({words, list_of(study["runs"][name].texts())});
   add_table("Runs", {"set", "runs"}, std::move(rows));
   add_table("Models: accuracy is the mean over objects on the runs reported on",
             {"model", "seed", "accuracy", "weights, SHA-256"}, std::move(seeds));
@@ -571,7 +468,7 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
         evaluation.id = "reported";
         evaluation.model = name;
         evaluation.history_ms = history_ms;
-        evaluation.runs = list_of(json["test_runs"]);
+        evaluation.runs = list_of(json["test_runs"].texts());
         input.evaluations.push_back(std::move(evaluation));
         add_settings(settings, "bootstrap ", json["bootstrap"]);
       }
@@ -582,13 +479,11 @@ ReportInput read_models(const std::vector<fs::path>& folders, const fs::path& da
     if (const fs::path unseen_file = folder / "eval-unseen.json";
         input.unseen.empty() && fs::is_regular_file(unseen_file, ignored)) {
       const nlohmann::json document = read_json(unseen_file);
-      const JsonView unseen = JsonView(document, unseen_file.string())["unseen"];
-      if (std::optional<ReportedUnseen> found = unseen_of(unseen)) {
-        found->runs = list_of(unseen["runs"]);
-        found->seen_model = unseen["models"]["seen"].text();
-        found->held_out_model = unseen["models"]["held_out"].text();
-        input.unseen.push_back(std::move(*found));
-      }
+      UnseenSection section{.runs = {},
+                            .comparison = JsonView(document, unseen_file.string())["unseen"].get<UnseenComparison>(),
+                            .is_beside = false};
+      section.runs = list_of(section.comparison.runs);
+      if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
     }
     if (!is_first) continue;
     input.title = fmt::format("Results of {}{}", name, input.simulated ? " (simulated runs)" : "");

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,35 +12,14 @@
 
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/report/result_plots.hpp"
+#include "tactile/results/claim.hpp"
 
 namespace tactile {
 
-/// One of the paper's claims beside what was measured.
-struct ReportedClaim {
-  struct Side {
-    Measured measured;
-    std::string verdict;        ///< "holds", "does not", "cannot tell"
-    std::string note;           ///< may be empty
-    std::string in_words, why;  ///< what was measured, and why one cannot tell; may be empty
-    std::vector<std::pair<std::string, Measured>> objects;
-  };
-  std::string id, claim, paper, asked, unit;
-  double limit = std::numeric_limits<double>::quiet_NaN();
-  Side reported;
-  std::optional<Side> all_test;  ///< chosen on the runs reported on, as in the paper
-};
-
-/// Delays of one class, of all objects together and of each.
-struct ReportedDelays {
-  DelayBar all;
-  Measured mean, median;
-  std::vector<DelayBar> objects;
-};
-
 struct ReportedFalseAlarms {
   std::string of;  ///< "network", "always_press"
-  Measured per_min;
-  DelayBar press, slip;  ///< over all objects
+  Figure per_min;
+  DelaySummary press, slip;  ///< over all objects
   std::optional<std::uint64_t> count, after_intervals,
       unlabelled;                                              ///< begun in none time, within the guard, in motion nobody labels
   double none_min = std::numeric_limits<double>::quiet_NaN();  ///< what `per_min` is per [min]
@@ -48,7 +28,7 @@ struct ReportedFalseAlarms {
 /// Accuracy on one object, or the mean over all, in several ways.
 struct ReportedAccuracy {
   std::string object;
-  std::vector<Measured> values;  ///< one for each of `ReportedEvaluation::accuracy_of`
+  std::vector<Figure> values;  ///< one for each of `ReportedEvaluation::accuracy_of`
 };
 
 /// An `eval.json`.
@@ -60,19 +40,16 @@ struct ReportedEvaluation {
   std::string confirm;
   std::vector<std::string> accuracy_of;      ///< "network", "guard 0 ms", "baseline event_count", "by the truth"
   std::vector<ReportedAccuracy> accuracies;  ///< the mean over objects first
-  std::optional<std::array<std::array<std::uint64_t, touch_count>, touch_count>> confusion;
-  std::vector<std::pair<std::string, std::array<Measured, 3>>> per_class;  ///< precision, recall, F1
-  ReportedDelays press, slip;
-  std::optional<ReportedDelays> true_press, true_slip, gross_slip;  ///< simulated runs
-  std::vector<ReportedFalseAlarms> false_alarms;                    ///< the network's first, then the trivial detectors'
-  std::vector<OperatingMark> operating_curve;
-  std::optional<OperatingMark> own_point;  ///< the network's own verdicts, without a threshold
-  std::vector<ReliabilityBin> reliability;
-  Measured ece;
-  std::optional<TouchOverTime> press_over_time, slip_over_time;
-  std::vector<std::pair<std::string, std::array<Measured, 6>>>
-      over_time;           ///< class: first, later, last, ahead of the last, the last less that, still said behind the end
-  bool is_beside = false;  ///< the paper's own way, beside what the study reports: folded
+  std::optional<Confusion> confusion;
+  std::vector<std::pair<std::string, std::array<Figure, 3>>> per_class;  ///< precision, recall, F1
+  DelayTable press, slip;
+  std::optional<DelayTable> true_press, true_slip, gross_slip;  ///< simulated runs
+  std::vector<ReportedFalseAlarms> false_alarms;                ///< the network's first, then the trivial detectors'
+  std::vector<OperatingPoint> operating_curve;
+  std::optional<OperatingPoint> own_point;  ///< the network's own verdicts, without a threshold
+  Calibration calibration;
+  std::map<std::string, AccuracyOverTime> over_time;  ///< of "press", "slip" and "both"; what is not there was not measured
+  bool is_beside = false;                             ///< the paper's own way, beside what the study reports: folded
 };
 
 /// A run over time, as a CSV of `tactile eval --run`.
@@ -83,14 +60,10 @@ struct ReportedRun {
   std::filesystem::path outcome;  ///< how its intervals were met, as `tactile eval --run` writes it; may not be there
 };
 
-/// Objects seen beside the same held out.
-struct ReportedUnseen {
+/// Objects seen beside the same held out, on one set of runs.
+struct UnseenSection {
   std::string runs;  ///< in words; may be empty
-  std::string seen_model, held_out_model;
-  std::vector<UnseenBars> objects;
-  std::vector<Measured> differences;  ///< held out less seen, of each object
-  UnseenBars mean;
-  Measured mean_difference;
+  UnseenComparison comparison;
   bool is_beside = false;
 };
 
@@ -113,13 +86,13 @@ struct ReportInput {
   bool simulated = false;
   std::string summary;  ///< may be empty
   std::vector<std::string> remarks;
-  std::vector<ReportedClaim> claims;
+  std::vector<Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::vector<ReportedTable> choice;  ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
   std::vector<ReportedRun> runs;
-  std::vector<ReportedUnseen> unseen;
+  std::vector<UnseenSection> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
   std::optional<ReportedTrade> trade;  ///< of speed for accuracy

@@ -12,9 +12,9 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/json_view.hpp"
 #include "tactile/report/plot_script.hpp"
 #include "tactile/report/word_places.hpp"
+#include "tactile/results/json_view.hpp"
 
 namespace tactile {
 namespace {
@@ -31,34 +31,18 @@ ReportedSetting setting_in(const JsonView& json) {
   return {.text = json["text"].text(),
           .design = json["design"].text(),
           .seeds = json["seeds"].count(),
-          .accuracy = reported["accuracy"].measured(),
-          .us_p50 = reported["us"]["p50"].measured(),
-          .us_p99 = reported["us"]["p99"].measured(),
-          .delay_us = reported["delay_us"]["mean"].measured(),
-          .delay_p95_us = reported["delay_us"]["p95"].measured(),
-          .missed = reported["delay_us"]["missed"].measured(),
-          .false_alarms_per_min = reported["false_alarms_per_min"].measured(),
-          .accuracy_difference = difference ? difference["accuracy"].measured() : Measured{},
-          .delay_difference_us = difference ? difference["delay_us"].measured() : Measured{},
-          .false_alarms_difference = difference ? difference["false_alarms_per_min"].measured() : Measured{},
+          .accuracy = reported["accuracy"].get<Figure>(),
+          .us_p50 = reported["us"]["p50"].get<Figure>(),
+          .us_p99 = reported["us"]["p99"].get<Figure>(),
+          .delay_us = reported["delay_us"]["mean"].get<Figure>(),
+          .delay_p95_us = reported["delay_us"]["p95"].get<Figure>(),
+          .missed = reported["delay_us"]["missed"].get<Figure>(),
+          .false_alarms_per_min = reported["false_alarms_per_min"].get<Figure>(),
+          .accuracy_difference = difference ? difference["accuracy"].get<Figure>() : Figure{},
+          .delay_difference_us = difference ? difference["delay_us"].get<Figure>() : Figure{},
+          .false_alarms_difference = difference ? difference["false_alarms_per_min"].get<Figure>() : Figure{},
           .on_accuracy_front = json["front"]["accuracy"].truth(),
           .on_delay_front = json["front"]["delay"].truth()};
-}
-
-std::vector<ReportedGrowth> growth_in(const JsonView& json) {
-  std::vector<ReportedGrowth> points;
-  for (const JsonView& point : json.items()) {
-    const auto sensor = point["sensor"].items();
-    points.push_back({.events_per_s = point["events_per_s"].number(),
-                      .history_ms = point["th_ms"].number(),
-                      .width = sensor.size() == 2 ? sensor[0].number() : NAN,
-                      .height = sensor.size() == 2 ? sensor[1].number() : NAN,
-                      .sparse_us = point["sparse"]["p50_us"].number(),
-                      .sparse_rendering_us = point["sparse"]["rendering_us"].number(),
-                      .dense_us = point["dense"]["p50_us"].number(),
-                      .dense_rendering_us = point["dense"]["rendering_us"].number()});
-  }
-  return points;
 }
 
 /// A value's place on an axis of logarithms, and on one that is linear near 0 and logarithmic beyond.
@@ -232,13 +216,12 @@ class NameList {
 /// A setting's place in a figure.
 struct Dot {
   double x = NAN;
-  Measured y;
+  Figure y;
   bool on_front = false, usual = false;
   bool is_one_knob = false;  ///< one alone differs from the usual setting
   std::string text;
 
   bool has_place() const { return std::isfinite(x) && std::isfinite(y.value); }
-  bool has_interval() const { return std::isfinite(y.low) && std::isfinite(y.high); }
 };
 
 struct Axes {
@@ -305,9 +288,9 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     if (dot.usual) usual.push_back(&dot);
     least_x = std::min(least_x, x), most_x = std::max(most_x, x);
     least_y = std::min(least_y, dot.y.value), most_y = std::max(most_y, dot.y.value);
-    if (dot.on_front && dot.has_interval()) {
+    if (dot.on_front && dot.y.has_interval()) {
       has_bars = true;
-      least_y = std::min(least_y, dot.y.low), most_y = std::max(most_y, dot.y.high);
+      least_y = std::min(least_y, *dot.y.low), most_y = std::max(most_y, *dot.y.high);
     }
   }
   std::stable_sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
@@ -386,7 +369,7 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     const auto [x, y] = at(dot);
     const double half = dot.usual ? half_diamond : half_mark;
     places.take(x - half, y - half, x + half, y + half);
-    if (dot.on_front && dot.has_interval()) places.take(x - 3, at_y(dot.y.high), x + 3, at_y(dot.y.low));
+    if (dot.on_front && dot.y.has_interval()) places.take(x - 3, at_y(*dot.y.high), x + 3, at_y(*dot.y.low));
     if (dot.usual) usual_values.insert(usual_values.end(), {place_of(dot.x), dot.y.value});
   };
   for (const Dot* dot : others) {
@@ -394,8 +377,8 @@ Plot dots_plot(const std::string& title, const Axes& axes, const std::vector<Dot
     take(*dot);
   }
   for (const Dot* dot : front) {
-    front_values.insert(front_values.end(), {place_of(dot->x), dot->y.value, dot->has_interval() ? dot->y.low : dot->y.value,
-                                             dot->has_interval() ? dot->y.high : dot->y.value});
+    front_values.insert(front_values.end(), {place_of(dot->x), dot->y.value, dot->y.has_interval() ? *dot->y.low : dot->y.value,
+                                             dot->y.has_interval() ? *dot->y.high : dot->y.value});
     take(*dot);
   }
   const auto write_at = [&](const std::string& words, const Dot& dot, double character, std::string_view colour) {
@@ -436,11 +419,6 @@ std::string with_runs(const ReportedTrade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
 }
 
-Measured scaled(Measured measured, double factor) {
-  measured.value *= factor, measured.low *= factor, measured.high *= factor;
-  return measured;
-}
-
 }  // namespace
 
 ReportedTrade read_trade(const std::filesystem::path& folder) {
@@ -458,9 +436,7 @@ ReportedTrade read_trade(const std::filesystem::path& folder) {
                       .reported_runs = json["runs"]["reported"].texts(),
                       .settings = {},
                       .left_out = {},
-                      .by_rate = {},
-                      .by_history = {},
-                      .by_resolution = {},
+                      .growth = json["growth"].get<CostGrowth>(),
                       .sentence = json["recommendation"]["sentence"].text()};
   for (const JsonView& point : json["points"].items()) trade.settings.push_back(setting_in(point));
   for (const JsonView& pair : json["left_out"].items()) {
@@ -470,11 +446,6 @@ ReportedTrade read_trade(const std::filesystem::path& folder) {
   for (const JsonView& one : json["not_measured"].items())
     trade.left_out.push_back(fmt::format("{}: {}", one["setting"].text(), one["why"].text()));
   if (const JsonView unfinished = json["unfinished"]) trade.left_out.push_back(unfinished.text());
-  if (const JsonView growth = json["growth"]) {
-    trade.by_rate = growth_in(growth["rate"]);
-    trade.by_history = growth_in(growth["history"]);
-    trade.by_resolution = growth_in(growth["resolution"]);
-  }
   return trade;
 }
 
@@ -532,9 +503,13 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   script.text("which computes every pixel and every output of the network.", 20, 72, "left font ',12'", faint_ink);
   script.text("median time per tick [us]", 20, 100, "left font ',12'");
   double most = -INFINITY, least = INFINITY;
-  for (const auto* curve : {&trade.by_rate, &trade.by_history, &trade.by_resolution}) {
-    for (const ReportedGrowth& point : *curve) {
-      for (const double us : {point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us}) {
+  const auto& [by_rate, by_history, by_resolution] = trade.growth;
+  const auto times_of = [](const GrowthPoint& point) {
+    return std::array{point.sparse.p50_us, point.sparse.rendering_us, point.dense.p50_us, point.dense.rendering_us};
+  };
+  for (const auto* curve : {&by_rate, &by_history, &by_resolution}) {
+    for (const GrowthPoint& point : *curve) {
+      for (const double us : times_of(point)) {
         const double place = log_place(us);
         if (std::isfinite(place)) most = std::max(most, place), least = std::min(least, place);
       }
@@ -549,7 +524,7 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
     std::string label;
   };
   int begin = left, column = 0;
-  const auto panel = [&](const std::vector<ReportedGrowth>& points, const std::string& label, const std::string& conditions,
+  const auto panel = [&](const std::vector<GrowthPoint>& points, const std::string& label, const std::string& conditions,
                          auto step_of) {
     const int width = widths[static_cast<std::size_t>(column)];
     const PlotBox box{.left = begin, .top = top, .right = begin + width, .bottom = bottom};
@@ -560,14 +535,13 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
     std::vector<Labelled> steps;
     std::vector<double> values;
     double first = INFINITY, last = -INFINITY;
-    for (const ReportedGrowth& point : points) {
+    for (const GrowthPoint& point : points) {
       const Labelled step = step_of(point);
       if (!std::isfinite(step.place)) continue;
       first = std::min(first, step.place), last = std::max(last, step.place);
       steps.push_back(step);
       values.push_back(step.place);
-      for (const double us : {point.sparse_us, point.sparse_rendering_us, point.dense_us, point.dense_rendering_us})
-        values.push_back(log_place(us));
+      for (const double us : times_of(point)) values.push_back(log_place(us));
       // No line leads from none at all to some: on an axis of logarithms the way between them is of any length.
       if (point.events_per_s <= 0) values.insert(values.end(), 5, NAN);
     }
@@ -596,27 +570,27 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   };
   // None at all has its place left of the least rate.
   double least_rate = INFINITY;
-  for (const ReportedGrowth& point : trade.by_rate) {
+  for (const GrowthPoint& point : by_rate) {
     if (point.events_per_s > 0) least_rate = std::min(least_rate, point.events_per_s);
   }
   const double none_at = std::isfinite(least_rate) ? log_place(least_rate) - 0.6 : 0;
-  const auto history_of = [](const ReportedGrowth& point) { return fmt::format("t_h {:g} ms", point.history_ms); };
-  const auto rate_of = [](const ReportedGrowth& point) { return short_number(point.events_per_s) + " events/s"; };
-  const auto sensor_of = [](const ReportedGrowth& point) { return fmt::format("{:g}x{:g}", point.width, point.height); };
-  panel(trade.by_rate, "events per second",
-        trade.by_rate.empty() ? "" : history_of(trade.by_rate.front()) + ", " + sensor_of(trade.by_rate.front()),
-        [&](const ReportedGrowth& point) {
+  const auto in_ms = [](const GrowthPoint& point) { return static_cast<double>(point.history.count()) / 1000; };
+  const auto history_of = [in_ms](const GrowthPoint& point) { return fmt::format("t_h {:g} ms", in_ms(point)); };
+  const auto rate_of = [](const GrowthPoint& point) { return short_number(point.events_per_s) + " events/s"; };
+  const auto sensor_of = [](const GrowthPoint& point) { return fmt::format("{}x{}", point.sensor.width, point.sensor.height); };
+  panel(by_rate, "events per second", by_rate.empty() ? "" : history_of(by_rate.front()) + ", " + sensor_of(by_rate.front()),
+        [&](const GrowthPoint& point) {
           return Labelled{point.events_per_s == 0 ? none_at : log_place(point.events_per_s), short_number(point.events_per_s)};
         });
-  panel(trade.by_history, "history t_h [ms]",
-        trade.by_history.empty() ? "" : rate_of(trade.by_history.front()) + ", " + sensor_of(trade.by_history.front()),
-        [](const ReportedGrowth& point) {
-          return Labelled{log_place(point.history_ms), fmt::format("{:g}", point.history_ms)};
+  panel(by_history, "history t_h [ms]",
+        by_history.empty() ? "" : rate_of(by_history.front()) + ", " + sensor_of(by_history.front()),
+        [&](const GrowthPoint& point) {
+          return Labelled{log_place(in_ms(point)), fmt::format("{:g}", in_ms(point))};
         });
-  panel(trade.by_resolution, "pixels of the sensor",
-        trade.by_resolution.empty() ? "" : history_of(trade.by_resolution.front()) + ", " + rate_of(trade.by_resolution.front()),
-        [&](const ReportedGrowth& point) {
-          return Labelled{log_place(point.width * point.height), sensor_of(point)};
+  panel(by_resolution, "pixels of the sensor",
+        by_resolution.empty() ? "" : history_of(by_resolution.front()) + ", " + rate_of(by_resolution.front()),
+        [&](const GrowthPoint& point) {
+          return Labelled{log_place(static_cast<double>(point.sensor.width) * point.sensor.height), sensor_of(point)};
         });
   return std::move(script).plot();
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tactile/report/result_plots.hpp"
+#include "tactile/results/cost_growth.hpp"
 
 namespace tactile {
 
@@ -13,19 +14,12 @@ struct ReportedSetting {
   std::string text;    ///< in what it differs from the usual one
   std::string design;  ///< "usual", "one", "corner", "all"
   std::uint64_t seeds = 0;
-  Measured accuracy;                        ///< in [0, 1], on the reported runs as all that follow
-  Measured us_p50, us_p99;                  ///< time per tick
-  Measured delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
-  Measured false_alarms_per_min;
-  Measured accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
-  bool on_accuracy_front = false, on_delay_front = false;                      ///< on the runs to choose on
-};
-
-/// What a tick costs at one place of a curve [us]; medians.
-struct ReportedGrowth {
-  double events_per_s = 0, history_ms = 0;
-  double width = 0, height = 0;  ///< of the sensor [px]
-  double sparse_us = 0, sparse_rendering_us = 0, dense_us = 0, dense_rendering_us = 0;
+  Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
+  Figure us_p50, us_p99;                  ///< time per tick
+  Figure delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
+  Figure false_alarms_per_min;
+  Figure accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
+  bool on_accuracy_front = false, on_delay_front = false;                    ///< on the runs to choose on
 };
 
 /// What a folder of `tactile trade` holds.
@@ -35,7 +29,7 @@ struct ReportedTrade {
   std::vector<std::string> choice_runs, reported_runs;
   std::vector<ReportedSetting> settings;  ///< the usual one first
   std::vector<std::string> left_out;      ///< in sentences: pairs that do not divide, and what was not measured
-  std::vector<ReportedGrowth> by_rate, by_history, by_resolution;
+  CostGrowth growth;
   std::string sentence;  ///< the recommendation
 };
 

@@ -24,11 +24,13 @@ constexpr std::size_t most_panels = 60;  // of small panels, and of rows
 
 double percent(double share) { return 100 * share; }
 
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
 /// The greatest whole ten below everything that is to be seen, and 90 at most: axes of accuracy end at 100.
 class AccuracyAxis {
  public:
-  void include(const Measured& accuracy) {
-    for (const double value : {accuracy.value, accuracy.low}) {
+  void include(const Figure& accuracy) {
+    for (const double value : {accuracy.value, accuracy.low.value_or(NAN)}) {
       if (std::isfinite(value)) least_ = std::min(least_, percent(value));
     }
   }
@@ -39,8 +41,6 @@ class AccuracyAxis {
   double least_ = 100;
 };
 
-bool has_interval(const Measured& measured) { return std::isfinite(measured.low) && std::isfinite(measured.high); }
-
 /// What the whiskers of a figure are, if it has any.
 std::string whiskers_in_words(std::size_t with_interval, std::size_t drawn) {
   if (with_interval == 0) return " No interval for want of three to draw from.";
@@ -48,10 +48,9 @@ std::string whiskers_in_words(std::size_t with_interval, std::size_t drawn) {
 }
 
 /// The interval, or the value twice where there is none: gnuplot leaves out a point whose interval is a gap.
-void add_interval(std::vector<double>& values, const Measured& measured) {
-  const bool is_bounded = has_interval(measured);
-  values.push_back(percent(is_bounded ? measured.low : measured.value));
-  values.push_back(percent(is_bounded ? measured.high : measured.value));
+void add_interval(std::vector<double>& values, const Figure& measured) {
+  values.push_back(percent(measured.has_interval() ? *measured.low : measured.value));
+  values.push_back(percent(measured.has_interval() ? *measured.high : measured.value));
 }
 
 std::string left_out(std::size_t there, std::size_t shown) {
@@ -112,7 +111,7 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
   std::size_t with_interval = 0;
   for (const HistoryCurve& curve : curves) {
     with_interval += std::any_of(curve.points.begin(), curve.points.end(),
-                                 [](const HistoryCurve::Point& point) { return has_interval(point.accuracy); })
+                                 [](const HistoryCurve::Point& point) { return point.accuracy.has_interval(); })
                          ? 1U
                          : 0U;
   }
@@ -171,14 +170,15 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
 
 namespace {
 
-bool has_whiskers(const std::vector<DelayBar>& bars) {
-  return std::any_of(bars.begin(), bars.end(), [](const DelayBar& bar) { return std::isfinite(bar.sem_ms); });
+bool has_whiskers(const std::map<std::string, DelaySummary>& bars) {
+  return std::any_of(bars.begin(), bars.end(), [](const auto& bar) { return std::isfinite(bar.second.sem_ms); });
 }
 
 }  // namespace
 
-Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
-                const std::vector<DelayBar>& slip, double limit_ms) {
+Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
+                const std::map<std::string, DelaySummary>& press, const std::map<std::string, DelaySummary>& slip,
+                double limit_ms) {
   constexpr int left = 200, right = 24, top = 106, gap = 30, row_height = 30, below = 62;
   constexpr double note_share = 0.5;  // of a panel's width, for what is told beside the bars
   const std::size_t shown = std::min(objects.size(), most_panels);
@@ -192,8 +192,7 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   const int width = (page_width - left - right - gap) / 2;
   for (const Touch touch : {Touch::press, Touch::slip}) {
     const bool is_press = touch == Touch::press;
-    std::map<std::string, const DelayBar*> bars;
-    for (const DelayBar& bar : is_press ? press : slip) bars[bar.object] = &bar;
+    const auto& bars = is_press ? press : slip;
     const int begin = is_press ? left : left + width + gap;
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     script.text(std::string(name_of(touch)), begin + width / 2.0, top - 16, "center font ',13'", figure_colours::of(touch));
@@ -202,22 +201,22 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
     for (std::size_t i = 0; i < shown; ++i) {
       const auto found = bars.find(names[i]);
       const auto y = static_cast<double>(shown - 1 - i);
-      if (found == bars.end() || !std::isfinite(found->second->mean_ms)) continue;
-      const DelayBar& bar = *found->second;
-      for (const double value : {bar.mean_ms / 2, y, std::min(0.0, bar.mean_ms), std::max(0.0, bar.mean_ms), y - 0.32, y + 0.32})
+      if (found == bars.end() || !std::isfinite(found->second.mean_ms.value)) continue;
+      const double mean = found->second.mean_ms.value, sem = found->second.sem_ms;
+      for (const double value : {mean / 2, y, std::min(0.0, mean), std::max(0.0, mean), y - 0.32, y + 0.32})
         boxes.push_back(value);
-      if (std::isfinite(bar.sem_ms)) {
-        for (const double value : {bar.mean_ms, y, bar.mean_ms - bar.sem_ms, bar.mean_ms + bar.sem_ms}) whiskers.push_back(value);
+      if (std::isfinite(sem)) {
+        for (const double value : {mean, y, mean - sem, mean + sem}) whiskers.push_back(value);
       }
-      longest = std::max(longest, bar.mean_ms + (std::isfinite(bar.sem_ms) ? bar.sem_ms : 0));
+      longest = std::max(longest, mean + (std::isfinite(sem) ? sem : 0));
     }
     const double bars_end = 1.04 * longest, end = bars_end / (1 - note_share);
     for (std::size_t i = 0; i < shown; ++i) {
       const auto found = bars.find(names[i]);
       std::string note = "no interval";
-      if (found != bars.end() && found->second->intervals > 0) {
-        const DelayBar& bar = *found->second;
-        note = std::isfinite(bar.mean_ms) ? fmt::format("{:.1f}", bar.mean_ms) : "none";
+      if (found != bars.end() && found->second.intervals > 0) {
+        const DelaySummary& bar = found->second;
+        note = std::isfinite(bar.mean_ms.value) ? fmt::format("{:.1f}", bar.mean_ms.value) : "none";
         if (bar.misses > 0) note += fmt::format(", {} missed", bar.misses);
         if (bar.early > 0) note += fmt::format(", {} early", bar.early);
       }
@@ -242,15 +241,16 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   return std::move(script).plot();
 }
 
-Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects) {
+Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects) {
   constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
   const std::size_t shown = std::min(objects.size(), most_panels);
   const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   PlotScript script(title, page_width, bottom + below);
+  const auto end = std::next(objects.begin(), static_cast<std::ptrdiff_t>(shown));
   std::size_t with_interval = 0, drawn = 0;
-  for (std::size_t i = 0; i < shown; ++i) {
-    for (const Measured* measured : {&objects[i].seen, &objects[i].held_out}) {
-      with_interval += has_interval(*measured) ? 1U : 0U;
+  for (auto object = objects.begin(); object != end; ++object) {
+    for (const Figure* measured : {&object->second.seen, &object->second.held_out}) {
+      with_interval += measured->has_interval() ? 1U : 0U;
       drawn += std::isfinite(measured->value) ? 1U : 0U;
     }
   }
@@ -261,18 +261,17 @@ Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& object
   AccuracyAxis axis;
   std::vector<double> seen, held_out, joined;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < shown; ++i) {
-    const UnseenBars& object = objects[i];
-    names.push_back(object.object);
-    axis.include(object.seen);
-    axis.include(object.held_out);
-    const auto y = static_cast<double>(shown - 1 - i);
-    seen.insert(seen.end(), {percent(object.seen.value), y + 0.14});
-    add_interval(seen, object.seen);
-    held_out.insert(held_out.end(), {percent(object.held_out.value), y - 0.14});
-    add_interval(held_out, object.held_out);
-    joined.insert(joined.end(),
-                  {percent(object.seen.value), y + 0.14, percent(object.held_out.value - object.seen.value), -0.28});
+  for (auto object = objects.begin(); object != end; ++object) {
+    const auto& [name, of] = *object;
+    names.push_back(name);
+    axis.include(of.seen);
+    axis.include(of.held_out);
+    const auto y = static_cast<double>(shown - names.size());
+    seen.insert(seen.end(), {percent(of.seen.value), y + 0.14});
+    add_interval(seen, of.seen);
+    held_out.insert(held_out.end(), {percent(of.held_out.value), y - 0.14});
+    add_interval(held_out, of.held_out);
+    joined.insert(joined.end(), {percent(of.seen.value), y + 0.14, percent(of.held_out.value - of.seen.value), -0.28});
   }
   script.add("set xrange [{:.9g}:{:.9g}]\nset yrange [-0.6:{:.9g}]", axis.begin(), axis.end(), static_cast<double>(shown) - 0.4);
   script.add("set ytics ({}) scale 0", row_names(names));
@@ -286,7 +285,7 @@ Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& object
   return std::move(script).plot();
 }
 
-Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts) {
+Plot confusion_plot(const std::string& title, const Confusion& confusion) {
   constexpr int width = 760, height = 470, left = 130, right = 60, top = 100, below = 40;
   PlotScript script(title, width, height);
   script.text("said", (left + width - right) / 2.0, 60, "center font ',13'");
@@ -299,9 +298,9 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
     script.text(name_of(all_touches[i]), left + at * field_width, top - 16, "center font ',12'");
     script.text(name_of(all_touches[i]), left - 14, top + at * field_height, "right font ',12'");
     std::uint64_t row = 0;
-    for (const std::uint64_t count : counts[i]) row += count;
+    for (const std::uint64_t count : confusion.counts[i]) row += count;
     for (std::size_t k = 0; k < touch_count; ++k) {
-      const double share = row == 0 ? 0 : static_cast<double>(counts[i][k]) / static_cast<double>(row);
+      const double share = row == 0 ? 0 : static_cast<double>(confusion.counts[i][k]) / static_cast<double>(row);
       // From white to a deep blue.
       const auto mixed = [share](int full) { return static_cast<int>(std::lround(245 + (full - 245) * share)); };
       script.add(
@@ -311,33 +310,33 @@ Plot confusion_plot(const std::string& title, const std::array<std::array<std::u
       const std::string_view colour = share > 0.5 ? "#FFFFFF" : ink;
       const double x = left + (static_cast<double>(k) + 0.5) * field_width, y = top + at * field_height;
       script.text(row == 0 ? "no sample" : fmt::format("{:.1f} %", 100 * share), x, y - 11, "center font ',16'", colour);
-      script.text(fmt::format("{}", counts[i][k]), x, y + 16, "center font ',12'", colour);
+      script.text(fmt::format("{}", confusion.counts[i][k]), x, y + 16, "center font ',12'", colour);
     }
   }
   script.add("plot {} notitle", script.table(2, {}));
   return std::move(script).plot();
 }
 
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingMark>& points,
-                          const std::optional<OperatingMark>& own) {
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
+                          const std::optional<OperatingPoint>& own) {
   constexpr int left = 90, right = 40, top = 84, gap = 34, delay_height = 290, missed_height = 150, below = 62;
   const int delay_bottom = top + delay_height, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   PlotScript script(title, page_width, bottom + below);
   script.text(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: the probability from which on it is said.",
                           own ? "; diamonds: no threshold" : ""),
               20, 52, "left font ',12'", faint_ink);
-  std::vector<OperatingMark> all = points;
+  std::vector<OperatingPoint> all = points;
   if (own) all.push_back(*own);
   // False alarms span decades: their logarithm, with none at all at a place of its own on the left.
   double most_alarms = 0, least_alarms = 1e9, longest = 0, most_missed = 0;
-  for (const OperatingMark& point : all) {
-    if (std::isfinite(point.false_alarms_per_min) && point.false_alarms_per_min > 0) {
-      most_alarms = std::max(most_alarms, point.false_alarms_per_min);
-      least_alarms = std::min(least_alarms, point.false_alarms_per_min);
+  for (const OperatingPoint& point : all) {
+    if (const double alarms = point.false_alarms_per_min.value; std::isfinite(alarms) && alarms > 0) {
+      most_alarms = std::max(most_alarms, alarms);
+      least_alarms = std::min(least_alarms, alarms);
     }
-    for (const OperatingMark::OfTouch& touch : {point.press, point.slip}) {
-      if (std::isfinite(touch.mean_ms)) longest = std::max(longest, touch.mean_ms);
-      if (std::isfinite(touch.missed)) most_missed = std::max(most_missed, percent(touch.missed));
+    for (const DelaySummary& touch : {point.press, point.slip}) {
+      if (std::isfinite(touch.mean_ms.value)) longest = std::max(longest, touch.mean_ms.value);
+      if (std::isfinite(touch.missed_share())) most_missed = std::max(most_missed, percent(touch.missed_share()));
     }
   }
   if (most_alarms <= 0) most_alarms = least_alarms = 1;
@@ -345,17 +344,20 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
   const int begin = static_cast<int>(std::floor(std::log10(least_alarms)));
   const int end = std::max(begin + 1, static_cast<int>(std::ceil(std::log10(most_alarms))));
   const double none_at = begin - 0.12 * (end - begin), span = end - none_at;
-  const auto place_of = [&](double alarms) { return alarms > 0 ? std::log10(alarms) : alarms == 0 ? none_at : alarms; };
+  const auto place_of = [&](const OperatingPoint& point) {
+    const double alarms = point.false_alarms_per_min.value;
+    return alarms > 0 ? std::log10(alarms) : alarms == 0 ? none_at : alarms;
+  };
   std::string tics = fmt::format("'none' {:.9g}", none_at), bare_tics = fmt::format("'' {:.9g}", none_at);
   for (int decade = begin; decade <= end; ++decade) {
     tics += fmt::format(", '{:g}' {}", std::pow(10, decade), decade);
     bare_tics += fmt::format(", '' {}", decade);
   }
   std::vector<double> delays, missed;
-  for (const OperatingMark& point : points) {
-    const double x = place_of(point.false_alarms_per_min);
-    delays.insert(delays.end(), {x, point.press.mean_ms, point.slip.mean_ms});
-    missed.insert(missed.end(), {x, percent(point.press.missed), percent(point.slip.missed)});
+  for (const OperatingPoint& point : points) {
+    const double x = place_of(point);
+    delays.insert(delays.end(), {x, point.press.mean_ms.value, point.slip.mean_ms.value});
+    missed.insert(missed.end(), {x, percent(point.press.missed_share()), percent(point.slip.missed_share())});
   }
   const auto begin_panel = [&](int panel_top, int panel_bottom, double most, std::string_view label) {
     script.begin_panel({.left = left, .top = panel_top, .right = page_width - right, .bottom = panel_bottom});
@@ -373,7 +375,7 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
   };
   const auto values_of_own = [&](auto of_touch) {
     if (!own) return std::vector<double>();
-    return std::vector<double>{place_of(own->false_alarms_per_min), of_touch(own->press), of_touch(own->slip)};
+    return std::vector<double>{place_of(*own), of_touch(own->press), of_touch(own->slip)};
   };
   begin_panel(top, delay_bottom, longest, "mean delay [ms]");
   script.add("set xtics ({})", bare_tics);
@@ -382,20 +384,20 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
   const auto across = [&](double x) { return left + (page_width - left - right) * (x - none_at + 0.03 * span) / (1.06 * span); };
   const auto down = [&](double delay_ms) { return delay_bottom - delay_height * (delay_ms + 0.03 * longest) / (1.21 * longest); };
   WordPlaces places({.left = left, .top = top, .right = page_width - right, .bottom = delay_bottom});
-  for (const OperatingMark& point : all) {
+  for (const OperatingPoint& point : all) {
     constexpr double half = 7;
-    const double x = across(place_of(point.false_alarms_per_min));
-    for (const OperatingMark::OfTouch& touch : {point.press, point.slip}) {
-      const double y = down(touch.mean_ms);
+    const double x = across(place_of(point));
+    for (const DelaySummary& touch : {point.press, point.slip}) {
+      const double y = down(touch.mean_ms.value);
       if (std::isfinite(x) && std::isfinite(y)) places.take(x - half, y - half, x + half, y + half);
     }
   }
   // Nor do curves lead through words.
   for (std::size_t i = 1; i < points.size(); ++i) {
-    const OperatingMark &from = points[i - 1], &to = points[i];
-    const double x = across(place_of(from.false_alarms_per_min)), to_x = across(place_of(to.false_alarms_per_min));
-    for (const auto& [from_ms, to_ms] :
-         {std::pair(from.press.mean_ms, to.press.mean_ms), std::pair(from.slip.mean_ms, to.slip.mean_ms)}) {
+    const OperatingPoint &from = points[i - 1], &to = points[i];
+    const double x = across(place_of(from)), to_x = across(place_of(to));
+    for (const auto& [from_ms, to_ms] : {std::pair(from.press.mean_ms.value, to.press.mean_ms.value),
+                                         std::pair(from.slip.mean_ms.value, to.slip.mean_ms.value)}) {
       if (std::isfinite(x) && std::isfinite(to_x) && std::isfinite(from_ms) && std::isfinite(to_ms))
         places.take_line(x, down(from_ms), to_x, down(to_ms));
     }
@@ -403,21 +405,21 @@ Plot operating_curve_plot(const std::string& title, const std::vector<OperatingM
   for (const Touch touch : {Touch::slip, Touch::press}) {
     for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
       const auto point = std::find_if(points.begin(), points.end(),
-                                      [wanted](const OperatingMark& one) { return std::abs(one.threshold - wanted) < 1e-9; });
+                                      [wanted](const OperatingPoint& one) { return std::abs(one.threshold - wanted) < 1e-9; });
       if (point == points.end()) continue;
-      const double delay_ms = touch == Touch::press ? point->press.mean_ms : point->slip.mean_ms;
+      const double delay_ms = (touch == Touch::press ? point->press : point->slip).mean_ms.value;
       const std::string words = fmt::format("{:.4g}", wanted);
-      const WordPlaces::Place place = places.near(across(place_of(point->false_alarms_per_min)), down(delay_ms),
-                                                  word_character * static_cast<double>(words.size()));
+      const WordPlaces::Place place =
+          places.near(across(place_of(*point)), down(delay_ms), word_character * static_cast<double>(words.size()));
       if (!place.is_plain()) continue;
       places.take(place);
       script.text(words, place.x, place.y, "center font ',10'", figure_colours::of(touch));
     }
   }
-  draw_lines(std::move(delays), values_of_own([](const OperatingMark::OfTouch& touch) { return touch.mean_ms; }));
+  draw_lines(std::move(delays), values_of_own([](const DelaySummary& touch) { return touch.mean_ms.value; }));
   begin_panel(missed_top, bottom, std::max(5.0, most_missed), "missed or early [%]");
   script.add("set xtics ({})\nset xlabel 'false alarms per minute' textcolor rgb '{}'", tics, ink);
-  draw_lines(std::move(missed), values_of_own([](const OperatingMark::OfTouch& touch) { return percent(touch.missed); }));
+  draw_lines(std::move(missed), values_of_own([](const DelaySummary& touch) { return percent(touch.missed_share()); }));
   return std::move(script).plot();
 }
 
@@ -537,31 +539,31 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
   return std::move(script).plot();
 }
 
-Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip) {
+Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, const AccuracyOverTime& slip) {
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   const int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   PlotScript script(title, page_width, bottom + below);
   std::size_t with_interval = 0, drawn = 0;
-  for (const TouchOverTime* touch : {&press, &slip}) {
-    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const TouchOverTime::Bin& bin : *bins) {
+  for (const AccuracyOverTime* touch : {&press, &slip}) {
+    for (const std::vector<OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const OverTimeBin& bin : *bins) {
         drawn += std::isfinite(bin.accuracy.value) ? 1U : 0U;
-        with_interval += has_interval(bin.accuracy) ? 1U : 0U;
+        with_interval += bin.accuracy.has_interval() ? 1U : 0U;
       }
     }
   }
   script.text("Blue circles: press; orange squares: slip. Share of ticks said right." + whiskers_in_words(with_interval, drawn),
               20, 52, "left font ',12'", faint_ink);
   AccuracyAxis axis;
-  for (const TouchOverTime* touch : {&press, &slip}) {
-    for (const std::vector<TouchOverTime::Bin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const TouchOverTime::Bin& bin : *bins) axis.include(bin.accuracy);
+  for (const AccuracyOverTime* touch : {&press, &slip}) {
+    for (const std::vector<OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const OverTimeBin& bin : *bins) axis.include(bin.accuracy);
     }
   }
-  const auto table_of = [&](const std::vector<TouchOverTime::Bin>& bins) {
+  const auto table_of = [&](const std::vector<OverTimeBin>& bins) {
     std::vector<double> values;
-    for (const TouchOverTime::Bin& bin : bins) {
-      values.insert(values.end(), {(bin.from_ms + bin.to_ms) / 2, percent(bin.accuracy.value)});
+    for (const OverTimeBin& bin : bins) {
+      values.insert(values.end(), {in_ms(bin.from + bin.to) / 2, percent(bin.accuracy.value)});
       add_interval(values, bin.accuracy);
     }
     return script.table(4, std::move(values));
@@ -569,9 +571,9 @@ Plot over_time_plot(const std::string& title, const TouchOverTime& press, const 
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
-    for (const TouchOverTime* touch : {&press, &slip}) {
-      for (const TouchOverTime::Bin& bin : from_onset ? touch->since_onset : touch->before_end)
-        longest = std::max(longest, bin.to_ms);
+    for (const AccuracyOverTime* touch : {&press, &slip}) {
+      for (const OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end)
+        longest = std::max(longest, in_ms(bin.to));
     }
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");

@@ -3,31 +3,31 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/report/gnuplot.hpp"
+#include "tactile/results/calibration.hpp"
+#include "tactile/results/confusion.hpp"
+#include "tactile/results/delay_table.hpp"
+#include "tactile/results/figure.hpp"
+#include "tactile/results/operating_point.hpp"
+#include "tactile/results/over_time.hpp"
+#include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile {
 
 // Figures of results. What is NaN is left out of a figure; names that are too long for their place lose their middle. A figure
 // with more rows or panels than a page bears shows the first, and says so.
 
-/// A value and its 95 % interval; NaN where there is none.
-struct Measured {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
-  std::uint64_t n = 0;  ///< what was drawn from: runs, or objects
-};
-
 /// How accurate models of several histories are on one object, or over all.
 struct HistoryCurve {
   struct Point {
     double history_ms = 0;  ///< t_h
-    Measured accuracy;      ///< in [0, 1]
+    Figure accuracy;        ///< in [0, 1]
   };
   std::string name;
   std::vector<Point> points;  ///< by history
@@ -40,59 +40,27 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 /// Source: Faris et al., arXiv:2403.10120, figure 6.
 Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves);
 
-/// How late an object's intervals of one class were detected.
-struct DelayBar {
-  std::string object;
-  double mean_ms = std::numeric_limits<double>::quiet_NaN();
-  double sem_ms = std::numeric_limits<double>::quiet_NaN();  ///< standard error of the mean
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-};
-
 /// Bars of the mean detection delay with its standard error, presses beside slips, an object a row; what was missed or early is
 /// told beside them.
 /// @param objects  in the order of the rows, those of `press` and `slip` that they name
 /// @param limit_ms a line that the paper stays below
 /// Source: Faris et al., arXiv:2403.10120, figure 7.
-Plot delay_plot(const std::string& title, const std::vector<std::string>& objects, const std::vector<DelayBar>& press,
-                const std::vector<DelayBar>& slip, double limit_ms = 5);
+Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
+                const std::map<std::string, DelaySummary>& press, const std::map<std::string, DelaySummary>& slip,
+                double limit_ms = 5);
 
-/// Accuracy on one object with it in training, and without.
-struct UnseenBars {
-  std::string object;
-  Measured seen, held_out;  ///< in [0, 1]
-};
-
+/// Accuracy on each object with it in training, and without, an object a row.
 /// Source: Faris et al., arXiv:2403.10120, figure 9.
-Plot unseen_plot(const std::string& title, const std::vector<UnseenBars>& objects);
+Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects);
 
 /// Rows true, columns said; each field with its count and its share of the row.
-/// @param counts  [none, press, slip][none, press, slip]
-Plot confusion_plot(const std::string& title, const std::array<std::array<std::uint64_t, touch_count>, touch_count>& counts);
-
-/// What is met where press or slip is said from one probability on.
-struct OperatingMark {
-  struct OfTouch {
-    double mean_ms = std::numeric_limits<double>::quiet_NaN();
-    double missed = std::numeric_limits<double>::quiet_NaN();  ///< share of intervals missed or early, in [0, 1]
-  };
-  double threshold = 0;  ///< in [0, 1]
-  double false_alarms_per_min = std::numeric_limits<double>::quiet_NaN();
-  OfTouch press, slip;
-};
+Plot confusion_plot(const std::string& title, const Confusion& confusion);
 
 /// Delay, and what it leaves out, against false alarms over the thresholds. A few are told beside the points of each curve, in
 /// its colour, where there is room.
 /// @param own  what the network's own verdicts give, without a threshold: hollow diamonds
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingMark>& points,
-                          const std::optional<OperatingMark>& own = {});
-
-/// Samples whose largest probability lies in (from, to].
-struct ReliabilityBin {
-  double from = 0, to = 0;
-  std::uint64_t samples = 0;
-  double confidence = std::numeric_limits<double>::quiet_NaN();  ///< mean of their largest probability
-  Measured accuracy;                                             ///< share of them said right
-};
+Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
+                          const std::optional<OperatingPoint>& own = {});
 
 inline constexpr std::uint64_t few_samples = 20;  ///< a bin with fewer is drawn hollow
 
@@ -112,16 +80,7 @@ struct TrainingCurve {
 /// Loss and accuracy of each training; the first eight are named.
 Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves);
 
-/// The share of ticks said right by where they lie in their interval.
-struct TouchOverTime {
-  struct Bin {
-    double from_ms = 0, to_ms = 0;
-    Measured accuracy;  ///< in [0, 1]
-  };
-  std::vector<Bin> since_onset, before_end;
-};
-
-/// Presses and slips, since the onset on the left and before the end on the right.
-Plot over_time_plot(const std::string& title, const TouchOverTime& press, const TouchOverTime& slip);
+/// The share of ticks said right in presses and slips, since the onset on the left and before the end on the right.
+Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, const AccuracyOverTime& slip);
 
 }  // namespace tactile

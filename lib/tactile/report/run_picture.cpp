@@ -1,10 +1,11 @@
 #include "tactile/report/run_picture.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 #include <string>
+
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 namespace {
@@ -54,9 +55,8 @@ void add_imu(LabelPicture& picture, const std::vector<ImuSample>& samples) {
       axis.t.push_back(sample.t);
       axis.values.push_back(static_cast<double>(sample.acceleration_g[k]));
     }
-    std::vector<double> sorted = axis.values;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    for (double& value : axis.values) value -= sorted[sorted.size() / 2];
+    const double rest = upper_median(axis.values);
+    for (double& value : axis.values) value -= rest;
     picture.traces.push_back(std::move(axis));
   }
 }

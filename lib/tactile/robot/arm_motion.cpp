@@ -7,6 +7,10 @@
 #include <span>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/least_squares.hpp"
+#include "tactile/robot/main_direction.hpp"
+
 namespace tactile {
 namespace {
 
@@ -25,32 +29,15 @@ double rest_limit(const std::vector<RobotState>& states) {
   std::vector<double> speeds;
   speeds.reserve(states.size());
   for (const RobotState& state : states) speeds.push_back(length_of(velocity_of(state)));
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
   // The magnitude of three noisy components has a median of 1.54 of their standard deviations.
-  return std::max(0.004, *middle * (1.54 + 5.0) / 1.54);
+  return std::max(0.004, upper_median(speeds) * (1.54 + 5.0) / 1.54);
 }
 
-/// The direction in which most of the motion goes, by the power method on the speeds' second moments; in the first half it is
-/// positive.
+/// The direction in which most of the motion goes; in the first half it is positive.
 Vector3 direction_of(std::span<const RobotState> rows) {
-  std::array<Vector3, 3> moments{};
-  for (const RobotState& row : rows) {
-    const Vector3 v = velocity_of(row);
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) moments[i][j] += v[i] * v[j];
-    }
-  }
-  const auto largest = std::max_element(rows.begin(), rows.end(), [](const RobotState& a, const RobotState& b) {
-    return length_of(velocity_of(a)) < length_of(velocity_of(b));
-  });
-  Vector3 axis = velocity_of(*largest);
-  for (int i = 0; i < 30; ++i) {
-    axis = {dot(moments[0], axis), dot(moments[1], axis), dot(moments[2], axis)};
-    const double length = length_of(axis);
-    if (!(length > 0)) return {0, 0, 1};
-    for (double& value : axis) value /= length;
-  }
+  std::vector<Vector3> velocities;
+  for (const RobotState& row : rows) velocities.push_back(velocity_of(row));
+  Vector3 axis = main_direction(velocities).axis;
   double first_half = 0;
   for (const RobotState& row : rows.first((rows.size() + 1) / 2)) first_half += dot(axis, velocity_of(row));
   if (first_half < 0) {
@@ -65,11 +52,11 @@ struct Sample {
 
 // What is fitted: three changes of the acceleration (the fourth undoes them), four times, and the ringing.
 constexpr std::size_t time_at_0 = 3, share_at = 7, omega_at = 8, decay_at = 9, parameter_count = 10;
-using Parameters = std::array<double, parameter_count>;
+using Parameters = std::span<const double>;
 
-std::array<double, 4> changes_of(const Parameters& p) { return {p[0], p[1], p[2], -p[0] - p[1] - p[2]}; }
+std::array<double, 4> changes_of(Parameters p) { return {p[0], p[1], p[2], -p[0] - p[1] - p[2]}; }
 
-double modelled(const Parameters& p, double t_s) {
+double modelled(Parameters p, double t_s) {
   const std::array<double, 4> changes = changes_of(p);
   double v = 0;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -82,13 +69,13 @@ double modelled(const Parameters& p, double t_s) {
   return v;
 }
 
-double misfit(const Parameters& p, std::span<const Sample> samples) {
+double misfit(Parameters p, std::span<const Sample> samples) {
   double sum = 0;
   for (const Sample& sample : samples) sum += (sample.v - modelled(p, sample.t_s)) * (sample.v - modelled(p, sample.t_s));
   return sum;
 }
 
-bool is_possible(const Parameters& p) {
+bool is_possible(Parameters p) {
   constexpr double least_apart_s = 1e-4;
   for (std::size_t k = 1; k < 4; ++k) {
     if (p[time_at_0 + k] < p[time_at_0 + k - 1] + least_apart_s) return false;
@@ -97,80 +84,24 @@ bool is_possible(const Parameters& p) {
          p[omega_at] <= 2 * std::numbers::pi * 50 && p[decay_at] >= 2 && p[decay_at] <= 100;
 }
 
-/// Solves a x = b in place by elimination, for the few rows that a fit has. @return false if `a` is singular
-template <std::size_t size>
-bool solve(std::array<std::array<double, size>, size>& a, std::array<double, size>& b, std::size_t n) {
-  for (std::size_t column = 0; column < n; ++column) {
-    std::size_t pivot = column;
-    for (std::size_t row = column + 1; row < n; ++row) {
-      if (std::abs(a[row][column]) > std::abs(a[pivot][column])) pivot = row;
-    }
-    if (!(std::abs(a[pivot][column]) > 1e-300)) return false;
-    std::swap(a[pivot], a[column]);
-    std::swap(b[pivot], b[column]);
-    for (std::size_t row = 0; row < n; ++row) {
-      if (row == column) continue;
-      const double factor = a[row][column] / a[column][column];
-      for (std::size_t i = column; i < n; ++i) a[row][i] -= factor * a[column][i];
-      b[row] -= factor * b[column];
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) b[i] /= a[i][i];
-  return true;
-}
-
 struct Fit {
-  Parameters p{};
+  std::vector<double> p;
   double misfit = std::numeric_limits<double>::infinity();
   double shift_variance = 0;  ///< of the whole motion's place in time, per variance of the noise
 };
 
-/// Levenberg and Marquardt's descent on the first `n` parameters.
-Fit improved(const Parameters& start, std::span<const Sample> samples, std::size_t n) {
-  constexpr std::array<double, parameter_count> steps{1e-4, 1e-4, 1e-4, 1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 1e-3, 1e-3};
-  Fit fit{.p = start, .misfit = misfit(start, samples), .shift_variance = 0};
-  double damping = 1e-3;
-  for (int iteration = 0; iteration < 25; ++iteration) {
-    std::array<std::array<double, parameter_count>, parameter_count> normal{};
-    std::array<double, parameter_count> right{};
-    for (const Sample& sample : samples) {
-      const double at = modelled(fit.p, sample.t_s);
-      std::array<double, parameter_count> slope{};
-      for (std::size_t i = 0; i < n; ++i) {
-        Parameters moved = fit.p;
-        moved[i] += steps[i];
-        slope[i] = (modelled(moved, sample.t_s) - at) / steps[i];
-      }
-      for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) normal[i][j] += slope[i] * slope[j];
-        right[i] += slope[i] * (sample.v - at);
-      }
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = i + 1; j < n; ++j) normal[i][j] = normal[j][i];
-    }
-    const double before = fit.misfit;
-    for (int attempt = 0; attempt < 8; ++attempt) {
-      auto damped = normal;
-      auto move = right;
-      for (std::size_t i = 0; i < n; ++i) damped[i][i] *= 1.0 + damping;
-      Parameters next = fit.p;
-      if (solve(damped, move, n)) {
-        for (std::size_t i = 0; i < n; ++i) next[i] += move[i];
-        if (is_possible(next)) {
-          const double found = misfit(next, samples);
-          if (found < fit.misfit) {
-            fit.p = next;
-            fit.misfit = found;
-            damping = std::max(1e-9, damping * 0.2);
-            break;
-          }
-        }
-      }
-      damping *= 6.0;
-    }
-    if (!(fit.misfit < before * (1.0 - 1e-5))) break;
-  }
+/// The best fit that `start` leads to; without ringing, what it says of that is held.
+Fit improved(std::vector<double> start, std::span<const Sample> samples, bool with_ringing) {
+  LeastSquares problem{.residuals =
+                           [samples](Parameters p, std::vector<double>& residuals) {
+                             residuals.clear();
+                             for (const Sample& sample : samples) residuals.push_back(modelled(p, sample.t_s) - sample.v);
+                             return is_possible(p);
+                           },
+                       .steps = {1e-4, 1e-4, 1e-4, 1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 1e-3, 1e-3}};
+  if (!with_ringing) std::fill(problem.steps.begin() + share_at, problem.steps.end(), 0.0);
+  Fit fit{.p = std::move(start)};
+  fit.misfit = descend(problem, fit.p, 25);
   double speeding = 0;  // a shift of all changes together is seen where the speed changes
   for (const Sample& sample : samples) {
     const double slope = (modelled(fit.p, sample.t_s + 1e-4) - modelled(fit.p, sample.t_s - 1e-4)) / 2e-4;
@@ -205,22 +136,21 @@ std::optional<CommandedMotion> fitted(std::span<const RobotState> rows, Commande
   const double fall_low = crossing(samples, 0.2 * peak, false), fall_high = crossing(samples, 0.7 * peak, false);
   const double rise_s = std::max(0.004, (rise_high - rise_low) / 0.5), fall_s = std::max(0.004, (fall_low - fall_high) / 0.5);
   const double start_s = rise_low - 0.2 * rise_s, end_s = fall_low + 0.2 * fall_s;
-  Parameters p{};
+  const double w = 2 * std::numbers::pi * 20, d = 12;
+  std::vector<double> p;
   if (kind == CommandedMotion::Kind::one_way) {
     const double up = std::min(start_s + rise_s, 0.5 * (start_s + end_s) - 1e-3), down = std::max(end_s - fall_s, up + 2e-3);
-    p = {peak / (up - start_s), -peak / (up - start_s), -peak / (end_s - down), start_s, up, down, end_s};
+    p = {peak / (up - start_s), -peak / (up - start_s), -peak / (end_s - down), start_s, up, down, end_s, 0, w, d};
   } else {
     const double quarter = 0.25 * (end_s - start_s), a = peak / quarter;
-    p = {a, -2 * a, 2 * a, start_s, start_s + quarter, start_s + 3 * quarter, end_s};
+    p = {a, -2 * a, 2 * a, start_s, start_s + quarter, start_s + 3 * quarter, end_s, 0, w, d};
   }
-  p[omega_at] = 2 * std::numbers::pi * 20;
-  p[decay_at] = 12;
   if (!(end_s - start_s > 0.01) || !is_possible(p)) return std::nullopt;
 
-  Fit best = improved(p, samples, share_at);
+  Fit best = improved(p, samples, false);
   // The ringing: from the likeliest of some frequencies on.
-  Fit ringing;
-  Parameters tried = best.p;
+  Fit ringing{.p = best.p};
+  std::vector<double> tried = best.p;
   for (double hz = 9; hz < 40; hz *= 1.18) {
     for (const double share : {0.15, 0.35}) {
       tried[share_at] = share;
@@ -229,7 +159,7 @@ std::optional<CommandedMotion> fitted(std::span<const RobotState> rows, Commande
       if (found < ringing.misfit) ringing = {.p = tried, .misfit = found, .shift_variance = 0};
     }
   }
-  ringing = improved(ringing.p, samples, parameter_count);
+  ringing = improved(ringing.p, samples, true);
   // Three more parameters explain some of the noise by themselves.
   const double rows_n = static_cast<double>(samples.size());
   if (ringing.misfit < best.misfit * (1.0 - 12.0 / rows_n)) best = ringing;

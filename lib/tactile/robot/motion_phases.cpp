@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile {
 namespace {
 
@@ -157,11 +159,8 @@ class Finder {
   Corners corners_of(const Lobe& lobe) const {
     std::vector<double> sizes;
     for (std::size_t i = lobe.begin; i < lobe.end; ++i) sizes.push_back(length(rows_[i].speed));
-    std::vector<double> sorted = sizes;
-    const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 4 / 5);
-    std::nth_element(sorted.begin(), high, sorted.end());
     Corners corners;
-    corners.height = *high;
+    corners.height = value_of_rank(sizes, sizes.size() * 4 / 5);
     const auto first_at = [&](double level) {
       std::size_t i = 0;
       while (i + 1 < sizes.size() && sizes[i] < level) ++i;
@@ -494,9 +493,7 @@ double speed_noise(const RobotLog& log) {
                                      later.tcp_speed[2] - state.tcp_speed[2]));
   }
   if (differences.size() < 8) return 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle / (chi3_median * std::sqrt(2.0));
+  return upper_median(differences) / (chi3_median * std::sqrt(2.0));
 }
 
 std::vector<MotionPhase> motion_phases(const RobotLog& log, const MotionPhaseOptions& options) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/robot/arm_kinematics.hpp"
 
 namespace tactile {
@@ -89,9 +90,7 @@ microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
     for (double& speed : states[i].tcp_speed) speed *= 1e6 / static_cast<double>(reach.count());
   }
   if (halves.empty()) return microseconds{0};
-  const auto middle = halves.begin() + static_cast<std::ptrdiff_t>(halves.size() / 2);
-  std::nth_element(halves.begin(), middle, halves.end());
-  return microseconds{std::llround(*middle * static_cast<double>(reach.count()))};
+  return microseconds{std::llround(upper_median(halves) * static_cast<double>(reach.count()))};
 }
 
 microseconds smoothing_of(const std::vector<RobotState>& states) {
@@ -113,9 +112,7 @@ microseconds smoothing_of(const std::vector<RobotState>& states) {
     halves.push_back((after.t - before.t).count() / 2);
   }
   if (made < 10 || 20 * made < 19 * moving) return microseconds{0};
-  const auto middle = halves.begin() + static_cast<std::ptrdiff_t>(halves.size() / 2);
-  std::nth_element(halves.begin(), middle, halves.end());
-  return microseconds{*middle};
+  return microseconds{upper_median<std::int64_t>(halves)};
 }
 
 void set_poses_from_speeds(std::vector<RobotState>& states) {

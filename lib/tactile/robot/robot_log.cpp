@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/log_table.hpp"
 #include "tactile/robot/pose_speeds.hpp"
@@ -393,9 +394,7 @@ double rate_hz(const RobotLog& log) {
   steps.reserve(log.states.size() - 1);
   for (std::size_t i = 1; i < log.states.size(); ++i)
     steps.push_back(saturating_subtract(us_of(log.states[i].t), us_of(log.states[i - 1].t)));
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1e6 / static_cast<double>(*middle);
+  return 1e6 / static_cast<double>(upper_median<std::int64_t>(steps));
 }
 
 std::uint64_t lost_packages(const RobotLog& log) {

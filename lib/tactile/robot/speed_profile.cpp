@@ -1,5 +1,6 @@
 #include "tactile/robot/speed_profile.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -7,11 +8,16 @@
 #include <numbers>
 #include <utility>
 
+#include "tactile/core/robust_statistics.hpp"
+#include "tactile/robot/least_squares.hpp"
+#include "tactile/robot/main_direction.hpp"
+
 namespace tactile {
 namespace {
 
 using Speed = SpeedProfile::Speed;
 using Vector = std::vector<double>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // one for each of the log's
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_spacing_s = 5e-4;  // of knots
@@ -25,49 +31,6 @@ constexpr double fastest_seen = 0.45;               // periods from row to row
 constexpr double usual_hz = 18.0, hz_spread = 0.7;  // of the logarithm
 constexpr double usual_decay_s = 0.08, decay_spread = 0.7;
 constexpr double usual_share = 0.2, share_spread = 1.2;  // of its log-odds: no mass swings with more than it is driven with
-
-/// A symmetric matrix, row by row, and what is asked of it.
-class Symmetric {
- public:
-  explicit Symmetric(std::size_t size) : size_(size), values_(size * size, 0.0) {}
-  double& at(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
-  double at(std::size_t row, std::size_t column) const { return values_[row * size_ + column]; }
-  std::size_t size() const { return size_; }
-
-  /// Turns it into its Cholesky factor, in the lower half. @return whether it is positive definite
-  bool factorise() {
-    for (std::size_t i = 0; i < size_; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        double sum = at(i, j);
-        for (std::size_t k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
-        if (i != j) {
-          at(i, j) = sum / at(j, j);
-        } else if (!(sum > 0) || !std::isfinite(sum)) {
-          return false;
-        } else {
-          at(i, i) = std::sqrt(sum);
-        }
-      }
-    }
-    return true;
-  }
-
-  /// Of the matrix whose factor this is now.
-  void solve(std::span<double> b) const {
-    for (std::size_t i = 0; i < size_; ++i) {
-      for (std::size_t k = 0; k < i; ++k) b[i] -= at(i, k) * b[k];
-      b[i] /= at(i, i);
-    }
-    for (std::size_t i = size_; i-- > 0;) {
-      for (std::size_t k = i + 1; k < size_; ++k) b[i] -= at(k, i) * b[k];
-      b[i] /= at(i, i);
-    }
-  }
-
- private:
-  std::size_t size_;
-  Vector values_;
-};
 
 double log_odds(double share) { return std::log(share / (1.0 - share)); }
 double share_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
@@ -108,17 +71,16 @@ bool is_free(std::size_t knot, std::size_t knots, bool open_begin, bool open_end
 /// The profile without its speeds, and how it is fitted. Parameters: the knots, then log w, log decay, log-odds of the share.
 class Fit {
  public:
-  /// @param axes  1 or 3: values of a row
-  Fit(const Vector& times, const Vector& values, std::size_t axes, const SpeedProfileOptions& options)
+  /// @param values  speeds: 1 or 3 axes of each row
+  Fit(const Vector& times, const Rows& values, const SpeedProfileOptions& options)
       : times_(times),
         values_(values),
-        axes_(axes),
         noise_(options.noise),
         smoothed_s_(options.smoothed_s),
         open_begin_(options.open_begin),
         open_end_(options.open_end),
         most_log_w_(std::log(2.0 * std::numbers::pi * std::min(fastest_ringing_hz, fastest_seen / usual_step_s(times)))),
-        weights_(times.size(), 1.0) {}
+        weights_(Eigen::VectorXd::Ones(values.rows())) {}
 
   void set_knots(std::size_t knots) {
     knots_ = knots;
@@ -126,187 +88,118 @@ class Fit {
     for (std::size_t k = 0; k < knots; ++k) {
       if (is_free(k, knots, open_begin_, open_end_)) free_.push_back(k);
     }
-    speeds_.assign(free_.size() * axes_, 0.0);
-    basis_.assign(times_.size() * free_.size(), 0.0);
+    basis_ = Rows::Zero(values_.rows(), static_cast<Eigen::Index>(free_.size()));
     swings_.assign(knots, Swings{.of_rows = Vector(times_.size(), 0.0)});
   }
 
   std::size_t parameters() const { return knots_ + 3; }
-  std::size_t residuals() const { return times_.size() * axes_ + 3; }
-  std::size_t degrees_of_freedom() const {
-    const std::size_t used = parameters() + speeds_.size();
-    return times_.size() * axes_ > used ? times_.size() * axes_ - used : 1;
+  double degrees_of_freedom() const {
+    const auto used = static_cast<Eigen::Index>(parameters()) + basis_.cols() * values_.cols();
+    return static_cast<double>(std::max<Eigen::Index>(values_.size() - used, 1));
   }
 
-  /// Weighted residuals in units of the noise, for the best speeds. @return their sum of squares; infinite if it cannot be
-  double residuals_of(const Vector& parameters, Vector& residuals) {
-    for (std::size_t k = 1; k < knots_; ++k) {
-      if (!(parameters[k] - parameters[k - 1] >= least_spacing_s)) return infinite;
-    }
-    const double log_w = parameters[knots_], log_decay = parameters[knots_ + 1], odds = parameters[knots_ + 2];
-    if (!(std::abs(odds) < 20.0 && log_w < most_log_w_)) return infinite;
-    const double w = std::exp(log_w), decay_s = std::exp(log_decay);
-    if (!(w >= 2.0 * std::numbers::pi * slowest_ringing_hz && decay_s >= shortest_decay_s && decay_s <= longest_decay_s))
-      return infinite;
-    fill_basis(parameters, w, decay_s, share_of(odds));
-    if (!solve_speeds()) return infinite;
-
-    residuals.resize(this->residuals());
-    double sum = 0;
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      const double factor = std::sqrt(weights_[i]) / noise_;
-      for (std::size_t axis = 0; axis < axes_; ++axis) {
-        double& residual = residuals[i * axes_ + axis];
-        residual = factor * (values_[i * axes_ + axis] - predicted(i, axis));
-        sum += residual * residual;
-      }
-    }
-    double* priors = residuals.data() + times_.size() * axes_;
-    priors[0] = (log_w - std::log(2.0 * std::numbers::pi * usual_hz)) / hz_spread;
-    priors[1] = (log_decay - std::log(usual_decay_s)) / decay_spread;
-    priors[2] = (odds - log_odds(usual_share)) / share_spread;
-    for (std::size_t i = 0; i < 3; ++i) sum += priors[i] * priors[i];
-    return sum;
-  }
-
-  /// Levenberg and Marquardt's way down. @return the sum of squares reached
-  double descend(Vector& parameters, int steps) {
-    Vector residuals, tried;
-    double cost = residuals_of(parameters, residuals), damping = 1e-3;
-    if (!(cost < infinite)) return cost;
-    for (int step = 0; step < steps; ++step) {
-      const Vector jacobian = jacobian_at(parameters, residuals);
-      const std::size_t n = this->parameters();
-      Symmetric curvature(n);
-      Vector gradient(n, 0.0);
-      for (std::size_t a = 0; a < n; ++a) {
-        const double* ja = jacobian.data() + a * residuals.size();
-        for (std::size_t i = 0; i < residuals.size(); ++i) gradient[a] += ja[i] * residuals[i];
-        for (std::size_t b = 0; b <= a; ++b) {
-          const double* jb = jacobian.data() + b * residuals.size();
-          double sum = 0;
-          for (std::size_t i = 0; i < residuals.size(); ++i) sum += ja[i] * jb[i];
-          curvature.at(a, b) = sum;
-        }
-      }
-      bool moved = false;
-      double before = cost;
-      for (; !moved && damping < 1e8; damping *= 4.0) {
-        Symmetric damped = curvature;
-        for (std::size_t a = 0; a < n; ++a) damped.at(a, a) += damping * curvature.at(a, a) + 1e-12;
-        Vector change = gradient;
-        if (!damped.factorise()) continue;
-        damped.solve(change);
-        Vector there = parameters;
-        for (std::size_t a = 0; a < n; ++a) there[a] -= change[a];
-        const double reached = residuals_of(there, tried);
-        if (!(reached < cost)) continue;
-        parameters = std::move(there);
-        residuals.swap(tried);
-        cost = reached;
-        damping = std::max(damping / 40.0, 1e-9);  // the loop takes a step of 4 back
-        moved = true;
-      }
-      if (!moved || before - cost < 1e-6 * cost) break;
-    }
-    residuals_of(parameters, residuals);  // leaves the best speeds behind
+  /// Leaves the best speeds. @return the sum of squares reached
+  double descend(Vector& parameters, int iterations) {
+    const double cost = tactile::descend(problem(), parameters, iterations);
+    fit_speeds(parameters);
     return cost;
   }
 
   /// Counts rows the less, the farther they lie beyond three times the usual distance.
   void weigh_rows() {
-    Vector distances(times_.size());
-    for (std::size_t i = 0; i < times_.size(); ++i) distances[i] = distance(i);
-    Vector sorted = distances;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double usual = std::max(*middle * (axes_ == 1 ? 1.48 : 0.65), noise_) * std::sqrt(static_cast<double>(axes_));
-    for (std::size_t i = 0; i < times_.size(); ++i) weights_[i] = std::min(1.0, 3.0 * usual / std::max(distances[i], 1e-12));
+    const Eigen::VectorXd distances = left_.rowwise().norm();
+    const double usual = std::max(upper_median({distances.data(), times_.size()}) * (values_.cols() == 1 ? 1.48 : 0.65), noise_) *
+                         std::sqrt(static_cast<double>(values_.cols()));
+    weights_ = (3.0 * usual / distances.array().max(1e-12)).min(1.0);
   }
 
   /// Mean square of a row and axis over the noise's, at the last parameters.
-  double misfit() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      const double d = distance(i) / noise_;
-      sum += weights_[i] * d * d;
-    }
-    return sum / static_cast<double>(degrees_of_freedom());
-  }
+  double misfit() const { return weights_.dot(left_.rowwise().squaredNorm()) / (noise_ * noise_ * degrees_of_freedom()); }
 
-  double misfit_at(const Vector& parameters) {
-    Vector residuals;
-    return residuals_of(parameters, residuals) < infinite ? misfit() : infinite;
-  }
+  double misfit_at(const Vector& parameters) { return fit_speeds(parameters) ? misfit() : infinite; }
 
   /// By which neighbours that err alike widen a variance: (1 + r) / (1 - r) of the correlation r from row to row.
   double likeness_factor() const {
-    double products = 0, squares = 0;
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      for (std::size_t axis = 0; axis < axes_; ++axis) {
-        const double here = std::sqrt(weights_[i]) * (values_[i * axes_ + axis] - predicted(i, axis));
-        squares += here * here;
-        if (i > 0) products += here * std::sqrt(weights_[i - 1]) * (values_[(i - 1) * axes_ + axis] - predicted(i - 1, axis));
-      }
-    }
+    const Rows weighed = weights_.cwiseSqrt().asDiagonal() * left_;
+    const Eigen::Index pairs = weighed.rows() - 1;
+    const double products = weighed.topRows(pairs).cwiseProduct(weighed.bottomRows(pairs)).sum(), squares = weighed.squaredNorm();
     const double r = squares > 0 ? std::clamp(products / squares, 0.0, 0.95) : 0.0;
     return (1.0 + r) / (1.0 - r);
   }
 
   /// Of the knots, from the curvature at the parameters; empty if it is singular.
   Vector covariance_at(const Vector& parameters) {
-    Vector residuals;
-    if (!(residuals_of(parameters, residuals) < infinite)) return {};
-    const Vector jacobian = jacobian_at(parameters, residuals);
-    residuals_of(parameters, residuals);
-    const std::size_t n = this->parameters();
-    Symmetric curvature(n);
-    for (std::size_t a = 0; a < n; ++a) {
-      for (std::size_t b = 0; b <= a; ++b) {
-        const double* ja = jacobian.data() + a * residuals.size();
-        const double* jb = jacobian.data() + b * residuals.size();
-        for (std::size_t i = 0; i < residuals.size(); ++i) curvature.at(a, b) += ja[i] * jb[i];
-      }
-      curvature.at(a, a) += 1e-9 * curvature.at(a, a) + (a < knots_ ? 1.0 : 0.0);  // no knot is worse than a second
+    if (!fit_speeds(parameters)) return {};
+    const auto n = static_cast<Eigen::Index>(parameters.size()), knots = static_cast<Eigen::Index>(knots_);
+    const Vector squares = curvature_at(problem(), parameters);
+    fit_speeds(parameters);
+    Eigen::MatrixXd curvature = Eigen::MatrixXd::Map(squares.data(), n, n);
+    curvature.diagonal() *= 1.0 + 1e-9;
+    curvature.diagonal().head(knots).array() += 1.0;  // no knot is worse than a second
+    const Eigen::LLT<Eigen::MatrixXd> factor(curvature);
+    if (factor.info() != Eigen::Success) return {};
+    Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(n, n)).topLeftCorner(knots, knots);
+    for (std::size_t k = 0; k < knots_; ++k) {
+      if (!is_held(k)) continue;
+      covariance.row(static_cast<Eigen::Index>(k)).setZero();
+      covariance.col(static_cast<Eigen::Index>(k)).setZero();
     }
-    if (!curvature.factorise()) return {};
-    Vector covariance(knots_ * knots_, 0.0);
-    for (std::size_t a = 0; a < knots_; ++a) {
-      if (is_held(a)) continue;
-      Vector column(n, 0.0);
-      column[a] = 1.0;
-      curvature.solve(column);
-      for (std::size_t b = 0; b < knots_; ++b) covariance[b * knots_ + a] = is_held(b) ? 0.0 : column[b];
-    }
-    return covariance;
+    return {covariance.data(), covariance.data() + covariance.size()};
   }
 
   double speed(std::size_t knot, std::size_t axis) const {
     const auto found = std::find(free_.begin(), free_.end(), knot);
-    return found == free_.end() ? 0.0 : speeds_[static_cast<std::size_t>(found - free_.begin()) * axes_ + axis];
+    return found == free_.end() ? 0.0 : speeds_(found - free_.begin(), static_cast<Eigen::Index>(axis));
   }
 
  private:
   /// An open end's knot is where the rows begin or end.
   bool is_held(std::size_t knot) const { return (knot == 0 && open_begin_) || (knot + 1 == knots_ && open_end_); }
 
-  double predicted(std::size_t row, std::size_t axis) const {
-    double sum = 0;
-    for (std::size_t m = 0; m < free_.size(); ++m) sum += basis_[row * free_.size() + m] * speeds_[m * axes_ + axis];
-    return sum;
+  LeastSquares problem() {
+    LeastSquares squares{
+        .residuals = [this](std::span<const double> at, Vector& residuals) { return residuals_of(at, residuals); },
+        .steps = Vector(parameters(), 1e-3)};
+    for (std::size_t k = 0; k < knots_; ++k) squares.steps[k] = is_held(k) ? 0.0 : 2e-5;
+    return squares;
   }
 
-  double distance(std::size_t row) const {
-    double sum = 0;
-    for (std::size_t axis = 0; axis < axes_; ++axis) {
-      const double off = values_[row * axes_ + axis] - predicted(row, axis);
-      sum += off * off;
+  /// Of the rows, weighed and in units of the noise, for the best speeds; then how far the ringing is from what is usual.
+  bool residuals_of(std::span<const double> parameters, Vector& residuals) {
+    if (!fit_speeds(parameters)) return false;
+    residuals.resize(times_.size() * static_cast<std::size_t>(values_.cols()) + 3);
+    Rows::Map(residuals.data(), values_.rows(), values_.cols()) = (weights_.cwiseSqrt() / noise_).asDiagonal() * left_;
+    double* priors = residuals.data() + values_.size();
+    priors[0] = (parameters[knots_] - std::log(2.0 * std::numbers::pi * usual_hz)) / hz_spread;
+    priors[1] = (parameters[knots_ + 1] - std::log(usual_decay_s)) / decay_spread;
+    priors[2] = (parameters[knots_ + 2] - log_odds(usual_share)) / share_spread;
+    return true;
+  }
+
+  /// The best speeds at these parameters, and what they leave of the rows. @return false where the parameters cannot be
+  bool fit_speeds(std::span<const double> parameters) {
+    for (std::size_t k = 1; k < knots_; ++k) {
+      if (!(parameters[k] - parameters[k - 1] >= least_spacing_s)) return false;
     }
-    return std::sqrt(sum);
+    const double log_w = parameters[knots_], odds = parameters[knots_ + 2];
+    if (!(std::abs(odds) < 20.0 && log_w < most_log_w_)) return false;
+    const double w = std::exp(log_w), decay_s = std::exp(parameters[knots_ + 1]);
+    if (!(w >= 2.0 * std::numbers::pi * slowest_ringing_hz && decay_s >= shortest_decay_s && decay_s <= longest_decay_s))
+      return false;
+    fill_basis(parameters, w, decay_s, share_of(odds));
+    const Rows weighed = weights_.asDiagonal() * basis_;
+    Eigen::MatrixXd gram = basis_.transpose() * weighed;
+    gram.diagonal() *= 1.0 + 1e-9;
+    gram.diagonal().array() += 1e-9;
+    const Eigen::LLT<Eigen::MatrixXd> factor(gram);
+    if (factor.info() != Eigen::Success) return false;
+    speeds_ = factor.solve(weighed.transpose() * values_);
+    left_ = values_ - basis_ * speeds_;
+    return speeds_.allFinite();
   }
 
   /// How the rows swing after a change of 1 at each knot. Most steps change few of the knots.
-  void fill_swings(const Vector& knots, double w, double decay_s) {
+  void fill_swings(std::span<const double> knots, double w, double decay_s) {
     for (std::size_t k = 0; k < knots_; ++k) {
       Swings& swings = swings_[k];
       if (is_held(k) || (swings.at_s == knots[k] && swings.w == w && swings.decay_s == decay_s)) continue;
@@ -323,10 +216,9 @@ class Fit {
     }
   }
 
-  void fill_basis(const Vector& knots, double w, double decay_s, double share) {
+  void fill_basis(std::span<const double> knots, double w, double decay_s, double share) {
     fill_swings(knots, w, decay_s);
-    const std::size_t n = free_.size();
-    for (std::size_t m = 0; m < n; ++m) {
+    for (std::size_t m = 0; m < free_.size(); ++m) {
       const std::size_t k = free_[m];
       const double rise = k > 0 ? 1.0 / (knots[k] - knots[k - 1]) : 0.0;
       const double fall = k + 1 < knots_ ? 1.0 / (knots[k + 1] - knots[k]) : 0.0;
@@ -352,62 +244,21 @@ class Fit {
           if (k == 0 && t <= knots[0]) value += 1.0;
           if (k + 1 == knots_ && t > knots[k]) value += 1.0;
         }
-        basis_[i * n + m] = value;
+        basis_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(m)) = value;
       }
     }
-  }
-
-  bool solve_speeds() {
-    const std::size_t n = free_.size();
-    Symmetric gram(n);
-    std::fill(speeds_.begin(), speeds_.end(), 0.0);
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      const double* row = basis_.data() + i * n;
-      for (std::size_t a = 0; a < n; ++a) {
-        const double weighed = weights_[i] * row[a];
-        if (weighed == 0.0) continue;
-        for (std::size_t b = 0; b <= a; ++b) gram.at(a, b) += weighed * row[b];
-        for (std::size_t axis = 0; axis < axes_; ++axis) speeds_[a * axes_ + axis] += weighed * values_[i * axes_ + axis];
-      }
-    }
-    for (std::size_t a = 0; a < n; ++a) gram.at(a, a) = gram.at(a, a) * (1.0 + 1e-9) + 1e-9;
-    if (!gram.factorise()) return false;
-    Vector column(n);
-    for (std::size_t axis = 0; axis < axes_; ++axis) {
-      for (std::size_t a = 0; a < n; ++a) column[a] = speeds_[a * axes_ + axis];
-      gram.solve(column);
-      for (std::size_t a = 0; a < n; ++a) speeds_[a * axes_ + axis] = column[a];
-    }
-    return true;
-  }
-
-  /// One column after the other.
-  Vector jacobian_at(const Vector& parameters, const Vector& residuals) {
-    Vector jacobian(this->parameters() * residuals.size(), 0.0), there, moved = parameters;
-    for (std::size_t a = 0; a < this->parameters(); ++a) {
-      if (a < knots_ && is_held(a)) continue;
-      double change = a < knots_ ? 2e-5 : 1e-3;
-      moved[a] = parameters[a] + change;
-      if (!(residuals_of(moved, there) < infinite)) {
-        change = -change;
-        moved[a] = parameters[a] + change;
-        if (!(residuals_of(moved, there) < infinite)) there = residuals;
-      }
-      moved[a] = parameters[a];
-      for (std::size_t i = 0; i < residuals.size(); ++i) jacobian[a * residuals.size() + i] = (there[i] - residuals[i]) / change;
-    }
-    return jacobian;
   }
 
   const Vector& times_;
-  const Vector& values_;  // row by row
-  std::size_t axes_;
+  const Rows& values_;
   double noise_, smoothed_s_;
   bool open_begin_, open_end_;
   double most_log_w_;
   std::size_t knots_ = 0;
   std::vector<std::size_t> free_;
-  Vector weights_, speeds_, basis_;
+  Eigen::VectorXd weights_;
+  Eigen::MatrixXd speeds_;  ///< of the free knots
+  Rows basis_, left_;       ///< what a speed of 1 at each free knot does to the rows; what the last speeds leave of them
   struct Swings {
     double at_s = infinite, w = 0, decay_s = 0;  ///< what they were worked out for
     Vector of_rows;
@@ -417,33 +268,12 @@ class Fit {
 
 /// The one axis that the rows move along, if they move along one.
 std::optional<Speed> common_axis(std::span<const SpeedRow> rows, double noise) {
-  std::array<std::array<double, 3>, 3> squares{};
-  double all = 0;
-  for (const SpeedRow& row : rows) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      all += row.speed[a] * row.speed[a];
-      for (std::size_t b = 0; b < 3; ++b) squares[a][b] += row.speed[a] * row.speed[b];
-    }
-  }
-  Speed axis{1, 1, 1};
-  const auto fastest = std::max_element(rows.begin(), rows.end(), [](const SpeedRow& a, const SpeedRow& b) {
-    return std::hypot(a.speed[0], a.speed[1], a.speed[2]) < std::hypot(b.speed[0], b.speed[1], b.speed[2]);
-  });
-  if (fastest != rows.end()) axis = fastest->speed;
-  double along = 0;
-  for (int turn = 0; turn < 50; ++turn) {
-    Speed next{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t b = 0; b < 3; ++b) next[a] += squares[a][b] * axis[b];
-    }
-    const double length = std::hypot(next[0], next[1], next[2]), size = std::hypot(axis[0], axis[1], axis[2]);
-    if (!(length > 0) || !(size > 0)) return Speed{0, 0, 1};
-    along = length / size;
-    for (std::size_t a = 0; a < 3; ++a) axis[a] = next[a] / length;
-  }
-  const double across = all - along, by_chance = 2.0 * noise * noise * static_cast<double>(rows.size());
-  if (across > 2.0 * by_chance + 1e-4 * along) return std::nullopt;
-  return axis;
+  std::vector<Speed> speeds;
+  for (const SpeedRow& row : rows) speeds.push_back(row.speed);
+  const MainDirection main = main_direction(speeds);
+  const double by_chance = 2.0 * noise * noise * static_cast<double>(rows.size());
+  if (main.across > 2.0 * by_chance + 1e-4 * main.along) return std::nullopt;
+  return main.axis;
 }
 
 constexpr double well_fitted = 1.5;  // a row's mean square over the noise's: more asks for another knot
@@ -550,20 +380,23 @@ std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> rows, co
   assert(options.knots_s.size() >= 3 && "a motion has a start, a middle and an end");
   const std::optional<Speed> axis = common_axis(rows, options.noise);
   const std::size_t axes = axis ? 1 : 3;
-  Vector times, values;
+  Vector times;
+  Rows values(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(axes));
   for (const SpeedRow& row : rows) {
+    const auto speed = Eigen::RowVector3d::Map(row.speed.data());
+    const auto i = static_cast<Eigen::Index>(times.size());
     times.push_back(row.t_s);
     if (axis) {
-      values.push_back(row.speed[0] * (*axis)[0] + row.speed[1] * (*axis)[1] + row.speed[2] * (*axis)[2]);
+      values(i, 0) = speed.dot(Eigen::RowVector3d::Map(axis->data()));
     } else {
-      values.insert(values.end(), row.speed.begin(), row.speed.end());
+      values.row(i) = speed;
     }
   }
   if (times.size() < options.knots_s.size() + 6) return std::nullopt;
   const auto criterion = [&](double cost, std::size_t count) {
-    return information_criterion(cost, values.size(), count + 3 + axes * count);
+    return information_criterion(cost, times.size() * axes, count + 3 + axes * count);
   };
-  Fit fit(times, values, axes, options);
+  Fit fit(times, values, options);
   std::optional<Descent> descent = descend_from(fit, options.knots_s, options.ringing, usual_step_s(times));
   if (options.other_knots_s.size() >= 3 && times.size() >= options.other_knots_s.size() + 6 &&
       (!descent || fit.misfit_at(descent->best) > well_fitted)) {

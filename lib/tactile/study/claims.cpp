@@ -20,15 +20,8 @@ constexpr const char* exception_object = "plastic-container";
 constexpr double near_points = 5;  ///< what "comparable" is taken to be
 constexpr microseconds shortest{2'000}, marginal{20'000}, chosen{40'000};
 
-Figure scaled(Figure figure, double factor) {
-  figure.value *= factor;
-  if (figure.low) *figure.low *= factor;
-  if (figure.high) *figure.high *= factor;
-  return figure;
-}
-
 std::map<std::string, Figure> scaled(std::map<std::string, Figure> figures, double factor) {
-  for (auto& [name, figure] : figures) figure = scaled(figure, factor);
+  for (auto& [name, figure] : figures) figure = tactile::scaled(figure, factor);
   return figures;
 }
 
@@ -316,7 +309,7 @@ Claim worse_near_the_end(const ClaimInputs& inputs) {
       "Near the end of a press or slip verdicts are worse: the share of ticks said right in the last 200 ms, less that ahead of "
       "them in the same interval",
       "Near the end of each incident the model deviates from the ground truth", "points", Asked::below, 0);
-  const VerdictsOverTime& over_time = inputs.over_time;
+  const ShareOverTime& over_time = inputs.over_time;
   claim.measured = scaled(over_time.last_minus_before, 100);
   const std::uint64_t compared = over_time.intervals - std::min(over_time.intervals, over_time.short_ones);
   claim.in_words = fmt::format(
@@ -328,7 +321,7 @@ Claim worse_near_the_end(const ClaimInputs& inputs) {
     claim.note = fmt::format(
         "The paper's first reason is what is said behind the end: in the {:g} ms after an interval {:.1f} % of the ticks still "
         "say press or slip. Part of that is t_h itself, which looks {:g} ms back.",
-        over_time.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
+        inputs.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
   }
   return claim;
 }
@@ -414,7 +407,7 @@ void judge(Claim& claim) {
   if (claim.scope == ClaimScope::over_objects && !lacking.empty()) claim.verdict = Verdict::cannot_tell;
   claim.can_be_told = lacking.empty() || claim.verdict != Verdict::cannot_tell;
   if (claim.verdict != Verdict::cannot_tell) return;
-  const bool is_bounded = claim.measured.low && claim.measured.high;
+  const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
               : is_bounded     ? std::string("the interval lies across the limit")
                                : std::string("no interval: too many of the draws hold nothing to measure");
@@ -444,18 +437,6 @@ Figure outermost_of(const ObjectFigures& figures, const std::function<bool(doubl
 
 }  // namespace
 
-std::string_view name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::holds:
-      return "holds";
-    case Verdict::does_not:
-      return "does not";
-    case Verdict::cannot_tell:
-      return "cannot tell";
-  }
-  return "cannot tell";
-}
-
 Verdict below(const Figure& figure, double limit) {
   if (figure.high && *figure.high < limit) return Verdict::holds;
   if (figure.low && *figure.low > limit) return Verdict::does_not;
@@ -476,27 +457,6 @@ Figure largest_of(const ObjectFigures& figures) {
 Figure smallest_of(const ObjectFigures& figures) {
   return outermost_of(
       figures, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
-}
-
-void to_json(nlohmann::json& json, const Claim& claim) {
-  const auto count = [](const std::optional<std::size_t>& objects) {
-    return objects ? nlohmann::json(*objects) : nlohmann::json();
-  };
-  json = {{"id", claim.id},
-          {"claim", claim.claim},
-          {"paper", claim.paper},
-          {"unit", claim.unit},
-          {"in_words", claim.in_words},
-          {"asked", claim.asked == Asked::below ? "below" : "above"},
-          {"limit", claim.limit},
-          {"measured", claim.measured},
-          {"objects", claim.objects},
-          {"kept", count(claim.kept)},
-          {"of", count(claim.of)},
-          {"verdict", name_of(claim.verdict)},
-          {"why", claim.why},
-          {"can_be_told", claim.can_be_told},
-          {"note", claim.note}};
 }
 
 std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options) {

@@ -2,22 +2,17 @@
 
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tactile/core/time.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/results/claim.hpp"
+#include "tactile/results/over_time.hpp"
 
 namespace tactile {
-
-enum class Verdict : std::uint8_t { holds, does_not, cannot_tell };
-
-std::string_view name_of(Verdict verdict);  ///< "holds", "does not", "cannot tell"
 
 /// Whether a figure lies below or above a limit: said only where its whole interval lies on one side. A bound that is not known
 /// is on no side, and neither is one at the limit itself.
@@ -36,59 +31,19 @@ struct ObjectFigures {
 Figure largest_of(const ObjectFigures& figures);
 Figure smallest_of(const ObjectFigures& figures);
 
-/// Right verdicts within presses and slips and behind them, as an evaluation tells them; shares in [0, 1].
-struct VerdictsOverTime {
-  Figure first;                                 ///< within 500 ms of the onset
-  Figure last_minus_before;                     ///< in the last 200 ms, less that ahead of them in the same intervals
-  Figure still_said;                            ///< press or slip said in the time after an interval
-  double after_ms = 100;                        ///< that time
-  std::uint64_t intervals = 0, short_ones = 0;  ///< all, and those with no tick ahead of the last 200 ms
-};
-
 /// What a study measured on one set of runs. What was not measured is empty, and its claims cannot be told.
 struct ClaimInputs {
   std::map<microseconds, std::vector<RunConfusion>> histories;  ///< balanced samples by history t_h, the same runs in each
-  std::vector<microseconds> untrained;    ///< of the paper's histories: without them none is the best of all
-  std::vector<RunDetections> detections;  ///< of each run, by the history chosen
-  double tick_ms = 2;                     ///< the shortest delay that there can be, > 0
-  double history_ms = 40;                 ///< t_h, the one chosen
-  VerdictsOverTime over_time;
+  std::vector<microseconds> untrained;       ///< of the paper's histories: without them none is the best of all
+  std::vector<RunDetections> detections;     ///< of each run, by the history chosen
+  double tick_ms = 2;                        ///< the shortest delay that there can be, > 0
+  double history_ms = 40;                    ///< t_h, the one chosen
+  ShareOverTime over_time;                   ///< of presses and slips, "first" 500 ms and "last" 200 ms
+  double after_ms = 100;                     ///< "still_said" is of that time after an interval
   std::vector<RunConfusion> seen, held_out;  ///< balanced samples of objects held out of training, the same runs in both
 };
 
-enum class Asked : std::uint8_t { below, above };
-
-/// What a claim is about, and so what it takes to tell it.
-enum class ClaimScope : std::uint8_t {
-  every_object,  ///< three runs of each
-  one_object,    ///< three runs of it
-  over_objects,  ///< a mean, a share or a count: five objects
-};
-
 inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5;
-
-/// One of the paper's claims beside what was measured of it.
-struct Claim {
-  std::string id;        ///< "history-2-worst"
-  std::string claim;     ///< in words, with what it is measured by
-  std::string paper;     ///< what the paper says
-  std::string unit;      ///< of `measured`, `limit` and `objects`: "%", "points" (of percent), "ms", "objects"
-  std::string in_words;  ///< what was measured, a sentence: which object decides, and of how many the claim is true
-  ClaimScope scope = ClaimScope::over_objects;
-  Asked asked = Asked::below;
-  double limit = 0;
-  Figure measured;
-  std::map<std::string, Figure> objects;  ///< where the claim is about each object
-  std::optional<std::size_t> kept, of;    ///< of how many objects the claim is true by their values, and of how many measured
-  Verdict verdict = Verdict::cannot_tell;
-  std::string why;           ///< one cannot tell, in words; empty where one can
-  bool can_be_told = false;  ///< there are runs and objects enough for a verdict, whatever they say
-  std::string note;          ///< what there is to be said beside, such as intervals missed; may be empty
-};
-
-/// {"id", "claim", "paper", "unit", "in_words", "asked", "limit", "measured", "objects", "kept", "of", "verdict", "why",
-/// "can_be_told", "note"}
-void to_json(nlohmann::json& json, const Claim& claim);
 
 /// The claims of the paper's section V, always the same ones in the same order.
 ///

@@ -15,14 +15,10 @@ void write_verdicts(const std::filesystem::path& file, std::span<const RunVerdic
 }
 
 std::vector<RunVerdicts> read_verdicts(const std::filesystem::path& file) {
-  const std::string where = file.string();
   const nlohmann::json json = read_json(file);
   std::vector<RunVerdicts> verdicts;
-  for (const nlohmann::json& run : member<nlohmann::json>(json, "runs", where)) {
-    RunVerdicts one{member<std::string>(run, "run", where), member<std::string>(run, "object", where), {}};
-    one.confusion.counts = member<decltype(one.confusion.counts)>(run, "confusion", where);
-    verdicts.push_back(std::move(one));
-  }
+  for (const JsonView& run : JsonView(json, file.string(), MissingMember::is_error)["runs"].items())
+    verdicts.push_back({run["run"].text(), run["object"].text(), run["confusion"].get<Confusion>()});
   return verdicts;
 }
 

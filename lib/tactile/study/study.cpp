@@ -20,9 +20,9 @@
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/split_remarks.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/split_remarks.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/study/claims.hpp"
 #include "tactile/study/folder_lock.hpp"
@@ -416,7 +416,7 @@ class Study {
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, model, file](const ProgressCallback& progress) {
-                  const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+                  const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                   const auto confusions = sample_confusions(*dataset_, classifier, model.runs, {.threads = threads_}, progress);
                   std::vector<RunVerdicts> verdicts;
                   for (std::size_t i = 0; i < model.runs.size(); ++i)
@@ -534,7 +534,7 @@ class Study {
                      },
                  .work =
                      [&](const ProgressCallback& progress) {
-                       const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+                       const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                        const Evaluation evaluation = evaluate(*dataset_, classifier, set.runs, {.threads = threads_}, progress);
                        write_whole(csv_file, table_of(evaluation));
                        write_json(json_file, evaluation);
@@ -577,7 +577,7 @@ class Study {
          .work =
              [&](const ProgressCallback& progress) {
                check_unchanged(*dataset_, shown);
-               const Classifier classifier(model.bundle.folder, threads_, options_.engine);
+               const Classifier classifier = open_classifier(model.bundle.folder, threads_, options_.engine);
                const RunFolder folder{dataset_->run_folder(shown), run.object, run.run};
                std::map<CameraTime, Touch> samples;
                for (const Sample& sample : dataset_->samples()) {
@@ -602,22 +602,19 @@ class Study {
   /// A path as study.json has it: from the study's folder on.
   std::string from_study(const fs::path& path) const { return from_folder(path, options_.out); }
 
-  SeenAndHeldOut compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
-    SeenAndHeldOut comparison;
+  UnseenComparison compared(const std::vector<StudyModel>& held_out, const RunSet& set) const {
+    std::vector<std::string> runs;
     for (const std::uint32_t run : set.runs) {
       const auto& judged_on = held_out.front().runs;
-      if (std::find(judged_on.begin(), judged_on.end(), run) != judged_on.end())
-        comparison.runs.push_back(name_of(dataset_->runs()[run]));
+      if (std::find(judged_on.begin(), judged_on.end(), run) != judged_on.end()) runs.push_back(name_of(dataset_->runs()[run]));
     }
-    if (comparison.runs.empty()) return comparison;
+    if (runs.empty()) return {};
     // As many models with the objects as without them, of the same seeds.
     const auto& all = models_.at(history_);
     const std::vector<StudyModel> with(all.begin(),
                                        all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), held_out.size())));
-    const auto seen = judged(with, comparison.runs), without = judged(held_out, comparison.runs);
-    comparison.seen = accuracy_of(seen);
-    comparison.held_out = accuracy_of(without);
-    comparison.difference = accuracy_difference(seen, without);
+    UnseenComparison comparison = unseen_comparison(judged(with, runs), judged(held_out, runs));
+    comparison.runs = std::move(runs);
     return comparison;
   }
 
@@ -637,15 +634,11 @@ class Study {
     inputs.detections = detections_in(evaluation, where);
     inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
     inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
-    const auto over_time = member<json>(evaluation, "over_time", where), both = member<json>(over_time, "both", where);
-    inputs.over_time = {figure_in(member<json>(both, "first", where), where),
-                        figure_in(member<json>(both, "last_minus_before", where), where),
-                        figure_in(member<json>(both, "still_said", where), where),
-                        member<double>(over_time, "after_ms", where),
-                        member<std::uint64_t>(both, "intervals", where),
-                        member<std::uint64_t>(both, "short_ones", where)};
+    const JsonView over_time = JsonView(evaluation, where, MissingMember::is_error)["over_time"];
+    inputs.over_time = over_time["both"].get<ShareOverTime>();
+    inputs.after_ms = over_time["after_ms"].number();
     if (!unseen_.empty()) {
-      const SeenAndHeldOut comparison = compared(unseen_, set);
+      const UnseenComparison comparison = compared(unseen_, set);
       if (!comparison.runs.empty()) {
         const auto& all = models_.at(history_);
         inputs.seen = judged(all, comparison.runs);
@@ -735,7 +728,9 @@ class Study {
     json evaluations = json::array();
     for (const Evaluated& one : evaluated_) {
       const json full = read_json(one.json_file);
-      const double tick_ms = member<double>(full, "tick_ms", one.json_file.string());
+      const JsonView view(full, one.json_file.string(), MissingMember::is_error);
+      const double tick_ms = view["tick_ms"].number();
+      const auto slip = view["delay_ms"]["slip"].get<DelayTable>();
       json entry = {{"id", one.id},
                     {"th_ms", in_ms(one.model.settings.rendering.history)},
                     {"seed", one.model.settings.training.seed},
@@ -745,7 +740,7 @@ class Study {
                     {"csv", from_study(one.csv_file)}};
       for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
         entry[key] = full.at(key);
-      entry["slip_at_once"]["objects"] = told_at_once(delays_in(full, "slip", one.json_file.string()), tick_ms);
+      entry["slip_at_once"]["objects"] = told_at_once(slip.objects, tick_ms);
       evaluations.push_back(entry);
     }
     return evaluations;
@@ -809,17 +804,12 @@ class Study {
     study["remarks"] = remarks_;
     study["left_out"] = left_out_of(*dataset_, runs_below(options_.data));
 
-    std::vector<std::unique_ptr<SeenAndHeldOut>> comparisons;
     std::vector<UnseenRow> unseen_rows;
     const auto add_comparison = [&](json& entry, const std::string& split, const std::vector<StudyModel>& held_out) {
       for (const RunSet* set : {&reported(), &all_test()}) {
-        comparisons.push_back(std::make_unique<SeenAndHeldOut>(compared(held_out, *set)));
-        if (comparisons.back()->runs.empty()) {
-          entry[set->name] = nullptr;
-          continue;
-        }
-        entry[set->name] = *comparisons.back();
-        unseen_rows.push_back({split, set->name, comparisons.back().get()});
+        const UnseenComparison comparison = compared(held_out, *set);
+        entry[set->name] = comparison.runs.empty() ? json() : json(comparison);
+        if (!comparison.runs.empty()) unseen_rows.push_back({split, set->name, comparison});
       }
     };
     if (!unseen_.empty()) {
@@ -838,15 +828,11 @@ class Study {
     }
     if (!splits_.empty()) study["splits_mean"] = {{"reported", splits_mean(reported())}, {"all_test", splits_mean(all_test())}};
 
-    const std::vector<Claim> on_reported = claims_on(reported()), on_all = claims_on(all_test());
-    study["claims"] = json::array();
-    for (std::size_t i = 0; i < on_reported.size(); ++i) {
-      json claim = on_reported[i], beside = on_all[i];
-      for (const char* key : {"measured", "verdict", "why", "can_be_told", "in_words", "kept", "of", "objects", "note"})
-        claim["all_test"][key] = beside.at(key);
-      study["claims"].push_back(claim);
-    }
-    study["summary"] = summary_of(on_reported, dataset_->simulated());
+    std::vector<Claim> claims = claims_on(reported());
+    const std::vector<Claim> on_all = claims_on(all_test());
+    for (std::size_t i = 0; i < claims.size(); ++i) claims[i].all_test = static_cast<const ClaimOutcome&>(on_all[i]);
+    study["claims"] = claims;
+    study["summary"] = summary_of(claims, dataset_->simulated());
 
     std::vector<AccuracyRow> rows;
     for (const RunSet& set : sets_) {
@@ -855,7 +841,7 @@ class Study {
     }
     write_if_changed(options_.out / "accuracy.csv", accuracy_csv(rows));
     write_if_changed(options_.out / "unseen.csv", unseen_csv(unseen_rows));
-    write_if_changed(options_.out / "claims.csv", claims_csv(on_reported, on_all));
+    write_if_changed(options_.out / "claims.csv", claims_csv(claims));
     write_if_changed(options_.out / "study.json", json_text(study, 2) + "\n");
     return study;
   }
@@ -864,7 +850,7 @@ class Study {
   json splits_mean(const RunSet& set) const {
     std::map<std::string, RunConfusion> with, without;
     for (const StudyModel& model : split_models_) {
-      const SeenAndHeldOut comparison = compared({model}, set);
+      const UnseenComparison comparison = compared({model}, set);
       if (comparison.runs.empty()) continue;
       const auto seen = judged({models_.at(history_).front()}, comparison.runs), held_out = judged({model}, comparison.runs);
       for (std::size_t i = 0; i < comparison.runs.size(); ++i) {

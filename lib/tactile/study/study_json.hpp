@@ -28,24 +28,11 @@ nlohmann::json steps_json(std::span<const StepRecord> steps);
 /// `path` as counted from a study's folder, whether it is there yet or not.
 std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-/// {"value", "low", "high", "n"} as `to_json` writes it. @throws Error, naming `where`, if it is none
-Figure figure_in(const nlohmann::json& json, const std::string& where);
-
-/// Delays of one object's intervals of one class.
-struct ObjectDelays {
-  Figure mean_ms;  ///< over detected ones
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-};
-
-/// The delays of each object in "delay_ms": {"press", "slip"} of an evaluation. @throws Error  likewise
-std::map<std::string, ObjectDelays> delays_in(const nlohmann::json& evaluation, const std::string& touch,
-                                              const std::string& where);
-
-/// How the intervals of each run were met: "runs" of an evaluation. @throws Error  likewise
+/// How the intervals of each run were met: "runs" of an evaluation. @throws Error, naming `where`, if it has none
 std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
 
 /// Which objects had every slip told at the first tick: none missed, none early, and a mean of one tick.
-std::map<std::string, bool> told_at_once(const std::map<std::string, ObjectDelays>& delays, double tick_ms);
+std::map<std::string, bool> told_at_once(const std::map<std::string, DelaySummary>& delays, double tick_ms);
 
 /// Accuracies on one set of runs, for a table.
 struct AccuracyRow {
@@ -57,24 +44,15 @@ struct AccuracyRow {
 /// th_ms,runs,object,value,low,high,n; the mean over objects as object "all".
 std::string accuracy_csv(const std::vector<AccuracyRow>& rows);
 
-/// Accuracies with objects in training and without, on runs that neither model saw.
-struct SeenAndHeldOut {
-  std::vector<std::string> runs;
-  Accuracy seen, held_out, difference;
-};
-
-/// {"runs", "mean", "objects"}, with "seen", "held_out", "difference" in "mean" and in each of "objects".
-void to_json(nlohmann::json& json, const SeenAndHeldOut& comparison);
-
 struct UnseenRow {
   std::string split, runs;
-  const SeenAndHeldOut* comparison = nullptr;
+  UnseenComparison comparison;
 };
 
 /// split,runs,object,of,value,low,high,n
 std::string unseen_csv(const std::vector<UnseenRow>& rows);
 
-/// id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict; `reported` and `all_test` in the same order.
-std::string claims_csv(const std::vector<Claim>& reported, const std::vector<Claim>& all_test);
+/// id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict
+std::string claims_csv(const std::vector<Claim>& claims);
 
 }  // namespace tactile

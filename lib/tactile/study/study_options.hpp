@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tactile/core/time.hpp"
-#include "tactile/model/engine_kind.hpp"
+#include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile {

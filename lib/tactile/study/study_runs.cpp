@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "tactile/model/split_remarks.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/split_remarks.hpp"
+#include "tactile/model/training/train_model.hpp"
 
 namespace tactile {
 

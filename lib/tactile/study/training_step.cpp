@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "tactile/core/text_lines.hpp"
-#include "tactile/model/checkpoint.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/checkpoint.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/study/history_choice.hpp"
 
 namespace tactile {

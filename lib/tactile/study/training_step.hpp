@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tactile/model/model_bundle.hpp"
-#include "tactile/model/model_settings.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/model_settings.hpp"
 #include "tactile/study/step_runner.hpp"
 #include "tactile/windows/dataset.hpp"
 

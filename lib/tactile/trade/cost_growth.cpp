@@ -9,10 +9,11 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/engine/lenet_engine.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/trade/dense_heatmaps.hpp"
 
 namespace tactile {
@@ -180,25 +181,7 @@ class MeasuredPoint {
   std::uint64_t lit_ = 0, cells_ = 0;
 };
 
-nlohmann::json json_of(const GrowthPoint::Way& way) {
-  return {{"rendering_us", way.rendering_us}, {"network_us", way.network_us}, {"p50_us", way.p50_us}, {"p99_us", way.p99_us}};
-}
-
 }  // namespace
-
-void to_json(nlohmann::json& json, const GrowthPoint& point) {
-  json = {{"events_per_s", point.events_per_s},
-          {"th_ms", static_cast<double>(point.history.count()) / 1000},
-          {"sensor", {point.sensor.width, point.sensor.height}},
-          {"heatmap", {point.heatmap.width, point.heatmap.height}},
-          {"lit_share", point.lit_share},
-          {"sparse", json_of(point.sparse)},
-          {"dense", json_of(point.dense)}};
-}
-
-void to_json(nlohmann::json& json, const CostGrowth& growth) {
-  json = {{"rate", growth.by_rate}, {"history", growth.by_history}, {"resolution", growth.by_resolution}};
-}
 
 std::vector<Event> moving_events(std::span<const std::filesystem::path> recordings) {
   std::vector<Event> all;

@@ -1,38 +1,15 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
 #include "tactile/events/event.hpp"
+#include "tactile/results/cost_growth.hpp"
 
 namespace tactile {
-
-/// What a tick costs at one place of a curve, by our way and by the dense one [us]: rendering with what comes and goes, and the
-/// network.
-struct GrowthPoint {
-  double events_per_s = 0;
-  microseconds history{0};
-  SensorSize sensor;
-  SensorSize heatmap;
-  double lit_share = 0;  ///< of the heatmap's cells that are not 0, on average
-  struct Way {
-    double rendering_us = 0, network_us = 0;  ///< medians over ticks
-    double p50_us = 0, p99_us = 0;            ///< of both together
-  };
-  Way sparse, dense;
-};
-
-void to_json(nlohmann::json& json, const GrowthPoint& point);
-
-struct CostGrowth {
-  std::vector<GrowthPoint> by_rate, by_history, by_resolution;
-};
-
-void to_json(nlohmann::json& json, const CostGrowth& growth);
 
 struct GrowthOptions {
   std::vector<double> rates{0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7};  ///< events per second, at t_h 40 ms on the source's sensor

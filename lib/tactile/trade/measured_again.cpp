@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "tactile/evaluation/evaluation.hpp"
-#include "tactile/model/classifier.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
-#include "tactile/trade/run_said.hpp"
+#include "tactile/trade/full_runs.hpp"
 
 namespace tactile {
 
@@ -17,10 +17,10 @@ nlohmann::json measure_again(const TradePoint& point, const TradePoint& usual, c
   const auto gate = gate_of(setting, network);
   const std::vector<TimedWay> ways{way_of(usual), way_of(point)};
   const auto times = time_ticks(ways, runs.recordings, timing, progress);
-  std::vector<RunSaid> said;
+  std::vector<FullRun> said;
   {
-    const Classifier classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-    said = said_in_runs(dataset, runs.indexes, classifier, setting.rendering.tick, threads, progress);
+    const Classifier classifier = open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+    said = classify_full_runs(dataset, runs.indexes, classifier, setting.rendering.tick, threads, progress);
   }
   std::vector<TradedRun> outcomes;
   for (std::size_t i = 0; i < runs.indexes.size(); ++i) {
@@ -32,7 +32,8 @@ nlohmann::json measure_again(const TradePoint& point, const TradePoint& usual, c
   result["by"] = "trade";
   // `eval` judges at the network's own ticks alone, where samples lie.
   if (setting.rendering.tick == network.settings.rendering.tick) {
-    const Classifier classifier(network.bundle.folder, threads, setting.engine, {.precision = setting.precision});
+    const Classifier classifier =
+        open_classifier(network.bundle.folder, threads, setting.engine, {.precision = setting.precision});
     const Evaluation evaluation =
         evaluate(dataset, classifier, runs.indexes,
                  {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);

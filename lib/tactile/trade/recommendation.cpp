@@ -42,7 +42,7 @@ std::string interval_text(const Figure& figure, double factor, const char* forma
   if (!std::isfinite(figure.value)) return "unknown";
   const auto number = [&](double value) { return fmt::format(fmt::runtime(format_of), factor * value); };
   std::string text = number(figure.value) + unit;
-  if (figure.low && figure.high) return text + fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high));
+  if (figure.has_interval()) return text + fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high));
   return text + " (no interval)";
 }
 

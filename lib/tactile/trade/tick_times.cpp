@@ -13,10 +13,11 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/model_bundle.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile {
@@ -44,7 +45,7 @@ class Networks {
  private:
   static Network opened(const TimedWay& way) {
     if (way.engine == EngineKind::libtorch) {
-      const auto classifier = std::make_shared<Classifier>(way.model, 1, EngineKind::libtorch);
+      const auto classifier = std::make_shared<Classifier>(open_classifier(way.model, 1, EngineKind::libtorch));
       return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
     }
     const ModelBundle bundle{way.model};
@@ -130,11 +131,9 @@ std::vector<std::size_t> any_order(std::size_t count, Random& random) {
   return order;
 }
 
-TickTime median_of(std::vector<TickTime> turns) {
-  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>((turns.size() - 1) / 2);
-  std::nth_element(turns.begin(), middle, turns.end(),
-                   [](const TickTime& a, const TickTime& b) { return a.total({}) < b.total({}); });
-  return *middle;
+TickTime median_of(const std::vector<TickTime>& turns) {
+  return value_of_rank<TickTime>(turns, (turns.size() - 1) / 2,
+                                 [](const TickTime& a, const TickTime& b) { return a.total({}) < b.total({}); });
 }
 
 }  // namespace

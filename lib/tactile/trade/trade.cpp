@@ -19,15 +19,15 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
-#include "tactile/model/classifier.hpp"
-#include "tactile/model/train_model.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/train_model.hpp"
 #include "tactile/study/folder_lock.hpp"
 #include "tactile/study/study_json.hpp"
 #include "tactile/study/study_runs.hpp"
 #include "tactile/study/training_step.hpp"
+#include "tactile/trade/full_runs.hpp"
 #include "tactile/trade/measured_again.hpp"
 #include "tactile/trade/pareto_front.hpp"
-#include "tactile/trade/run_said.hpp"
 #include "tactile/trade/trade_figures.hpp"
 #include "tactile/trade/trade_point.hpp"
 #include "tactile/trade/trade_results.hpp"
@@ -351,15 +351,16 @@ class Trade {
             .outputs = [file] { return hash_of_file(file); },
             .work =
                 [this, file, tick, network, setting](const ProgressCallback& progress) {
-                  const Classifier classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-                  write_said(file, said_in_runs(*dataset_, tested_.indexes, classifier, tick, threads_, progress));
+                  const Classifier classifier =
+                      open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+                  write_full_runs(file, classify_full_runs(*dataset_, tested_.indexes, classifier, tick, threads_, progress));
                 }};
   }
 
   /// What all networks of all points say.
   void say_all() {
     std::vector<Step> due;
-    const auto take = [this](const std::string& name) { said_[name] = read_said(options_.out / "said" / (name + ".json")); };
+    const auto take = [this](const std::string& name) { said_[name] = read_full_runs(options_.out / "said" / (name + ".json")); };
     std::set<std::string> seen;
     for (const TradePoint& point : points_) {
       for (const TradeNetwork& network : point.networks) {
@@ -425,9 +426,9 @@ class Trade {
     for (std::size_t seed = 0; seed < seeds; ++seed) {
       const TradeNetwork& network = point.networks[seed];
       const auto gate = gate_of(point.setting, network);
-      const std::vector<RunSaid>& said = said_.at(said_name(network, point.setting));
+      const std::vector<FullRun>& said = said_.at(said_name(network, point.setting));
       for (std::size_t run = 0; run < outcomes.size(); ++run) {
-        const RunSaid at_its_tick = at_tick(said[run], point.setting.rendering.tick);
+        const FullRun at_its_tick = at_tick(said[run], point.setting.rendering.tick);
         const TradedRun outcome =
             outcome_of(tested_.judged[run], at_its_tick, verdicts_of(at_its_tick, gate, point.setting.confirmation));
         if (seed == 0) {
@@ -556,12 +557,12 @@ class Trade {
       const TradePoint& point = points_[choice->index];
       const json again = measured_again(point);
       TradeFigures figures;
-      const std::string where = (options_.out / "again").string();
-      figures.accuracy = figure_in(again.at("accuracy"), where);
-      figures.us_p50 = figure_in(again.at("us").at("p50"), where);
-      figures.us_p99 = figure_in(again.at("us").at("p99"), where);
-      figures.delay_us = figure_in(again.at("delay_us").at("mean"), where);
-      figures.false_alarms_per_min = figure_in(again.at("false_alarms_per_min"), where);
+      const JsonView view(again, (options_.out / "again").string(), MissingMember::is_error);
+      figures.accuracy = view["accuracy"].get<Figure>();
+      figures.us_p50 = view["us"]["p50"].get<Figure>();
+      figures.us_p99 = view["us"]["p99"].get<Figure>();
+      figures.delay_us = view["delay_us"]["mean"].get<Figure>();
+      figures.false_alarms_per_min = view["false_alarms_per_min"].get<Figure>();
       figures.tick_us = point.choice.figures.tick_us;
       const std::string words = &point == &points_.front() ? "the usual setting (" + whole_text(point.setting) + ")"
                                                            : text_of(point.setting, options_.usual) + " (else as usual)";
@@ -648,7 +649,7 @@ class Trade {
   TestedRuns tested_;  ///< runs to choose on, then those to report on
   std::size_t choice_count_ = 0;
   std::set<std::string> trained_;  ///< names of networks
-  std::map<std::string, std::vector<RunSaid>> said_;
+  std::map<std::string, std::vector<FullRun>> said_;
   std::vector<TradePoint> points_;  ///< the usual one first
   std::vector<NotMeasured> not_measured_;
   std::vector<TimedWay> ways_;

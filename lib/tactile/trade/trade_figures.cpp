@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 namespace {
@@ -11,15 +12,8 @@ namespace {
 using Runs = std::span<const TradedRun>;
 using OfRuns = std::function<std::optional<double>(const RunsByObject&)>;
 
-std::optional<double> quantile_of(std::vector<double> values, double q) {
-  if (values.empty()) return std::nullopt;
-  // As `quantile`, without sorting all.
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = values.begin() + static_cast<std::ptrdiff_t>(place);
-  std::nth_element(values.begin(), below, values.end());
-  if (below + 1 == values.end()) return *below;
-  const double above = *std::min_element(below + 1, values.end());
-  return *below + (place - static_cast<double>(below - values.begin())) * (above - *below);
+std::optional<double> quantile_of(const std::vector<double>& values, double q) {
+  return values.empty() ? std::nullopt : std::optional(quantile(values, q));
 }
 
 std::vector<double> joined(Runs runs, const RunsByObject& chosen, std::vector<double> TradedRun::*values) {
@@ -112,10 +106,10 @@ TradedRun& TradedRun::operator+=(const TradedRun& other) {
   return *this;
 }
 
-TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts) {
+TradedRun outcome_of(const JudgedRun& run, const FullRun& full, std::span<const Touch> verdicts) {
   TradedRun outcome;
   outcome.object = run.object;
-  const TickRange& ticks = said.ticks;
+  const TickRange& ticks = full.ticks;
   for (const Sample& sample : run.samples) {
     const CameraTime tick = last_tick_until(sample.t, ticks.tick);
     const std::int64_t place = ticks.count > 0 && tick >= ticks.first ? between(ticks.first, tick) / ticks.tick : -1;

@@ -12,8 +12,8 @@
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/trade/full_runs.hpp"
 #include "tactile/trade/recommendation.hpp"
-#include "tactile/trade/run_said.hpp"
 #include "tactile/trade/tick_times.hpp"
 
 namespace tactile {
@@ -41,8 +41,8 @@ struct TradedRun {
 };
 
 /// A balanced sample takes the verdict of the last tick up to it; none before the first.
-/// @param said  at the setting's tick
-TradedRun outcome_of(const JudgedRun& run, const RunSaid& said, std::span<const Touch> verdicts);
+/// @param full  at the setting's tick
+TradedRun outcome_of(const JudgedRun& run, const FullRun& full, std::span<const Touch> verdicts);
 
 /// Adds what ticks took, the gate's way where it closes.
 void add_times(TradedRun& outcome, std::span<const TickTime> times, std::optional<std::uint64_t> gate);

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tactile/model/model_bundle.hpp"
-#include "tactile/model/model_settings.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/model_settings.hpp"
 #include "tactile/trade/tick_times.hpp"
 #include "tactile/trade/trade_figures.hpp"
 #include "tactile/trade/trade_setting.hpp"

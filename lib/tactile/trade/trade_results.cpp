@@ -36,7 +36,7 @@ json point_json(const TradePoint& point, const TradeSetting& usual) {
 /// heatmap of a run takes some twice as long as its usual one, all else is what the machine did meanwhile.
 std::size_t on_a_busy_machine(std::span<const TradePoint> points) {
   return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [](const TradePoint& point) {
-    const auto is_uncertain = [](const Figure& us) { return us.low && us.high && *us.high > 4 * *us.low; };
+    const auto is_uncertain = [](const Figure& us) { return us.has_interval() && *us.high > 4 * *us.low; };
     return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
   }));
 }

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "tactile/engine/lenet_engine.hpp"
 #include "tactile/evaluation/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/engine_kind.hpp"
+#include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
 
 namespace tactile {
 

@@ -24,6 +24,7 @@ extern "C" {
 }
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 namespace {
@@ -40,14 +41,6 @@ constexpr double threshold_per_noise = 1.25;
 constexpr microseconds longest_repeat = 150ms;  // a film that repeats a frame for longer has stopped
 
 double threshold_at(std::size_t i) { return 0.5 * std::exp2(0.25 * static_cast<double>(i)); }
-
-/// By value: the copy is sorted. @param share  0 to 1
-double quantile_of(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 // Decoding
 
@@ -307,7 +300,7 @@ Brightness fit_brightness(const Picture& before, const Picture& now, std::vector
   constexpr int rounds = 3;
   constexpr double pixels_wanted = 1200;
   const int grid = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(now.width) * now.height / pixels_wanted)));
-  constexpr float outlier = 3 * 1.4826F, least_outlier = 128;
+  constexpr float outlier = 3 * static_cast<float>(sigma_per_median), least_outlier = 128;
   constexpr double changed_by = 0.01;
   pairs.clear();
   for (int y = grid / 2; y < now.height; y += grid) {
@@ -337,9 +330,7 @@ Brightness fit_brightness(const Picture& before, const Picture& now, std::vector
     if (round + 1 == rounds) break;
     residuals.clear();
     for (const auto& [p, q] : pairs) residuals.push_back(std::abs(q - found.gain * p - found.offset));
-    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-    std::nth_element(residuals.begin(), middle, residuals.end());
-    limit = outlier * *middle + least_outlier;
+    limit = outlier * upper_median<float>(residuals) + least_outlier;
   }
   found.changed = std::abs(mean_now - mean_before) > changed_by * std::max(mean_before, 256.0);
   return found;
@@ -362,9 +353,7 @@ class Differences {
     const Brightness line = fit_brightness(before, now, pairs_, residuals_);
     result.brightness = line.changed;
     count(before, now, region, line);
-    const auto middle = largest_.begin() + static_cast<std::ptrdiff_t>(largest_.size() / 2);
-    std::nth_element(largest_.begin(), middle, largest_.end());
-    result.noise = static_cast<float>(*middle) / 256;
+    result.noise = static_cast<float>(upper_median<std::uint16_t>(largest_)) / 256;
 
     // From the greatest change down.
     const double pixels = static_cast<double>(region.width) * region.height;
@@ -473,16 +462,15 @@ struct QuietSteps {
 /// Of the lower values, whatever few or many high ones there are.
 QuietSteps quiet_steps(const std::vector<double>& values) {
   constexpr int rounds = 8;
-  constexpr double to_sigma = 1.4826, outlier = 4;
+  constexpr double outlier = 4;
   QuietSteps quiet;
-  double limit = quantile_of(values, 0.5);
+  double limit = lower_median(values);
   for (int round = 0; round < rounds; ++round) {
     std::vector<double> lower;
     for (const double value : values)
       if (value <= limit) lower.push_back(value);
-    quiet.median = quantile_of(lower, 0.5);
-    for (double& value : lower) value = std::abs(value - quiet.median);
-    quiet.deviation = to_sigma * quantile_of(std::move(lower), 0.5);
+    quiet.median = lower_median(lower);
+    quiet.deviation = sigma_per_median * lower_median(distances_from(quiet.median, lower));
     limit = quiet.median + outlier * quiet.deviation;
   }
   return quiet;
@@ -515,7 +503,7 @@ std::vector<bool> duplicates_among(const std::vector<FilmFrame>& frames, std::si
   }
   constexpr std::size_t enough = 3;
   if (repeats.size() >= enough) {
-    const auto usual = static_cast<std::size_t>(quantile_of(repeats, 0.5));
+    const auto usual = static_cast<std::size_t>(lower_median(repeats));
     for (const auto& [begin, end] : leading) drop(end - std::min(usual, end - begin), end);
   }
   return duplicates;
@@ -592,7 +580,10 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
     energy.exposure_steps += frame.difference.brightness ? 1 : 0;
     if (frame.compared && !frame.difference.same) (frame.key ? key_noises : noises).push_back(frame.difference.noise);
   }
-  const double noise = std::max(quantile_of(std::move(noises), 0.25), quantile_of(std::move(key_noises), 0.25));
+  const auto lower_quartile = [](const std::vector<double>& values) {
+    return values.empty() ? 0.0 : value_of_rank(values, (values.size() - 1) / 4);
+  };
+  const double noise = std::max(lower_quartile(noises), lower_quartile(key_noises));
   const double wanted = std::max(least_threshold, threshold_per_noise * noise);
   std::size_t level = 0;
   while (level + 1 < threshold_count && threshold_at(level) < wanted) ++level;
@@ -652,7 +643,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
     joined = true;
     doubtful = false;
   }
-  energy.median_step = microseconds{std::llround(quantile_of(std::move(lengths), 0.5))};
+  energy.median_step = microseconds{std::llround(lower_median(lengths))};
   return energy;
 }
 

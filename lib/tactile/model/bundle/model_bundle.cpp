@@ -1,0 +1,226 @@
+#include "tactile/model/bundle/model_bundle.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int format_version = 2;
+
+nlohmann::json class_names() {
+  nlohmann::json names = nlohmann::json::array();
+  for (const Touch touch : all_touches) names.push_back(name_of(touch));
+  return names;
+}
+
+nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const LearnedRun& run : runs) json.push_back({{"run", run.run}, {"events_sha256", run.events_sha256}});
+  return json;
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const ModelDescription& description) {
+  json = description.settings;
+  json["network"] = json_of(lenet_layers(description.input), description.settings.network);
+  json.update({{"format", format_version},
+               {"classes", class_names()},
+               {"dataset",
+                {{"file", description.dataset},
+                 {"manifest_hash", description.manifest_hash},
+                 {"simulated", description.simulated},
+                 {"manifest", description.manifest}}},
+               {"train_runs", description.train_runs},
+               {"test_runs", description.test_runs},
+               {"learned_from", learned_json(description.learned_from)},
+               {"samples", description.samples},
+               {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
+               {"threads", description.threads},
+               {"trained_at", description.trained_at},
+               {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
+               {"weights_sha256", description.weights_sha256},
+               {"epoch", description.epoch},
+               {"best_epoch", description.best_epoch}});
+}
+
+void from_json(const nlohmann::json& json, ModelDescription& description) {
+  const std::string where = "model.json";
+  if (const int format = member<int>(json, "format", where); format != format_version) {
+    throw Error(fmt::format("{}: of format {}; expected {}", where, format, format_version));
+  }
+  if (member<nlohmann::json>(json, "classes", where) != class_names()) {
+    throw Error(where + ": its classes are not none, press and slip; expected these, in this order");
+  }
+  const auto input = member<nlohmann::json>(member<nlohmann::json>(json, "network", where), "input", where);
+  description.input = {member<int>(input, "width", where), member<int>(input, "height", where)};
+  description.settings = json.get<ModelSettings>();
+  const auto dataset = member<nlohmann::json>(json, "dataset", where);
+  description.dataset = member<std::string>(dataset, "file", where);
+  description.manifest_hash = member<std::string>(dataset, "manifest_hash", where);
+  description.simulated = member<bool>(dataset, "simulated", where);
+  description.manifest = member<nlohmann::json>(dataset, "manifest", where);
+  description.train_runs = member<std::vector<std::string>>(json, "train_runs", where);
+  description.test_runs = member<std::vector<std::string>>(json, "test_runs", where);
+  for (const auto& run : member<std::vector<nlohmann::json>>(json, "learned_from", where))
+    description.learned_from.push_back(
+        {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
+  description.samples = member<std::uint64_t>(json, "samples", where);
+  if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
+  description.threads = member<unsigned>(json, "threads", where);
+  description.trained_at = member<std::string>(json, "trained_at", where);
+  const auto software = member<nlohmann::json>(json, "software", where);
+  description.version = member<std::string>(software, "version", where);
+  description.revision = member<std::string>(software, "revision", where);
+  description.weights_sha256 = member<std::string>(json, "weights_sha256", where);
+  description.epoch = member<unsigned>(json, "epoch", where);
+  description.best_epoch = member<unsigned>(json, "best_epoch", where);
+}
+
+namespace {
+
+/// What its settings must keep to, whoever wrote the file: else a network gets heatmaps that never were, or none.
+void check_description(const ModelDescription& description) {
+  constexpr int longest_side = 32'767;  // [px]
+  constexpr std::chrono::seconds longest_history{100};
+  const auto within = [](const std::string& member, const auto& work) {
+    try {
+      work();
+    } catch (const Error& e) {
+      throw Error("model.json: " + member + ": " + e.what());
+    }
+  };
+  const SensorSize& input = description.input;
+  if (std::min(input.width, input.height) < 1 || std::max(input.width, input.height) > longest_side)
+    throw Error(
+        fmt::format("model.json: network.input: {} x {}; expected sides of 1 to {}", input.width, input.height, longest_side));
+  within("rendering", [&] { check(description.settings.rendering); });
+  if (const auto history = description.settings.rendering.history; history > longest_history)
+    throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
+                            std::chrono::microseconds(longest_history).count()));
+  within("training", [&] { check(description.settings.training); });
+  if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
+  if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
+    throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
+}
+
+}  // namespace
+
+void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
+                  const TrainingSummary& summary, IfThere if_there) {
+  WholeFile whole(bundle.folder, if_there);
+  const ModelBundle written{whole.path()};
+  const auto metadata = weights_metadata(description);
+  write_weights(written.weights(), weights.weights, metadata);
+  const bool uses_best = description.settings.training.early_stop > 0;
+  if (!weights.other.empty()) write_weights(uses_best ? written.last_weights() : written.best_weights(), weights.other, metadata);
+  const unsigned last_epoch = summary.history.empty() ? 0 : summary.history.back().epoch;
+  description.weights_sha256 = sha256_of_file(written.weights());
+  description.best_epoch = summary.best_epoch;
+  description.epoch = uses_best ? summary.best_epoch : last_epoch;
+  write_whole(written.history(), history_csv(summary.history));
+  nlohmann::json json = description;
+  const EpochResult last = summary.history.empty() ? EpochResult{} : summary.history.back();
+  json["result"] = {{"loss", last.loss},
+                    {"accuracy", last.accuracy},
+                    {"seconds", summary.seconds},
+                    {"validation_samples", summary.validation_samples},
+                    {"stopped_early", summary.stopped_early}};
+  write_json(written.description(), json);
+  whole.commit();
+}
+
+std::vector<std::string> names_of(const std::vector<LearnedRun>& runs) {
+  std::vector<std::string> names;
+  for (const LearnedRun& run : runs) names.push_back(run.run);
+  return names;
+}
+
+bool learned_from(const ModelDescription& model, const std::string& events_sha256) {
+  return std::any_of(model.learned_from.begin(), model.learned_from.end(),
+                     [&](const LearnedRun& learned) { return learned.events_sha256 == events_sha256; });
+}
+
+std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
+  const nlohmann::json rendering = description.settings.rendering;
+  return {{"format", "pt"},  // how PyTorch orders a tensor's values
+          {"classes", class_names().dump()},
+          {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
+                                   {"type", "float32"},
+                                   {"scale", "heatmap / 255, in [0, 1]"}}
+                        .dump()},
+          {"network", json_of(lenet_layers(description.input), description.settings.network).dump()},
+          {"rendering", rendering.dump()},
+          {"split", nlohmann::json(description.settings).at("split").dump()},
+          {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
+          {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
+          {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
+}
+
+ModelDescription read_description(const ModelBundle& bundle) {
+  if (!fs::is_regular_file(bundle.description())) {
+    throw Error(bundle.folder.string() + ": no model; expected a folder with model.json, as 'tactile train' makes it");
+  }
+  try {
+    auto description = read_json(bundle.description()).get<ModelDescription>();
+    check_description(description);
+    return description;
+  } catch (const Error& e) {
+    throw Error(bundle.folder.string() + ": " + e.what());
+  }
+}
+
+Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description) {
+  const LeNetLayers layers = lenet_layers(description.input);
+  if (!fs::is_regular_file(bundle.weights())) {
+    throw Error(bundle.weights().string() + ": missing; expected the weights of the model beside its model.json");
+  }
+  if (sha256_of_file(bundle.weights()) != description.weights_sha256) {
+    throw Error(bundle.weights().string() +
+                ": not the weights that model.json names by their hash; expected the bundle as it was written");
+  }
+  return read_weights(bundle.weights(), layers.parameters());
+}
+
+std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description) {
+  if (description.gate) return description.gate->limit;
+  throw Error(bundle.folder.string() +
+              ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
+}
+
+std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::function<bool(const ModelDescription&)>& wanted) {
+  std::optional<ModelBundle> newest;
+  std::string trained_at;
+  std::error_code failed;
+  if (!fs::is_directory(models, failed)) return newest;
+  std::vector<fs::path> folders;
+  for (fs::directory_iterator entry(models, failed), end; !failed && entry != end; entry.increment(failed))
+    folders.push_back(entry->path());
+  if (failed) throw Error(models.string() + ": cannot be read (" + failed.message() + "); expected a folder of models");
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& folder : folders) {
+    const ModelBundle bundle{folder};
+    if (bundle.name().front() == '.' || !fs::is_regular_file(bundle.description(), failed)) continue;
+    try {
+      const ModelDescription description = read_description(bundle);
+      if (!wanted(description) || (newest && description.trained_at < trained_at)) continue;
+      newest = bundle;
+      trained_at = description.trained_at;
+    } catch (const Error&) {
+      // Someone else's folder, or one that is damaged: whoever names it is told so.
+    }
+  }
+  return newest;
+}
+
+}  // namespace tactile

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "tactile/model/bundle/weights.hpp"
+#include "tactile/model/definition/lenet_layers.hpp"
+
+namespace tactile {
+
+/// What an ONNX model is written for: ONNX 1.8 (November 2020), which onnxruntime from 1.6, TensorRT from 8, OpenVINO, and
+/// OpenCV's dnn read. The network needs nothing newer, and what is newer shuts older runtimes out. Source:
+/// https://github.com/onnx/onnx/blob/main/docs/Versioning.md, "Released Versions".
+inline constexpr int onnx_opset = 13, onnx_ir_version = 7;
+
+/// The network as the bytes of an ONNX model:
+///
+///   "heatmaps" float32 [n, 1, height, width], heatmap / 255  ->  "logits" float32 [n, 3],  "probabilities" = softmax of these
+///
+/// for any n >= 1; the weights under their own names.
+///
+/// @param name      of the model, for people
+/// @param metadata  becomes the model's metadata_props
+/// @throws Error    if the weights are not those of the layers, or take more than the 2 GiB that such a file may
+/// Source: https://github.com/onnx/onnx/blob/main/docs/IR.md and Operators.md.
+std::string onnx_model(const LeNetLayers& layers, const LeNetOptions& options, const Weights& weights, const std::string& name,
+                       const std::map<std::string, std::string>& metadata);
+
+}  // namespace tactile

@@ -1,0 +1,111 @@
+#include "tactile/model/definition/lenet_layers.hpp"
+
+#include <array>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/touch.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr int kernel = 5, first_channels = 6, second_channels = 16;
+constexpr std::int64_t first_hidden = 120, second_hidden = 84;
+constexpr int smallest_side = 16, largest_side = 4096;
+
+constexpr std::array activation_names{"relu", "tanh", "sigmoid"};
+constexpr std::array pooling_names{"max", "average"};
+
+SensorSize pooled(SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
+
+}  // namespace
+
+std::string_view name_of(Activation activation) { return activation_names.at(static_cast<std::size_t>(activation)); }
+std::string_view name_of(Pooling pooling) { return pooling_names.at(static_cast<std::size_t>(pooling)); }
+
+Activation activation_named(std::string_view name) {
+  for (const Activation activation : {Activation::relu, Activation::tanh, Activation::sigmoid}) {
+    if (name == name_of(activation)) return activation;
+  }
+  throw Error("activation '" + std::string(name) + "' is unknown; expected relu, tanh or sigmoid");
+}
+
+Pooling pooling_named(std::string_view name) {
+  for (const Pooling pooling : {Pooling::max, Pooling::average}) {
+    if (name == name_of(pooling)) return pooling;
+  }
+  throw Error("pooling '" + std::string(name) + "' is unknown; expected max or average");
+}
+
+void to_json(nlohmann::json& json, const LeNetOptions& options) {
+  json = {{"activation", name_of(options.activation)}, {"pool", name_of(options.pooling)}};
+}
+
+void from_json(const nlohmann::json& json, LeNetOptions& options) {
+  options.activation = activation_named(member<std::string>(json, "activation", "network settings"));
+  options.pooling = pooling_named(member<std::string>(json, "pool", "network settings"));
+}
+
+std::size_t ParameterShape::count() const {
+  std::size_t product = 1;
+  for (const std::int64_t size : sizes) product *= static_cast<std::size_t>(size);
+  return product;
+}
+
+std::vector<ParameterShape> LeNetLayers::parameters() const {
+  const auto flat_size = static_cast<std::int64_t>(flat);
+  const auto classes = static_cast<std::int64_t>(touch_count);
+  return {{"conv1.weight", {first_channels, 1, kernel, kernel}},
+          {"conv1.bias", {first_channels}},
+          {"conv2.weight", {second_channels, first_channels, kernel, kernel}},
+          {"conv2.bias", {second_channels}},
+          {"fc1.weight", {first_hidden, flat_size}},
+          {"fc1.bias", {first_hidden}},
+          {"fc2.weight", {second_hidden, first_hidden}},
+          {"fc2.bias", {second_hidden}},
+          {"fc3.weight", {classes, second_hidden}},
+          {"fc3.bias", {classes}}};
+}
+
+std::size_t LeNetLayers::parameter_count() const {
+  std::size_t sum = 0;
+  for (const ParameterShape& parameter : parameters()) sum += parameter.count();
+  return sum;
+}
+
+LeNetLayers lenet_layers(SensorSize input) {
+  if (input.width < smallest_side || input.height < smallest_side || input.width > largest_side || input.height > largest_side) {
+    throw Error("heatmaps of " + std::to_string(input.width) + " x " + std::to_string(input.height) +
+                " cells: the network's layers do not fit; expected " + std::to_string(smallest_side) + " to " +
+                std::to_string(largest_side) + " a side");
+  }
+  LeNetLayers layers;
+  layers.input = input;
+  layers.first_pooled = pooled(input);
+  layers.second_pooled = pooled(layers.first_pooled);
+  layers.flat = static_cast<std::size_t>(second_channels) * static_cast<std::size_t>(layers.second_pooled.width) *
+                static_cast<std::size_t>(layers.second_pooled.height);
+  return layers;
+}
+
+std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size) {
+  const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  if (heatmaps.size() % cells == 0) return heatmaps.size() / cells;
+  throw Error("heatmaps: " + std::to_string(heatmaps.size()) + " bytes; expected a whole number of heatmaps of " +
+              std::to_string(size.width) + " x " + std::to_string(size.height) + " cells");
+}
+
+nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
+  const std::string activation(name_of(options.activation)), pool = std::string(name_of(options.pooling)) + "-pool 2";
+  nlohmann::json json = {
+      {"name", "lenet-5"},
+      {"input", {{"channels", 1}, {"height", layers.input.height}, {"width", layers.input.width}}},
+      {"layers",
+       {"conv 6@5x5", activation, pool, "conv 16@5x5", activation, pool, "flatten " + std::to_string(layers.flat), "linear 120",
+        activation, "linear 84", activation, "linear " + std::to_string(touch_count)}},
+      {"parameters", layers.parameter_count()}};
+  json.update(nlohmann::json(options));
+  return json;
+}
+
+}  // namespace tactile

@@ -1,0 +1,62 @@
+#include "tactile/model/definition/model_settings.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/core/json.hpp"
+
+namespace tactile {
+
+void to_json(nlohmann::json& json, const ModelSettings& settings) {
+  nlohmann::json split = {{"kind", name_of(settings.split.kind)}, {"train_run", settings.split.train_run}};
+  if (settings.split.kind == SplitKind::unseen) {
+    auto held_out = settings.split.held_out;
+    std::sort(held_out.begin(), held_out.end());
+    held_out.erase(std::unique(held_out.begin(), held_out.end()), held_out.end());
+    split["held_out"] = held_out;
+  }
+  json = {{"rendering", settings.rendering}, {"split", split}, {"network", settings.network}, {"training", settings.training}};
+  json["training"]["from"] = nullptr;
+  if (settings.from)
+    json["training"]["from"] = {{"name", settings.from->name}, {"weights_sha256", settings.from->weights_sha256}};
+}
+
+void from_json(const nlohmann::json& json, ModelSettings& settings) {
+  const std::string where = "model settings";
+  settings.rendering = member<nlohmann::json>(json, "rendering", where).get<HeatmapOptions>();
+  settings.network = member<nlohmann::json>(json, "network", where).get<LeNetOptions>();
+  const auto training = member<nlohmann::json>(json, "training", where);
+  settings.training = training.get<TrainingOptions>();
+  if (const auto from = member<nlohmann::json>(training, "from", where); !from.is_null())
+    settings.from = StartingPoint{member<std::string>(from, "name", where), member<std::string>(from, "weights_sha256", where)};
+  const auto split = member<nlohmann::json>(json, "split", where);
+  settings.split.kind = split_named(member<std::string>(split, "kind", where));
+  settings.split.train_run = member<std::string>(split, "train_run", where);
+  if (settings.split.kind == SplitKind::unseen)
+    settings.split.held_out = member<std::vector<std::string>>(split, "held_out", where);
+}
+
+bool same_settings(const ModelSettings& a, const ModelSettings& b) { return nlohmann::json(a) == nlohmann::json(b); }
+
+std::string default_name(const ModelSettings& settings) {
+  // What the name itself says is off no default.
+  ModelSettings plain;
+  plain.split.kind = settings.split.kind;
+  plain.split.train_run = settings.split.train_run;
+  plain.training.seed = settings.training.seed;
+  const auto history_ms = settings.rendering.history / 1ms;
+  plain.rendering.history = microseconds{1000} * history_ms;
+  const std::string name = fmt::format("th{:03}-{}-{}-s{}", history_ms, name_of(settings.split.kind), settings.split.train_run,
+                                       settings.training.seed);
+  const nlohmann::json ours = settings, defaults = plain;
+  nlohmann::json off_default = nlohmann::json::object();
+  for (const auto& [group, options] : ours.items()) {
+    for (const auto& [key, value] : options.items()) {
+      if (value != defaults.at(group).at(key)) off_default[group][key] = value;
+    }
+  }
+  return off_default.empty() ? name : name + "-" + hash_of(off_default).substr(0, 8);
+}
+
+}  // namespace tactile

@@ -1,0 +1,142 @@
+#include "tactile/model/definition/training_options.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/numbers.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr std::array optimizer_names{"adam", "adamw", "sgd"};
+constexpr std::array schedule_names{"constant", "cosine", "step"};
+constexpr double largest_share = 0.5;
+
+std::vector<std::string> parts_of(std::string_view text) {
+  std::vector<std::string> parts;
+  std::istringstream stream{std::string(text)};
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  return parts;
+}
+
+}  // namespace
+
+std::string_view name_of(OptimizerKind optimizer) { return optimizer_names.at(static_cast<std::size_t>(optimizer)); }
+std::string_view name_of(Schedule schedule) { return schedule_names.at(static_cast<std::size_t>(schedule)); }
+
+OptimizerKind optimizer_named(std::string_view name) {
+  for (const OptimizerKind kind : {OptimizerKind::adam, OptimizerKind::adamw, OptimizerKind::sgd}) {
+    if (name == name_of(kind)) return kind;
+  }
+  throw Error(fmt::format("optimizer '{}' is unknown; expected adam, adamw or sgd", name));
+}
+
+Schedule schedule_named(std::string_view name) {
+  for (const Schedule schedule : {Schedule::constant, Schedule::cosine, Schedule::step}) {
+    if (name == name_of(schedule)) return schedule;
+  }
+  throw Error(fmt::format("schedule '{}' is unknown; expected constant, cosine or step", name));
+}
+
+Augmentation augmentation_named(std::string_view names) {
+  Augmentation augmentation;
+  if (names == "none") return augmentation;
+  const auto parts = parts_of(names);
+  for (const std::string& part : parts) {
+    if (part == "flip")
+      augmentation.flip = true;
+    else if (part == "shift")
+      augmentation.shift = true;
+    else
+      throw Error(fmt::format("augmentation '{}' is unknown; expected none, flip, shift or flip,shift", names));
+  }
+  if (parts.empty()) throw Error("augmentation: none is named; expected none, flip, shift or flip,shift");
+  return augmentation;
+}
+
+ClassWeights class_weights_named(std::string_view text) {
+  ClassWeights weights;
+  if (text == "none") return weights;
+  weights.balanced = text == "balanced";
+  if (weights.balanced) return weights;
+  const auto parts = parts_of(text);
+  for (std::size_t i = 0; i < touch_count; ++i) {
+    const auto weight = parts.size() == touch_count ? number_in(parts[i]) : std::nullopt;
+    if (!weight || !(*weight > 0) || !std::isfinite(*weight))
+      throw Error(
+          fmt::format("class weights '{}'; expected none, balanced, or a number above 0 for each of none, press and slip: "
+                      "1,2,1",
+                      text));
+    weights.given[i] = *weight;
+  }
+  return weights;
+}
+
+std::string text_of(const Augmentation& augmentation) {
+  if (!augmentation.flip && !augmentation.shift) return "none";
+  return augmentation.flip && augmentation.shift ? "flip,shift" : augmentation.flip ? "flip" : "shift";
+}
+
+std::string text_of(const ClassWeights& weights) {
+  if (weights.balanced) return "balanced";
+  if (weights == ClassWeights{}) return "none";
+  return fmt::format("{},{},{}", weights.given[0], weights.given[1], weights.given[2]);
+}
+
+void to_json(nlohmann::json& json, const TrainingOptions& options) {
+  json = {{"seed", options.seed},
+          {"epochs", options.epochs},
+          {"batch", options.batch},
+          {"learning_rate", options.learning_rate},
+          {"optimizer", name_of(options.optimizer)},
+          {"schedule", name_of(options.schedule)},
+          {"augment", text_of(options.augmentation)},
+          {"class_weights", text_of(options.class_weights)},
+          {"engine", name_of(options.engine)},
+          {"validation_share", options.validation_share},
+          {"early_stop", options.early_stop}};
+}
+
+void from_json(const nlohmann::json& json, TrainingOptions& options) {
+  const std::string where = "training settings";
+  options.seed = member<std::uint64_t>(json, "seed", where);
+  options.epochs = member<unsigned>(json, "epochs", where);
+  options.batch = member<unsigned>(json, "batch", where);
+  options.learning_rate = member<double>(json, "learning_rate", where);
+  options.optimizer = optimizer_named(member<std::string>(json, "optimizer", where));
+  options.schedule = schedule_named(member<std::string>(json, "schedule", where));
+  options.augmentation = augmentation_named(member<std::string>(json, "augment", where));
+  options.class_weights = class_weights_named(member<std::string>(json, "class_weights", where));
+  options.engine = json.contains("engine") ? engine_named(member<std::string>(json, "engine", where)) : EngineKind::libtorch;
+  options.validation_share = member<double>(json, "validation_share", where);
+  options.early_stop = member<unsigned>(json, "early_stop", where);
+}
+
+void check(const TrainingOptions& options) {
+  if (options.epochs == 0 || options.batch == 0) {
+    throw Error(fmt::format("training: {} epochs in batches of {}; expected at least 1 of each", options.epochs, options.batch));
+  }
+  if (!(options.learning_rate > 0) || !std::isfinite(options.learning_rate)) {
+    throw Error(fmt::format("training: a learning rate of {}; expected more than 0", options.learning_rate));
+  }
+  if (!(options.validation_share >= 0 && options.validation_share <= largest_share)) {
+    throw Error(fmt::format("training: a validation part of {}; expected 0 to {}", options.validation_share, largest_share));
+  }
+  if (options.early_stop > 0 && options.validation_share == 0)
+    throw Error("training: an early stop without a validation part to judge by; expected a share above 0");
+}
+
+double learning_rate_at(const TrainingOptions& options, std::uint64_t step, std::uint64_t steps) {
+  const double share = static_cast<double>(step) / static_cast<double>(steps);
+  if (options.schedule == Schedule::cosine) return options.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * share));
+  if (options.schedule == Schedule::step) return options.learning_rate * (share < 0.5 ? 1.0 : share < 0.75 ? 0.1 : 0.01);
+  return options.learning_rate;
+}
+
+}  // namespace tactile

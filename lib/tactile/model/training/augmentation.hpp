@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "tactile/core/random.hpp"
+#include "tactile/events/event.hpp"
+#include "tactile/model/definition/training_options.hpp"
+
+namespace tactile {
+
+/// Changes a heatmap at random, in place.
+/// @param heatmap  [height, width] of `size`, row by row
+/// @param random   drawn from only for what the augmentation asks for
+void augment(std::span<std::uint8_t> heatmap, SensorSize size, const Augmentation& augmentation, Random& random);
+
+}  // namespace tactile

@@ -1,0 +1,50 @@
+#include "tactile/model/training/blas_threads.hpp"
+
+#include <dlfcn.h>
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+/// False where another library is the BLAS.
+bool keep_blas_to_one_thread() {
+  using SetThreads = void (*)(int);
+  static const bool kept = [] {
+    const auto set_blas_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+    if (set_blas_threads != nullptr) set_blas_threads(1);
+    return set_blas_threads != nullptr;
+  }();
+  return kept;
+}
+
+/// OpenBLAS takes 128 MB for each thread that calls it, and asks without end where it does not get them: there is room for these
+/// and as much again for the rest, or the work does not begin. @throws Error  if there is not
+void check_room_for_blas(unsigned threads) {
+  static std::mutex guard;
+  static unsigned checked = 0;
+  const std::scoped_lock lock(guard);
+  if (threads <= checked) return;
+  const std::size_t bytes = (threads - checked) * (std::size_t{256} << 20);
+  void* const room = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) {
+    throw Error("memory: there is no room for another " + std::to_string(bytes >> 20) + " MB, which the network takes on " +
+                std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+                "; expected a higher limit (ulimit -v), or fewer --threads");
+  }
+  ::munmap(room, bytes);
+  checked = threads;
+}
+
+}  // namespace
+
+void prepare_blas(unsigned threads) {
+  if (keep_blas_to_one_thread()) check_room_for_blas(threads);
+}
+
+}  // namespace tactile

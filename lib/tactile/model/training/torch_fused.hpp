@@ -1,0 +1,146 @@
+#pragma once
+
+#include <ATen/core/ivalue.h>  // as in torch_network.hpp
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <atomic>
+#include <span>
+#include <vector>
+
+#include "tactile/core/parallel.hpp"
+#include "tactile/model/training/fused_convolutions.hpp"
+
+namespace tactile {
+
+/// A batch on its way through the fused layers and back, and the memory for it, which later batches use again.
+class FusedBatch {
+ public:
+  FusedBatch(const LeNetLayers& layers, unsigned threads)
+      : layers_(layers),
+        cells_(static_cast<std::size_t>(layers.input.width) * static_cast<std::size_t>(layers.input.height)),
+        passes_(layers),
+        workspaces_(threads, passes_.make_workspace()) {}
+
+  unsigned threads() const { return static_cast<unsigned>(workspaces_.size()); }
+
+  /// What the next pass is of; must outlive it.
+  void set_heatmaps(std::span<const std::uint8_t> heatmaps) { heatmaps_ = heatmaps; }
+
+  torch::Tensor forward(const ConvolutionValues<const float>& weights) {
+    passes_.set(weights);
+    while (kept_.size() < count()) kept_.push_back(passes_.make_kept());
+    torch::Tensor flat = torch::empty({static_cast<std::int64_t>(count()), static_cast<std::int64_t>(layers_.flat)});
+    const std::span<float> values(flat.data_ptr<float>(), count() * layers_.flat);
+    for_slices([&](std::size_t, std::size_t i, FusedConvolutions::Workspace& workspace) {
+      passes_.forward(heatmap(i), values.subspan(i * layers_.flat, layers_.flat), kept_[i], workspace);
+    });
+    return flat;
+  }
+
+  void backward(const torch::Tensor& gradient, const ConvolutionValues<float>& into) {
+    const std::span<const float> values(gradient.data_ptr<float>(), count() * layers_.flat);
+    sums_.resize(std::max(sums_.size(), slices()));
+    for (auto& sum : sums_) sum.clear();
+    for_slices([&](std::size_t slice, std::size_t i, FusedConvolutions::Workspace& workspace) {
+      passes_.backward(heatmap(i), kept_[i], values.subspan(i * layers_.flat, layers_.flat), sums_[slice], workspace);
+    });
+    for (std::size_t slice = 1; slice < slices(); ++slice) sums_[0].add(sums_[slice]);
+    sums_[0].write(into);
+  }
+
+ private:
+  static constexpr std::size_t slice_size = 4;  ///< heatmaps whose gradients are summed first, whatever the threads
+
+  std::size_t count() const { return heatmaps_.size() / cells_; }
+  std::size_t slices() const { return (count() + slice_size - 1) / slice_size; }
+  std::span<const std::uint8_t> heatmap(std::size_t i) const { return heatmaps_.subspan(i * cells_, cells_); }
+
+  /// Each slice on whichever thread is free: what it comes to does not depend on that.
+  template <class Work>
+  void for_slices(const Work& work) {
+    std::atomic<std::size_t> next{0};
+    parallel_for(workspaces_.size(), threads(), [&](std::size_t thread) {
+      for (std::size_t slice = next++; slice < slices(); slice = next++) {
+        for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i)
+          work(slice, i, workspaces_[thread]);
+      }
+    });
+  }
+
+  LeNetLayers layers_;
+  std::size_t cells_;
+  FusedConvolutions passes_;
+  std::span<const std::uint8_t> heatmaps_;
+  std::vector<FusedConvolutions::Kept> kept_;             ///< of each heatmap
+  std::vector<FusedConvolutions::Workspace> workspaces_;  ///< of each thread
+  std::vector<FusedConvolutions::Gradients> sums_;        ///< of each slice
+};
+
+/// The convolution layers of a batch as libtorch sees them.
+class FusedLayers : public torch::autograd::Function<FusedLayers> {
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& first_weight,
+                               const torch::Tensor& first_bias, const torch::Tensor& second_weight,
+                               const torch::Tensor& second_bias, FusedBatch* batch) {
+    context->saved_data["batch"] = static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(batch));
+    return batch->forward({first_weight.data_ptr<float>(), first_bias.data_ptr<float>(), second_weight.data_ptr<float>(),
+                           second_bias.data_ptr<float>()});
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& gradients) {
+    auto* batch = reinterpret_cast<FusedBatch*>(static_cast<std::intptr_t>(context->saved_data["batch"].toInt()));
+    const torch::Tensor first_weight = torch::empty({6, 1, 5, 5}), first_bias = torch::empty({6});
+    const torch::Tensor second_weight = torch::empty({16, 6, 5, 5}), second_bias = torch::empty({16});
+    batch->backward(gradients[0].contiguous(), {first_weight.data_ptr<float>(), first_bias.data_ptr<float>(),
+                                                second_weight.data_ptr<float>(), second_bias.data_ptr<float>()});
+    return {first_weight, first_bias, second_weight, second_bias, torch::Tensor()};
+  }
+};
+
+/// A fully connected layer whose units are shared out among threads, as libtorch's layer gives it. OpenBLAS, which has one
+/// thread, is called by each.
+class SharedLinear : public torch::autograd::Function<SharedLinear> {
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,
+                               const torch::Tensor& bias, std::int64_t threads) {
+    context->save_for_backward({input, weight});
+    context->saved_data["threads"] = threads;
+    const torch::Tensor output = torch::empty({input.size(0), weight.size(0)});
+    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      output.narrow(1, first, count).copy_(torch::addmm(bias.narrow(0, first, count), input, weight.narrow(0, first, count).t()));
+    });
+    return output;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& gradients) {
+    const torch::Tensor input = context->get_saved_variables()[0], weight = context->get_saved_variables()[1];
+    const torch::Tensor& gradient = gradients[0];
+    const std::int64_t threads = context->saved_data["threads"].toInt();
+    const torch::Tensor of_input = torch::empty_like(input), of_weight = torch::empty_like(weight);
+    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      torch::Tensor rows = of_weight.narrow(0, first, count);
+      torch::mm_out(rows, gradient.narrow(1, first, count).t(), input);
+    });
+    share(input.size(0), threads, [&](std::int64_t first, std::int64_t count) {
+      torch::Tensor rows = of_input.narrow(0, first, count);
+      torch::mm_out(rows, gradient.narrow(0, first, count), weight);
+    });
+    return {of_input, of_weight, gradient.sum(0), torch::Tensor()};
+  }
+
+ private:
+  template <class Work>
+  static void share(std::int64_t count, std::int64_t threads, const Work& work) {
+    parallel_for(static_cast<std::size_t>(threads), static_cast<unsigned>(threads), [&](std::size_t i) {
+      const torch::NoGradGuard no_gradients;  // of each thread
+      const auto part = static_cast<std::int64_t>(i);
+      const std::int64_t first = count * part / threads, end = count * (part + 1) / threads;
+      if (end > first) work(first, end - first);
+    });
+  }
+};
+
+}  // namespace tactile

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <ATen/core/ivalue.h>  // clang 14 needs it ahead of torch.h, which uses a vector of these before they are defined
+#include <torch/torch.h>
+
+#include "tactile/model/definition/lenet_layers.hpp"
+
+namespace tactile {
+
+/// The largest value of each 2 x 2 block and its gradient, as torch::max_pool2d(x, 2) gives both, to the last bit: that one looks
+/// at a value at a time and was a quarter of all work.
+class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input) {
+    const torch::Tensor x = input.contiguous();
+    torch::Tensor largest = torch::empty({x.size(0), x.size(1), x.size(2) / 2, x.size(3) / 2});
+    const Blocks blocks(x);
+    for (std::int64_t row = 0; row < blocks.rows; ++row) {
+      const float* upper = x.data_ptr<float>() + blocks.offset(row);
+      const float* lower = upper + blocks.stride;
+      float* out = largest.data_ptr<float>() + row * blocks.width;
+      for (std::int64_t i = 0; i < blocks.width; ++i) {
+        float best = upper[2 * i];
+        best = takes(best, upper[2 * i + 1]) ? upper[2 * i + 1] : best;
+        best = takes(best, lower[2 * i]) ? lower[2 * i] : best;
+        out[i] = takes(best, lower[2 * i + 1]) ? lower[2 * i + 1] : best;
+      }
+    }
+    context->save_for_backward({x});
+    return largest;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& gradients) {
+    const torch::Tensor x = context->get_saved_variables()[0], gradient = gradients[0].contiguous();
+    const Blocks blocks(x);
+    const bool leaves_some = x.size(2) % 2 != 0 || x.size(3) % 2 != 0;  // a row or column that no block holds
+    const torch::Tensor result = leaves_some ? torch::zeros_like(x) : torch::empty_like(x);
+    for (std::int64_t row = 0; row < blocks.rows; ++row) {
+      const float* upper = x.data_ptr<float>() + blocks.offset(row);
+      const float* lower = upper + blocks.stride;
+      const float* in = gradient.data_ptr<float>() + row * blocks.width;
+      float* upper_out = result.data_ptr<float>() + blocks.offset(row);
+      float* lower_out = upper_out + blocks.stride;
+      for (std::int64_t i = 0; i < blocks.width; ++i) {
+        const float a = upper[2 * i], b = upper[2 * i + 1], c = lower[2 * i], d = lower[2 * i + 1], slope = in[i];
+        const bool takes_b = takes(a, b);
+        const float of_two = takes_b ? b : a;
+        const bool takes_c = takes(of_two, c);
+        const bool takes_d = takes(takes_c ? c : of_two, d);
+        const float above = takes_d || takes_c ? 0.0F : slope, below = takes_d ? 0.0F : slope;
+        upper_out[2 * i] = takes_b ? 0.0F : above;
+        upper_out[2 * i + 1] = takes_b ? above : 0.0F;
+        lower_out[2 * i] = takes_c ? below : 0.0F;
+        lower_out[2 * i + 1] = takes_d ? slope : 0.0F;
+      }
+    }
+    return {result};
+  }
+
+ private:
+  /// Whether a block that holds `best` takes `value` in its place: NaN stays, so that it is seen at the network's end.
+  static bool takes(float best, float value) {
+    return static_cast<bool>(static_cast<int>(value > best) | static_cast<int>(value != value));
+  }
+
+  /// Rows of blocks, over all pictures and channels.
+  struct Blocks {
+    explicit Blocks(const torch::Tensor& x)
+        : height(x.size(2) / 2), width(x.size(3) / 2), stride(x.size(3)), channel(x.size(2) * x.size(3)) {
+      rows = x.size(0) * x.size(1) * height;
+    }
+    std::int64_t offset(std::int64_t row) const { return row / height * channel + row % height * 2 * stride; }
+
+    std::int64_t height, width, stride, channel, rows = 0;
+  };
+};
+
+/// The layers as libtorch runs them.
+struct LeNetModule : torch::nn::Module {
+  LeNetModule(const LeNetLayers& layers, const LeNetOptions& chosen)
+      : options(chosen),
+        conv1(register_module("conv1", torch::nn::Conv2d(torch::nn::Conv2dOptions(1, 6, 5)))),
+        conv2(register_module("conv2", torch::nn::Conv2d(torch::nn::Conv2dOptions(6, 16, 5)))),
+        fc1(register_module("fc1", torch::nn::Linear(static_cast<std::int64_t>(layers.flat), 120))),
+        fc2(register_module("fc2", torch::nn::Linear(120, 84))),
+        fc3(register_module("fc3", torch::nn::Linear(84, static_cast<std::int64_t>(touch_count)))) {}
+
+  torch::Tensor activated(const torch::Tensor& x) const {
+    return options.activation == Activation::relu   ? torch::relu(x)
+           : options.activation == Activation::tanh ? torch::tanh(x)
+                                                    : torch::sigmoid(x);
+  }
+
+  /// An activation never falls, so the largest of activated values is the activated largest: a quarter of them is enough.
+  torch::Tensor activated_and_pooled(const torch::Tensor& x) const {
+    if (options.pooling == Pooling::average) return torch::avg_pool2d(activated(x), 2);
+    return activated(x.scalar_type() == torch::kFloat32 ? LargestOfBlocks::apply(x) : torch::max_pool2d(x, 2));
+  }
+
+  torch::Tensor convolved(const torch::Tensor& x) {
+    return activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))).flatten(1);
+  }
+
+  torch::Tensor connected(const torch::Tensor& x) { return connected_behind(fc1->forward(x)); }
+
+  /// Behind the first fully connected layer, which has all but all of the weights.
+  torch::Tensor connected_behind(const torch::Tensor& x) { return fc3->forward(activated(fc2->forward(activated(x)))); }
+
+  torch::Tensor forward(const torch::Tensor& x) { return connected(convolved(x)); }
+
+  LeNetOptions options;
+
+  torch::nn::Conv2d conv1, conv2;
+  torch::nn::Linear fc1, fc2, fc3;
+};
+
+}  // namespace tactile

@@ -1,0 +1,9 @@
+#include "tactile/model/training/torch_version.hpp"
+
+#include <torch/version.h>
+
+namespace tactile {
+
+std::string torch_version() { return TORCH_VERSION; }
+
+}  // namespace tactile

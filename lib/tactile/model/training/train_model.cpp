@@ -1,0 +1,237 @@
+#include "tactile/model/training/train_model.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/training/validation_cut.hpp"
+#include "tactile/windows/event_counts.hpp"
+
+namespace tactile {
+namespace {
+
+std::string now_utc() {
+  const auto now = std::chrono::time_point_cast<microseconds>(std::chrono::system_clock::now());
+  const std::time_t second = std::chrono::system_clock::to_time_t(now);
+  std::tm utc{};
+  gmtime_r(&second, &utc);
+  const auto fraction = now.time_since_epoch().count() % 1'000'000;
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:06}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
+                     utc.tm_min, utc.tm_sec, fraction);
+}
+
+std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
+  std::vector<std::string> names;
+  for (const std::uint32_t run : run_indexes) names.push_back(name_of(dataset.runs()[run]));
+  return names;
+}
+
+/// Samples of the training runs, by their index in the dataset, and what they show.
+struct CutSamples {
+  std::vector<std::uint32_t> training, validation;
+  std::vector<Touch> training_truth, validation_truth;
+};
+
+CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, std::span<const std::uint32_t> train_runs) {
+  const std::vector<std::uint32_t> indexes = samples_of_runs(dataset, train_runs);
+  std::vector<Sample> samples;
+  for (const std::uint32_t index : indexes) samples.push_back(dataset.samples()[index]);
+  const ValidationCut cut = cut_in_time(samples, settings.training.validation_share, settings.rendering.history);
+  CutSamples result;
+  const auto take = [&](std::span<const std::uint32_t> places, std::vector<std::uint32_t>& into, std::vector<Touch>& truth) {
+    for (const std::uint32_t place : places) {
+      into.push_back(indexes[place]);
+      truth.push_back(samples[place].touch);
+    }
+  };
+  take(cut.training, result.training, result.training_truth);
+  take(cut.validation, result.validation, result.validation_truth);
+  if (settings.training.validation_share > 0 && result.validation.empty()) {
+    throw Error(fmt::format("validation part of {}: holds none of the {} training samples; expected a larger one",
+                            settings.training.validation_share, samples.size()));
+  }
+  return result;
+}
+
+/// Of presses and slips of these runs.
+Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
+  std::vector<std::uint64_t> counts;
+  for (const std::uint32_t run : runs) {
+    std::vector<std::uint32_t> touches = samples_of_runs(dataset, {&run, 1});
+    std::erase_if(touches, [&](std::uint32_t sample) { return dataset.samples()[sample].touch == Touch::none; });
+    const auto of_run = event_counts(dataset, run, touches, history);
+    counts.insert(counts.end(), of_run.begin(), of_run.end());
+  }
+  return calibrated_gate(std::move(counts));
+}
+
+}  // namespace
+
+std::string name_of(const DatasetRun& run) { return run.object + "/" + run.run; }
+
+Split split_of(const Dataset& dataset, const SplitOptions& options) {
+  std::vector<RunName> names;
+  for (const DatasetRun& run : dataset.runs()) names.push_back({run.object, run.run, false});
+  for (const Sample& sample : dataset.samples()) names[sample.run_index].has_samples = true;
+  return split_runs(names, options);
+}
+
+std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model) {
+  const SplitOptions& split = model.settings.split;
+  std::vector<std::uint32_t> runs;
+  if (model.manifest_hash == dataset.manifest_hash()) {
+    runs = split_of(dataset, split).test_runs;
+  } else {
+    for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+      const bool is_held_out =
+          std::find(split.held_out.begin(), split.held_out.end(), dataset.runs()[run].object) != split.held_out.end();
+      if (split.kind == SplitKind::single_run || is_held_out) runs.push_back(run);
+    }
+  }
+  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
+  if (samples_of_runs(dataset, runs).empty()) {
+    throw Error(fmt::format("{}: no run with samples is left to test on that the model did not learn from; expected one",
+                            dataset.file().string()));
+  }
+  return runs;
+}
+
+std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
+  std::vector<std::uint32_t> samples;
+  for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
+    if (std::find(run_indexes.begin(), run_indexes.end(), dataset.samples()[i].run_index) != run_indexes.end())
+      samples.push_back(i);
+  }
+  return samples;
+}
+
+std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapOptions& options,
+                                          std::span<const std::uint32_t> sample_indexes, unsigned threads,
+                                          const ProgressCallback& progress) {
+  const std::string name = stored_name(options);
+  const auto stored = dataset.find_heatmaps(name);
+  if (stored && stored->settings == nlohmann::json(options)) return dataset.read_heatmaps(name, sample_indexes);
+  return render_samples(dataset, options, sample_indexes, threads, progress);
+}
+
+BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
+  if (!std::filesystem::exists(bundle.folder)) return BundleState::missing;
+  try {
+    const ModelDescription description = read_description(bundle);
+    read_bundle_weights(bundle, description);
+    const bool same = description.manifest_hash == dataset.manifest_hash() && same_settings(description.settings, settings);
+    return same ? BundleState::unchanged : BundleState::changed;
+  } catch (const Error&) {
+    return BundleState::changed;
+  }
+}
+
+StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings) {
+  const ModelDescription model = read_description(from);
+  read_bundle_weights(from, model);
+  const std::string where = from.folder.string() + ": ";
+  if (model.settings.rendering != settings.rendering) {
+    throw Error(fmt::format("{}learned from heatmaps of {}; expected a model of these: {}", where,
+                            nlohmann::json(model.settings.rendering).dump(), nlohmann::json(settings.rendering).dump()));
+  }
+  if (model.settings.network != settings.network) {
+    throw Error(fmt::format("{}a network of {}; expected one of {}", where, nlohmann::json(model.settings.network).dump(),
+                            nlohmann::json(settings.network).dump()));
+  }
+  if (const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
+    throw Error(fmt::format("{}takes heatmaps of {} x {}; expected the {} x {} of {}", where, model.input.width,
+                            model.input.height, size.width, size.height, dataset.file().string()));
+  }
+  if (settings.split.kind == SplitKind::unseen) {
+    for (const LearnedRun& learned : model.learned_from) {
+      const std::string object = learned.run.substr(0, learned.run.find('/'));
+      const auto& held_out = settings.split.held_out;
+      if (std::find(held_out.begin(), held_out.end(), object) == held_out.end()) continue;
+      throw Error(
+          fmt::format("{}learned from {}, and {} is to be held out; expected a model that never saw it, as one of --split "
+                      "unseen with the same --held-out",
+                      where, learned.run, object));
+    }
+  }
+  return {from.name(), model.weights_sha256};
+}
+
+TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+                            const TrainModelOptions& options, const ProgressCallback& progress) {
+  check(settings.training);
+  const Split split = split_of(dataset, settings.split);
+  const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor);
+  const LeNetLayers layers = lenet_layers(size);  // too small a heatmap is told before any is rendered
+  const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
+  ModelDescription description;
+  description.settings = settings;
+  for (const std::uint32_t run : split.train_runs)
+    description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
+  std::optional<Weights> from;
+  if (settings.from) {
+    const ModelBundle start{options.from};
+    const ModelDescription begun = read_description(start);
+    from = read_bundle_weights(start, begun);
+    for (const LearnedRun& learned : begun.learned_from) {
+      if (std::find(description.learned_from.begin(), description.learned_from.end(), learned) == description.learned_from.end())
+        description.learned_from.push_back(learned);
+    }
+  }
+  description.manifest_hash = dataset.manifest_hash();
+  const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
+
+  CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
+  nlohmann::json task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}};
+  unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  std::optional<TrainingState> resumed;
+  if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {
+    threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // others would move the last bits
+    task["threads"] = threads;
+    resumed = kept.load(task, layers, settings.training.optimizer);
+  }
+  task["threads"] = threads;
+  if (!resumed) kept.clear();
+
+  const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
+  const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
+  if (options.begins) {
+    const double part = static_cast<double>(resumed ? resumed->done : 0) / static_cast<double>(samples.training.size());
+    options.begins(resumed ? resumed->epoch : 1, part);
+  }
+  const TrainingTask learning{.size = size,
+                              .training = {training, samples.training_truth},
+                              .validation = {validation, samples.validation_truth},
+                              .options = settings.training,
+                              .network = settings.network,
+                              .from = from ? &*from : nullptr,
+                              .threads = threads};
+  TrainedNetwork trained = train_lenet(learning, {.progress = progress,
+                                                  .save = [&](const TrainingState& state) { kept.save(task, state); },
+                                                  .save_every = options.save_every,
+                                                  .resumed = resumed ? &*resumed : nullptr});
+
+  description.input = size;
+  description.dataset = dataset.file().string();
+  description.manifest = dataset.settings();
+  description.simulated = dataset.simulated();
+  description.train_runs = names_of(dataset, split.train_runs);
+  description.test_runs = names_of(dataset, test_runs);
+  description.samples = samples.training.size();
+  description.gate = gate_of(dataset, split.train_runs, settings.rendering.history);
+  description.threads = threads;
+  description.trained_at = now_utc();
+  description.version = version();
+  description.revision = revision();
+  write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary, options.if_there);
+  kept.remove();
+  return trained.summary;
+}
+
+}  // namespace tactile

@@ -1,0 +1,31 @@
+#include "tactile/results/figure.hpp"
+
+#include <cmath>
+
+namespace tactile {
+
+Figure scaled(Figure figure, double factor) {
+  figure.value *= factor;
+  if (figure.low) *figure.low *= factor;
+  if (figure.high) *figure.high *= factor;
+  return figure;
+}
+
+nlohmann::json number_or_null(double number) { return std::isfinite(number) ? nlohmann::json(number) : nlohmann::json(); }
+
+void to_json(nlohmann::json& json, const Figure& figure) {
+  json = {{"value", number_or_null(figure.value)},
+          {"low", number_or_null(figure.low.value_or(NAN))},
+          {"high", number_or_null(figure.high.value_or(NAN))},
+          {"n", figure.n}};
+}
+
+void from_json(const JsonView& json, Figure& figure) {
+  if (json.is_number()) {
+    figure = {.value = json.number(), .low = {}, .high = {}, .n = 0};
+  } else if (json) {
+    figure = {json["value"].number(), json["low"].number_if_there(), json["high"].number_if_there(), json["n"].count()};
+  }
+}
+
+}  // namespace tactile

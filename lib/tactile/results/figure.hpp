@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "tactile/results/json_view.hpp"
+
+namespace tactile {
+
+/// A value and its 95 % interval.
+struct Figure {
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
+  std::optional<double> low{}, high{};                      ///< nothing where fewer than three runs or objects could be drawn
+  std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
+
+  bool has_interval() const { return low && high; }
+};
+
+/// The value and its interval times `factor`.
+Figure scaled(Figure figure, double factor);
+
+/// {"value", "low", "high", "n"}; what is not known is null.
+void to_json(nlohmann::json& json, const Figure& figure);
+void from_json(const JsonView& json, Figure& figure);  ///< a plain number is a value without an interval
+
+/// A number in JSON, null where it is not finite.
+nlohmann::json number_or_null(double number);
+
+}  // namespace tactile

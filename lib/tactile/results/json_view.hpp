@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactile {
+
+/// What a member that is not there is taken for: null, as files of older versions lack members, or an error.
+enum class MissingMember : std::uint8_t { is_null, is_error };
+
+/// A value in a file of results, or its absence. One of another type than asked for is an `Error` that names file and member.
+/// A view into the JSON, which must outlive it.
+class JsonView {
+ public:
+  /// @param where  the file, named in errors
+  JsonView(const nlohmann::json& json, std::string where, MissingMember missing = MissingMember::is_null)
+      : json_(json.is_null() ? nullptr : &json), where_(std::move(where)), missing_(missing) {}
+
+  explicit operator bool() const { return json_ != nullptr; }
+  bool is_number() const { return json_ != nullptr && json_->is_number(); }
+  bool is_object() const { return json_ != nullptr && json_->is_object(); }
+  JsonView operator[](std::string_view key) const;                ///< @throws Error if this is no object
+  std::vector<JsonView> items() const;                            ///< of a list; none where there is none
+  std::vector<std::pair<std::string, JsonView>> members() const;  ///< of an object, by name; none where there is none
+
+  double number() const;                          ///< NaN where there is none
+  std::optional<double> number_if_there() const;  ///< nothing where there is none
+  std::int64_t whole_number() const;              ///< 0 where there is none
+  std::uint64_t count() const;                    ///< 0 where there is none
+  std::optional<std::uint64_t> count_if_there() const;
+  bool truth() const;        ///< false where there is none
+  std::string text() const;  ///< empty where there is none
+  std::vector<std::string> texts() const;
+  std::vector<std::uint64_t> counts() const;
+
+  /// Whatever it is, in words: texts as they are, lists with commas, objects as JSON.
+  std::string words() const;
+
+  /// A result, by its `from_json(const JsonView&, T&)`; an empty one where there is none.
+  template <class T>
+  T get() const {
+    T result{};
+    from_json(*this, result);
+    return result;
+  }
+
+  template <class T>
+  std::vector<T> list_of() const {
+    std::vector<T> results;
+    for (const JsonView& item : items()) results.push_back(item.get<T>());
+    return results;
+  }
+
+  template <class T>
+  std::map<std::string, T> map_of() const {
+    std::map<std::string, T> results;
+    for (const std::pair<std::string, JsonView>& member : members()) results.emplace(member.first, member.second.get<T>());
+    return results;
+  }
+
+  const std::string& where() const { return where_; }  ///< "FILE: 'MEMBER'"
+
+ private:
+  JsonView(const nlohmann::json* json, std::string where, MissingMember missing)
+      : json_(json), where_(std::move(where)), missing_(missing) {}
+  [[noreturn]] void refuse(std::string_view expected) const;
+
+  const nlohmann::json* json_;
+  std::string where_;
+  MissingMember missing_;
+};
+
+}  // namespace tactile

@@ -1,0 +1,18 @@
+#include "tactile/results/operating_point.hpp"
+
+namespace tactile {
+
+void to_json(nlohmann::json& json, const OperatingPoint& point) {
+  json = {{"threshold", point.threshold},
+          {"delay_ms", {{"press", point.press}, {"slip", point.slip}}},
+          {"false_alarms_per_min", point.false_alarms_per_min},
+          {"false_alarms", point.false_alarms}};
+}
+
+void from_json(const JsonView& json, OperatingPoint& point) {
+  const JsonView delays = json["delay_ms"];
+  point = {json["threshold"].number(), delays["press"].get<DelaySummary>(), delays["slip"].get<DelaySummary>(),
+           json["false_alarms_per_min"].get<Figure>(), json["false_alarms"].count()};
+}
+
+}  // namespace tactile

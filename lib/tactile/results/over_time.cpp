@@ -1,0 +1,61 @@
+#include "tactile/results/over_time.hpp"
+
+#include <cmath>
+
+namespace tactile {
+namespace {
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
+microseconds ms_in(const JsonView& json) { return microseconds{std::llround(1000 * json.number_if_there().value_or(0))}; }
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const ShareOverTime& share) {
+  json = {{"first", share.first},
+          {"later", share.later},
+          {"last", share.last},
+          {"before_last", share.before_last},
+          {"last_minus_before", share.last_minus_before},
+          {"still_said", share.still_said},
+          {"intervals", share.intervals},
+          {"short_ones", share.short_ones}};
+}
+
+void from_json(const JsonView& json, ShareOverTime& share) {
+  share = {.first = json["first"].get<Figure>(),
+           .later = json["later"].get<Figure>(),
+           .last = json["last"].get<Figure>(),
+           .before_last = json["before_last"].get<Figure>(),
+           .last_minus_before = json["last_minus_before"].get<Figure>(),
+           .still_said = json["still_said"].get<Figure>(),
+           .intervals = json["intervals"].count(),
+           .short_ones = json["short_ones"].count()};
+}
+
+void to_json(nlohmann::json& json, const OverTimeBin& bin) {
+  json = {{"from_ms", in_ms(bin.from)},
+          {"to_ms", in_ms(bin.to)},
+          {"accuracy", bin.accuracy},
+          {"ticks", bin.ticks},
+          {"intervals", bin.intervals}};
+}
+
+void from_json(const JsonView& json, OverTimeBin& bin) {
+  bin = {ms_in(json["from_ms"]), ms_in(json["to_ms"]), json["accuracy"].get<Figure>(), json["ticks"].count(),
+         json["intervals"].count()};
+}
+
+void to_json(nlohmann::json& json, const AccuracyOverTime& accuracy) {
+  json = accuracy.all;
+  json["objects"] = accuracy.objects;
+  json["since_onset"] = accuracy.since_onset;
+  json["before_end"] = accuracy.before_end;
+}
+
+void from_json(const JsonView& json, AccuracyOverTime& accuracy) {
+  accuracy = {json.get<ShareOverTime>(), json["objects"].map_of<ShareOverTime>(), json["since_onset"].list_of<OverTimeBin>(),
+              json["before_end"].list_of<OverTimeBin>()};
+}
+
+}  // namespace tactile

@@ -1,0 +1,56 @@
+#include "tactile/model/definition/model_settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+namespace tactile {
+namespace {
+
+TEST(DefaultName, TellsHistorySplitRunAndSeed) {
+  ModelSettings settings;
+  EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
+  settings.split.kind = SplitKind::unseen;
+  settings.split.train_run = "03";
+  settings.training.seed = 12;
+  settings.rendering.history = 2ms;
+  EXPECT_EQ(default_name(settings), "th002-unseen-03-s12");
+}
+
+TEST(DefaultName, AppendsAHashOfSettingsOffTheirDefault) {
+  const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
+  ModelSettings epochs, other_epochs, denoise, history;
+  epochs.training.epochs = 3;
+  other_epochs.training.epochs = 4;
+  denoise.rendering.denoise = Denoise::none;
+  history.rendering.history = 40'500us;
+  history.rendering.tick = 500us;
+  for (const ModelSettings& settings : {epochs, other_epochs, denoise, history}) {
+    EXPECT_TRUE(std::regex_match(default_name(settings), hashed)) << default_name(settings);
+  }
+  EXPECT_NE(default_name(epochs), default_name(other_epochs));
+  EXPECT_NE(default_name(epochs), default_name(denoise));
+}
+
+TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHeldOut) {
+  ModelSettings settings;
+  settings.split.held_out = {"fan"};
+  EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
+  settings.split.kind = SplitKind::unseen;
+  settings.split.held_out = {"sprayer", "small-box", "fan", "plastic-container", "textured-box"};
+  EXPECT_EQ(default_name(settings), "th040-unseen-01-s1");
+  settings.split.held_out = {"fan"};
+  EXPECT_NE(default_name(settings), "th040-unseen-01-s1");
+}
+
+TEST(ModelSettings, ComeBackFromJson) {
+  ModelSettings settings;
+  settings.rendering.resize = Resize::linear;
+  settings.split = {.kind = SplitKind::unseen, .train_run = "02", .held_out = {"fan", "sprayer"}};
+  settings.training.learning_rate = 0.0123;
+  EXPECT_TRUE(same_settings(nlohmann::json(settings).get<ModelSettings>(), settings));
+  EXPECT_FALSE(same_settings(settings, {}));
+}
+
+}  // namespace
+}  // namespace tactile

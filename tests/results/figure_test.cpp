@@ -1,0 +1,51 @@
+#include "tactile/results/figure.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/error_of.hpp"
+
+namespace tactile {
+namespace {
+
+Figure read(const nlohmann::json& json, MissingMember missing = MissingMember::is_null) {
+  return JsonView(json, "eval.json", missing).get<Figure>();
+}
+
+TEST(Figure, ComesBackAsItWasWritten) {
+  const nlohmann::json json = Figure{1.5, 1, 2, 7};
+  EXPECT_EQ(json.dump(), R"({"high":2.0,"low":1.0,"n":7,"value":1.5})");
+  const Figure whole = read(json, MissingMember::is_error);
+  EXPECT_EQ(whole.value, 1.5);
+  EXPECT_EQ(whole.low, 1);
+  EXPECT_EQ(whole.high, 2);
+  EXPECT_EQ(whole.n, 7U);
+  const Figure empty = read(Figure{}, MissingMember::is_error);
+  EXPECT_TRUE(std::isnan(empty.value));
+  EXPECT_FALSE(empty.has_interval());
+}
+
+TEST(Figure, MayBeANumberAloneOrNothing) {
+  EXPECT_EQ(read(0.5).value, 0.5);
+  EXPECT_FALSE(read(0.5).low.has_value());
+  EXPECT_TRUE(std::isnan(read(nullptr).value));
+  EXPECT_EQ(read({{"value", 1}, {"high", 2}}).high, 2);
+}
+
+TEST(Figure, IsRefusedByFileAndMember) {
+  EXPECT_EQ(test::error_of([] { read({{"value", 1}}, MissingMember::is_error); }), "eval.json: 'low' is missing");
+  EXPECT_EQ(test::error_of([] { read({{"value", "x"}}); }), "eval.json: 'value' is string; expected a number");
+  EXPECT_EQ(test::error_of([] { read("x"); }), "eval.json is string; expected an object");
+}
+
+TEST(Figure, IsScaledWithItsInterval) {
+  const Figure percent = scaled({0.5, 0.25, std::nullopt, 3}, 100);
+  EXPECT_EQ(percent.value, 50);
+  EXPECT_EQ(percent.low, 25);
+  EXPECT_FALSE(percent.high.has_value());
+  EXPECT_EQ(percent.n, 3U);
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,39 @@
+#include "tactile/results/full_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/error_of.hpp"
+
+namespace tactile {
+namespace {
+
+FullRun run_in(const nlohmann::json& json) { return JsonView(json, "said.json", MissingMember::is_error).get<FullRun>(); }
+
+TEST(FullRun, ComesBackAsItWasWritten) {
+  const FullRun run{.run = "fan/03",
+                    .ticks = {.first = camera_time(6000), .count = 3, .tick = 2ms},
+                    .verdicts = {Touch::none, Touch::slip, Touch::press},
+                    .events = {0, 70'000'000'000, 1}};
+  const nlohmann::json json = run;
+  EXPECT_EQ(json.dump(), R"({"events":[0,70000000000,1],"first_us":6000,"run":"fan/03","said":"021","tick_us":2000})");
+  const FullRun read = run_in(json);
+  EXPECT_EQ(read.run, "fan/03");
+  EXPECT_EQ(read.ticks.first, camera_time(6000));
+  EXPECT_EQ(read.ticks.count, 3);
+  EXPECT_EQ(read.verdicts, run.verdicts);
+  EXPECT_EQ(read.events, run.events);
+}
+
+TEST(FullRun, IsRefusedByFileAndMember) {
+  const auto error_of = [](const char* text) { return test::error_of([&] { run_in(nlohmann::json::parse(text)); }); };
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0})"), "said.json: 'tick_us' is missing");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "03", "events": [1, 2]})"),
+            "said.json: 'said' holds another digit than 0, 1 and 2");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1, -2]})"),
+            "said.json: 'events' holds what is no whole number from 0");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1]})"),
+            "said.json: not one count of events for each verdict; expected what a model says in runs");
+}
+
+}  // namespace
+}  // namespace tactile
