@@ -1,17 +1,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <iostream>
 #include <numeric>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "answer_each_line.hpp"
 #include "engine_limits.hpp"
+#include "measured_time.hpp"
 #include "onednn_lenet.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -21,17 +21,21 @@
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/dataset.hpp"
 
-// engine_benchmark heatmaps DATASET MODEL FOLDER: writes what is measured with, a group of heatmaps a file, and
-// FOLDER/groups.json. engine_benchmark cost-of-bytes DATASET MODEL: prints what int8 costs. engine_benchmark WAY MODEL FOLDER:
-// for each line "GROUP CALLS" that comes, classifies CALLS heatmaps of the group one at a time and prints the microseconds that
-// one took. benchmarks/engine_peers.py runs it beside the same network in other frameworks.
+// engine_benchmark heatmaps DATASET MODEL FOLDER
+//   Writes groups of heatmaps, one file each, and FOLDER/groups.json.
+// engine_benchmark int8-accuracy DATASET MODEL
+//   Compares int8 with float32 on the test runs of the dataset.
+// engine_benchmark ENGINE MODEL FOLDER
+//   For each line "GROUP CALLS" of standard input: classifies CALLS heatmaps of the group one at a time, and prints the
+//   microseconds per heatmap and the first logit of the first one.
+//
+// benchmarks/engine_peers.py compares it with the same network in other frameworks.
 
 namespace {
 
 using namespace tactile;
 namespace fs = std::filesystem;
 using Heatmap = std::vector<std::uint8_t>;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t group_size = 16;
 
@@ -45,7 +49,7 @@ double mean_share(const std::vector<Heatmap>& heatmaps) {
   return sum / static_cast<double>(heatmaps.size());
 }
 
-/// Press and slip of the dataset, ascending by the share of cells that are lit.
+/// Heatmaps of press and slip in the dataset, sorted by the share of lit cells.
 std::vector<Heatmap> heatmaps_in_action(const Dataset& dataset, const ModelDescription& model) {
   std::vector<std::uint32_t> indexes;
   for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
@@ -60,19 +64,20 @@ std::vector<Heatmap> heatmaps_in_action(const Dataset& dataset, const ModelDescr
   return heatmaps;
 }
 
-/// Cells lit anywhere.
+/// Heatmaps whose lit cells are anywhere.
 std::vector<Heatmap> noise_like(std::size_t cells, double share) {
   Random random(1);
   std::vector<Heatmap> heatmaps(group_size, Heatmap(cells));
   for (Heatmap& heatmap : heatmaps) {
     for (std::uint8_t& cell : heatmap)
-      cell = random.below(1'000'000) < share * 1e6 ? static_cast<std::uint8_t>(1 + random.below(255)) : std::uint8_t{0};
+      cell = static_cast<double>(random.below(1'000'000)) < share * 1e6 ? static_cast<std::uint8_t>(1 + random.below(255))
+                                                                        : std::uint8_t{0};
   }
   return heatmaps;
 }
 
-/// Heatmaps in action, of which only so much is kept, around the middle, as makes the share; where one has not so much, several
-/// are laid over one another.
+/// Heatmaps in action with a given share of lit cells: only the lit cells closest to the centre are kept. If a heatmap has too
+/// few, the maximum of several heatmaps is used.
 std::vector<Heatmap> marker_like(const std::vector<Heatmap>& in_action, SensorSize size, double share) {
   Random random(2);
   std::vector<Heatmap> heatmaps;
@@ -126,15 +131,15 @@ void write_heatmaps(const fs::path& dataset_file, const fs::path& bundle, const 
               nlohmann::json{{"height", model.input.height}, {"width", model.input.width}, {"groups", groups}}.dump(2) + "\n");
 }
 
-/// What int8 costs: verdicts on the dataset's samples of runs that the model was not trained on, beside float32's.
-void tell_cost_of_bytes(const fs::path& dataset_file, const fs::path& bundle) {
+/// Prints the accuracies of int8 and float32 on the samples of the test runs, and how far they differ.
+void print_int8_accuracy(const fs::path& dataset_file, const fs::path& bundle) {
   const Dataset dataset(dataset_file);
   const ModelDescription model = read_description({bundle});
   const Weights weights = read_bundle_weights({bundle}, model);
   LeNetEngine exact(model.input, weights, model.settings.network);
   LeNetEngine bytes(model.input, weights, model.settings.network, {.precision = Precision::int8});
   std::size_t samples = 0, right = 0, right_in_bytes = 0, other = 0;
-  double apart = 0;
+  double largest_difference = 0;
   for (const std::uint32_t run : split_of(dataset, model.settings.split).test_runs) {
     const auto indexes = samples_of_runs(dataset, {&run, 1});
     const auto heatmaps = sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
@@ -148,38 +153,38 @@ void tell_cost_of_bytes(const fs::path& dataset_file, const fs::path& bundle) {
       right_in_bytes += verdict_of(of_bytes) == truth ? 1 : 0;
       other += verdict_of(of_exact) != verdict_of(of_bytes) ? 1 : 0;
       for (std::size_t k = 0; k < touch_count; ++k)
-        apart = std::max(apart, std::abs(static_cast<double>(of_exact[k]) - static_cast<double>(of_bytes[k])));
+        largest_difference =
+            std::max(largest_difference, std::abs(static_cast<double>(of_exact[k]) - static_cast<double>(of_bytes[k])));
     }
   }
   fmt::print(
-      "int8 on {} balanced samples of test runs: {:.3f} % said right, {:.3f} % in fp32; {} verdicts differ; logits differ by up "
-      "to "
-      "{:.3f}\n",
+      "int8 on {} balanced samples of test runs: {:.3f} % predicted correctly, {:.3f} % in float32; {} predictions differ; "
+      "logits differ by up to {:.3f}\n",
       samples, 100.0 * static_cast<double>(right_in_bytes) / static_cast<double>(samples),
-      100.0 * static_cast<double>(right) / static_cast<double>(samples), other, apart);
+      100.0 * static_cast<double>(right) / static_cast<double>(samples), other, largest_difference);
 }
 
 using Work = std::function<float(const Heatmap&, const std::vector<float>&)>;
 
-Work work_of(const std::string& way, const ModelDescription& model, const Weights& weights) {
+Work work_of(const std::string& kind, const ModelDescription& model, const Weights& weights) {
   const LeNetLayers layers = lenet_layers(model.input);
   const auto engine = [&](const EngineOptions& options) -> Work {
     return [engine = LeNetEngine(model.input, weights, model.settings.network, options)](
                const Heatmap& heatmap, const std::vector<float>&) mutable { return engine.classify(heatmap)[0]; };
   };
-  if (way == "fast") return engine({});
-  if (way == "dense") return engine({.skip_empty = false});
-  if (way == "int8") return engine({.precision = Precision::int8});
-  if (way.starts_with("fast-")) return engine({.target = way.substr(5)});
-  if (way == "libtorch") {
+  if (kind == "fast") return engine({});
+  if (kind == "dense") return engine({.skip_empty = false});
+  if (kind == "int8") return engine({.precision = Precision::int8});
+  if (kind.starts_with("fast-")) return engine({.target = kind.substr(5)});
+  if (kind == "libtorch") {
     const auto network = std::make_shared<LeNet>(model.input, weights, model.settings.network);
     return [network](const Heatmap& heatmap, const std::vector<float>&) { return network->logits(heatmap, 1)[0][0]; };
   }
-  if (way == "reading") {
+  if (kind == "reading") {
     return
         [values = weights[4].values](const Heatmap&, const std::vector<float>&) { return sum_of(values.data(), values.size()); };
   }
-  if (way == "multiply-adds") {
+  if (kind == "multiply-adds") {
     const auto outputs = [](SensorSize size) {
       return static_cast<std::size_t>(4 * size.width) * static_cast<std::size_t>(size.height);
     };
@@ -189,7 +194,7 @@ Work work_of(const std::string& way, const ModelDescription& model, const Weight
     return [count](const Heatmap&, const std::vector<float>&) { return multiply_adds(count); };
   }
 #ifdef TACTILE_HAS_ONEDNN
-  if (way == "onednn") {
+  if (kind == "onednn") {
     const auto network = std::make_shared<OneDnnLeNet>(layers, weights);
     return [network](const Heatmap&, const std::vector<float>& input) {
       Logits logits;
@@ -201,18 +206,16 @@ Work work_of(const std::string& way, const ModelDescription& model, const Weight
   return nullptr;
 }
 
-int answer_each_line(const std::string& way, const fs::path& bundle, const fs::path& folder) {
+int classify_each_line(const std::string& kind, const fs::path& bundle, const fs::path& folder) {
   const ModelDescription model = read_description({bundle});
-  const Work work = work_of(way, model, read_bundle_weights({bundle}, model));
+  const Work work = work_of(kind, model, read_bundle_weights({bundle}, model));
   if (!work) {
-    fmt::print(stderr, "engine_benchmark: no way '{}' here\n", way);
+    fmt::print(stderr, "engine_benchmark: this build has no engine '{}'\n", kind);
     return 1;
   }
   const auto cells = static_cast<std::size_t>(model.input.width) * static_cast<std::size_t>(model.input.height);
-  fmt::print("ready\n");
-  std::fflush(stdout);
-  float sum = 0;
-  for (std::string line; std::getline(std::cin, line);) {
+  float sum = 0;  // keeps the compiler from removing calls
+  answer_each_line([&](const std::string& line) {
     std::istringstream words(line);
     std::string group;
     std::size_t calls = 0;
@@ -226,13 +229,12 @@ int answer_each_line(const std::string& way, const fs::path& bundle, const fs::p
       std::transform(heatmaps.back().begin(), heatmaps.back().end(), inputs.back().begin(),
                      [](std::uint8_t cell) { return static_cast<float>(cell) / 255.0F; });
     }
-    for (std::size_t i = 0; i < heatmaps.size(); ++i) sum += work(heatmaps[i], inputs[i]);  // caches are as in a row of calls
-    const auto begun = Clock::now();
+    for (std::size_t i = 0; i < heatmaps.size(); ++i) sum += work(heatmaps[i], inputs[i]);  // to fill the caches
+    const double begin = wall_seconds();
     for (std::size_t i = 0; i < calls; ++i) sum += work(heatmaps[i % heatmaps.size()], inputs[i % heatmaps.size()]);
-    const double us = std::chrono::duration<double, std::micro>(Clock::now() - begun).count() / static_cast<double>(calls);
-    fmt::print("{:.4f} {:.9g}\n", us, work(heatmaps[0], inputs[0]));
-    std::fflush(stdout);
-  }
+    const double us = 1e6 * (wall_seconds() - begin) / static_cast<double>(calls);
+    return fmt::format("{:.4f} {:.9g}", us, work(heatmaps[0], inputs[0]));
+  });
   return std::isnan(sum) ? 1 : 0;
 }
 
@@ -244,16 +246,16 @@ int main(int argc, char** argv) {
       write_heatmaps(argv[2], argv[3], argv[4]);
       return 0;
     }
-    if (argc == 4 && argv[1] == std::string("cost-of-bytes")) {
-      tell_cost_of_bytes(argv[2], argv[3]);
+    if (argc == 4 && argv[1] == std::string("int8-accuracy")) {
+      print_int8_accuracy(argv[2], argv[3]);
       return 0;
     }
-    if (argc == 4) return answer_each_line(argv[1], argv[2], argv[3]);
+    if (argc == 4) return classify_each_line(argv[1], argv[2], argv[3]);
   } catch (const std::exception& e) {
     fmt::print(stderr, "engine_benchmark: {}\n", e.what());
     return 1;
   }
   fmt::print(stderr,
-             "engine_benchmark: expected heatmaps DATASET MODEL FOLDER, cost-of-bytes DATASET MODEL, or WAY MODEL FOLDER\n");
+             "engine_benchmark: expected heatmaps DATASET MODEL FOLDER, int8-accuracy DATASET MODEL, or ENGINE MODEL FOLDER\n");
   return 1;
 }

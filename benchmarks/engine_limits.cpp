@@ -15,7 +15,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 HWY_ATTR float multiply_adds_here(std::size_t count) {
   constexpr hn::CappedTag<float, 16> floats;
   const auto factor = hn::Set(floats, 0.999F), summand = hn::Set(floats, 1e-3F);
-  const auto first = [&](float value) HWY_ATTR { return hn::Set(floats, value); };  // each another, or they were one sum
+  const auto first = [&](float value)
+                         HWY_ATTR { return hn::Set(floats, value); };  // different values, else the compiler keeps one sum
   auto a = first(1), b = first(2), c = first(3), d = first(4), e = first(5), f = first(6), g = first(7), h = first(8);
   for (std::size_t done = 0; done < count; done += 8 * hn::Lanes(floats)) {
     a = hn::MulAdd(a, factor, summand), b = hn::MulAdd(b, factor, summand);

@@ -4,10 +4,10 @@
 
 namespace tactile {
 
-/// So many multiply-adds of float32 in registers, with the widest vectors: what no engine can do without.
+/// Does `count` multiply-adds of float32 in registers, with the widest vectors: a lower limit of every engine.
 float multiply_adds(std::size_t count);
 
-/// Reads all of them once.
+/// The sum of all values, each read once.
 float sum_of(const float* values, std::size_t count);
 
 }  // namespace tactile

@@ -1,22 +1,23 @@
-// How near the evaluation of a full run at every tick comes to what it cannot do without, the network's own work on the same
-// heatmaps in batches, and how much of it is rendering. `scripts/bench --evaluation` runs this.
+// Measures the evaluation of a full run at every tick, and its lower limit: the network alone on the same heatmaps in batches.
+// `scripts/bench --evaluation` runs it.
 //
-//   evaluation_benchmark FOLDER RECORDING…    makes a model of first weights in FOLDER; prints a table in Markdown
+//   evaluation_benchmark FOLDER RECORDING…    writes an untrained model to FOLDER; prints a table in Markdown
 //
-// Everything is done in turn on one thread, again and again, and measured by the process's CPU time, the kernel's included, so
-// that other programs hardly matter to it; a ratio is the median of those of one round.
+// All steps are measured in turn on one thread, in several rounds, by CPU time. A ratio is the median of the ratios of the
+// rounds.
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "measured_time.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
@@ -29,27 +30,16 @@ namespace {
 constexpr int rounds = 9;
 constexpr std::size_t batch = 256, most_heatmaps = 20'000;
 
-double cpu_seconds() {
-  timespec time{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 double seconds_of(const std::function<void()>& work) {
   const double before = cpu_seconds();
   work();
   return cpu_seconds() - before;
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 SensorSize sensor_of(const std::filesystem::path& recording) {
   const RecordingReader reader(recording);
   const auto size = event_stream(reader).size;
-  if (!size) throw Error(recording.string() + ": declares no sensor size; expected one");
+  if (!size) throw Error(recording.string() + ": the event stream has no sensor size");
   return *size;
 }
 
@@ -100,7 +90,7 @@ void measure(const std::filesystem::path& folder, const std::filesystem::path& r
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    fmt::print(stderr, "evaluation_benchmark FOLDER RECORDING…\n");
+    fmt::print(stderr, "evaluation_benchmark: expected FOLDER RECORDING…\n");
     return 1;
   }
   try {

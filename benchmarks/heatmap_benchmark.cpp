@@ -1,10 +1,9 @@
-// What a heatmap costs a tick, beside the same steps by dense OpenCV calls, in one process: against the event rate and against
-// the history. `scripts/bench --heatmaps` runs this and makes the table and the picture of docs/performance.md from it.
+// Measures the heatmap of a tick, and the same steps by dense calls of OpenCV, by event rate and by history.
+// `scripts/bench --heatmaps` runs it and makes the table and the picture of docs/performance.md.
 //
 //   heatmap_benchmark RECORDING… [--benchmark_…]
 //
-// Events are those of the recordings while the skin moves, one after the other, or lie anywhere on the sensor; they come at an
-// even rate.
+// Events are those of the recordings while the skin moves, or are anywhere on the sensor. Their rate is constant.
 
 #include <benchmark/benchmark.h>
 #include <fmt/core.h>
@@ -23,26 +22,27 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/experiments/trade/cost_growth.hpp"
+#include "tactile/experiments/trade/dense_heatmaps.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/trade/cost_growth.hpp"
-#include "tactile/trade/dense_heatmaps.hpp"
 
 namespace tactile {
 namespace {
 
 constexpr SensorSize sensor{640, 480};
 constexpr std::size_t pieces = 10;          // of the events, spread evenly over them
-constexpr std::size_t ticks_of_piece = 20;  // measured, behind a full history
+constexpr std::size_t ticks_of_piece = 20;  // that are measured, after a full history
 
-/// The steps as one writes them down: every tick the count image of its window, the mean of what is not zero, exp, multiply,
-/// minMaxLoc, resize.
+/// The steps as the definition gives them: at every tick the counts of its window, the mean of the counts above zero, exp,
+/// multiply, minMaxLoc, resize.
 cv::Mat1b plain_heatmap(std::span<const Event> window) {
-  cv::Mat1f counts = cv::Mat1f::zeros(sensor.height, sensor.width);
+  cv::Mat1f counts, denoised;
+  counts = cv::Mat1f::zeros(sensor.height, sensor.width);
   for (const Event& event : window) counts(event.y, event.x) += 1;
   const double mean = cv::mean(counts, counts > 0)[0];
   cv::Mat1f exponential;
   cv::exp(counts - mean, exponential);
-  const cv::Mat1f denoised = counts.mul(1 / (1 + exponential));
+  denoised = counts.mul(1 / (1 + exponential));
   double largest = 0;
   cv::minMaxLoc(denoised, nullptr, &largest);
   cv::Mat1f resized;
@@ -62,7 +62,7 @@ std::vector<Event> events_anywhere(std::size_t count) {
   return events;
 }
 
-/// Each tick's shortest time by one way, which other programs have not lengthened.
+/// The shortest time of each tick with one method, which other programs delay least.
 class Shortest {
  public:
   void take(std::size_t tick, const auto& step) {
@@ -79,11 +79,11 @@ class Shortest {
 
 void expect_alike(std::span<const std::uint8_t> ours, std::span<const std::uint8_t> dense) {
   for (std::size_t i = 0; i < ours.size(); ++i) {
-    if (std::abs(ours[i] - dense[i]) > 1) throw Error("heatmap_benchmark: the ways do not give the same");
+    if (std::abs(ours[i] - dense[i]) > 1) throw Error("heatmap_benchmark: the methods give different heatmaps");
   }
 }
 
-/// Every tick of every piece by one way and then by the others, again and again.
+/// Measures every tick of every piece with each method in turn, in several rounds.
 void compare(benchmark::State& state, const std::vector<Event>& source, double events_per_s, const HeatmapOptions& options) {
   const auto events_until = [&](std::size_t tick) {
     return static_cast<std::size_t>(events_per_s * 1e-6 * static_cast<double>(options.tick.count()) * static_cast<double>(tick));

@@ -1,5 +1,8 @@
-"""Makes the tables and the picture of docs/performance.md from what heatmap_benchmark wrote as JSON:
-heatmap_table.py RESULT.json [PICTURE.svg]; the picture takes gnuplot."""
+"""Prints the tables of docs/performance.md from the JSON of heatmap_benchmark, and draws their picture with gnuplot.
+
+    heatmap_table.py RESULT.json [PICTURE.svg]
+"""
+
 import json
 import shutil
 import subprocess
@@ -30,7 +33,7 @@ for events, title in (("simulated", "Events of simulated runs while the skin mov
 
 if len(sys.argv) > 2:
     if not shutil.which("gnuplot"):
-        sys.exit("heatmap_table.py: gnuplot is missing, so there is no picture; the package is gnuplot-nox")
+        sys.exit("heatmap_table.py: gnuplot is missing, so the picture is not drawn; install the package gnuplot-nox")
 
     def data(name, key, column, least):
         points = "".join(f"{max(b[key], least)} {b[column]}\n" for b in curve(name))

@@ -1,35 +1,35 @@
 #include <fmt/core.h>
 
-#include <chrono>
-#include <iostream>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "answer_each_line.hpp"
+#include "measured_time.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/model/bundle/onnx_model.hpp"
 #include "tactile/model/training/lenet.hpp"
 
-// model_benchmark train|train-libtorch|infer THREADS IMAGES [SHARE]: for each line that comes, learns from or judges IMAGES
-// heatmaps, a SHARE [0.2] of whose cells is active, and prints how many a second that were. train-libtorch: by its layers.
-// benchmarks/model_peers.py runs it beside the same network in other frameworks. model_benchmark onnx FILE: writes that network
-// for them.
+// model_benchmark train|train-libtorch|infer THREADS IMAGES [SHARE]
+//   For each line of standard input: trains with IMAGES heatmaps, or classifies them, and prints the heatmaps/s. A SHARE (0.2) of
+//   the cells is active. train-libtorch uses the layers of libtorch.
+// model_benchmark onnx FILE
+//   Writes the network for other frameworks.
 //
-// As in `tactile train` and `eval`: batches of 32 to learn from, 256 to a call to judge.
+// benchmarks/model_peers.py compares it with the same network in other frameworks. As in `tactile train` and `eval`, a batch has
+// 32 heatmaps and a call for inference 256.
 
 namespace {
 
 using namespace tactile;
-using Clock = std::chrono::steady_clock;
 
 constexpr SensorSize size{128, 96};
 constexpr std::size_t batch = 32, call = 256;
-constexpr std::size_t batches =
-    64;  // so many different ones that a run does not learn them by heart, which is work of another kind
+constexpr std::size_t batches = 64;  // enough that the network cannot learn them by heart, which takes another time
 constexpr std::size_t cells = 128 * 96;
 
-std::vector<std::uint8_t> heatmaps_at_random(std::size_t count, double share) {
+std::vector<std::uint8_t> random_heatmaps(std::size_t count, double share) {
   Random random(1);
   std::vector<std::uint8_t> heatmaps(count * cells);
   for (std::uint8_t& cell : heatmaps)
@@ -38,18 +38,15 @@ std::vector<std::uint8_t> heatmaps_at_random(std::size_t count, double share) {
   return heatmaps;
 }
 
-template <class Work>
-void answer_each_line(std::size_t images, std::size_t at_once, const Work& work) {
-  work();  // memory is allocated, threads are made
-  fmt::print("ready\n");
-  std::fflush(stdout);
-  for (std::string line; std::getline(std::cin, line);) {
-    const auto begun = Clock::now();
+template <class Call>
+void answer_with_rate(std::size_t images, std::size_t images_per_call, const Call& call) {
+  call();  // the first call allocates memory and starts threads
+  answer_each_line([&](const std::string&) {
+    const double begin = wall_seconds();
     std::size_t done = 0;
-    for (; done < images; done += at_once) work();
-    fmt::print("{:.3f}\n", static_cast<double>(done) / std::chrono::duration<double>(Clock::now() - begun).count());
-    std::fflush(stdout);
-  }
+    for (; done < images; done += images_per_call) call();
+    return fmt::format("{:.3f}", static_cast<double>(done) / (wall_seconds() - begin));
+  });
 }
 
 }  // namespace
@@ -70,17 +67,17 @@ int main(int argc, char** argv) {
   const double share = argc == 5 ? std::stod(argv[4]) : 0.2;
   LeNet network(size, 1);
   if (what == "infer") {
-    const auto heatmaps = heatmaps_at_random(call, share);
-    answer_each_line(images, call, [&] { network.logits(heatmaps, threads); });
+    const auto heatmaps = random_heatmaps(call, share);
+    answer_with_rate(images, call, [&] { network.logits(heatmaps, threads); });
     return 0;
   }
-  const auto heatmaps = heatmaps_at_random(batches * batch, share);
+  const auto heatmaps = random_heatmaps(batches * batch, share);
   std::vector<Touch> truth(batches * batch);
   for (std::size_t i = 0; i < truth.size(); ++i) truth[i] = all_touches[i % touch_count];
   const auto engine = what == "train" ? EngineKind::fast : EngineKind::libtorch;
   LeNetTrainer trainer(network, OptimizerKind::adam, {1, 1, 1}, threads, {.engine = engine});
   std::size_t next = 0;
-  answer_each_line(images, batch, [&] {
+  answer_with_rate(images, batch, [&] {
     const std::size_t first = next++ % batches * batch;
     trainer.learn(std::span(heatmaps).subspan(first * cells, batch * cells), std::span(truth).subspan(first, batch), 1e-3);
   });

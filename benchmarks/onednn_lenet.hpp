@@ -12,8 +12,8 @@
 
 namespace tactile {
 
-/// LeNet of oneDNN's primitives, one heatmap at a time: layouts are the library's own choice, ReLU is fused into convolutions and
-/// fully connected layers as its manual advises.
+/// LeNet of primitives of oneDNN, for one heatmap at a time. The library chooses the layouts; ReLU is fused into convolutions and
+/// fully connected layers, as its manual recommends.
 class OneDnnLeNet {
  public:
   OneDnnLeNet(const LeNetLayers& layers, const Weights& weights) : engine_(dnnl::engine::kind::cpu, 0), stream_(engine_) {
@@ -60,7 +60,7 @@ class OneDnnLeNet {
     return result;
   }
 
-  dnnl::memory brought(const dnnl::memory& at, const Desc& wanted) {
+  dnnl::memory reordered(const dnnl::memory& at, const Desc& wanted) {
     if (at.get_desc() == wanted) return at;
     const dnnl::memory result(wanted, engine_);
     add(dnnl::reorder(at, result), {{DNNL_ARG_FROM, at}, {DNNL_ARG_TO, result}});
@@ -81,7 +81,7 @@ class OneDnnLeNet {
                                                {1, 1}, {0, 0}, {0, 0});
     const dnnl::convolution_forward::primitive_desc chosen(what, with_relu(), engine_);
     const dnnl::memory result(chosen.dst_desc(), engine_);
-    add(dnnl::convolution_forward(chosen), {{DNNL_ARG_SRC, brought(at, chosen.src_desc())},
+    add(dnnl::convolution_forward(chosen), {{DNNL_ARG_SRC, reordered(at, chosen.src_desc())},
                                             {DNNL_ARG_WEIGHTS, laid_out(weight, kernel, Tag::oihw, chosen.weights_desc())},
                                             {DNNL_ARG_BIAS, laid_out(bias, {kernel[0]}, Tag::x, chosen.bias_desc())},
                                             {DNNL_ARG_DST, result}});
@@ -107,7 +107,7 @@ class OneDnnLeNet {
     const dnnl::inner_product_forward::primitive_desc chosen(what, relu ? with_relu() : dnnl::primitive_attr(), engine_);
     const dnnl::memory result(chosen.dst_desc(), engine_);
     add(dnnl::inner_product_forward(chosen),
-        {{DNNL_ARG_SRC, brought(at, chosen.src_desc())},
+        {{DNNL_ARG_SRC, reordered(at, chosen.src_desc())},
          {DNNL_ARG_WEIGHTS, laid_out(weight, kernel, flattens ? Tag::oihw : Tag::oi, chosen.weights_desc())},
          {DNNL_ARG_BIAS, laid_out(bias, {kernel[0]}, Tag::x, chosen.bias_desc())},
          {DNNL_ARG_DST, result}});

@@ -11,26 +11,28 @@
 #include "tactile/model/training/training.hpp"
 #include "tactile/windows/dataset.hpp"
 
-// precision_benchmark DATASET SEEDS EPOCHS THREADS: what rounding costs. With each seed a network learns three times from the
-// same samples in the same order: in float32 by the fast engine and by libtorch, and in float64. Prints their accuracies on the
-// test runs, and how far they differ, with 95 % intervals.
+// precision_benchmark DATASET SEEDS EPOCHS THREADS
+//   Measures the effect of rounding. With each seed a network is trained three times with the same samples in the same order: in
+//   float32 by the fast engine and by libtorch, and in float64. Prints their accuracies on the test runs, and their differences
+//   with 95 % intervals.
 
 namespace {
 
 using namespace tactile;
 
-/// Shares of balanced samples that were right: the sums that these are made of, for each run.
+/// Numbers of samples of a run that were predicted correctly, and of all its samples.
 struct RunCounts {
   double right = 0, all = 0;
 };
 
-struct Way {
+struct Method {
   const char* name;
   EngineKind engine;
   bool float64;
 };
-constexpr std::array ways{Way{"float32, fast", EngineKind::fast, false}, Way{"float32, libtorch", EngineKind::libtorch, false},
-                          Way{"float64", EngineKind::libtorch, true}};
+constexpr std::array methods{Method{"float32, fast", EngineKind::fast, false},
+                             Method{"float32, libtorch", EngineKind::libtorch, false},
+                             Method{"float64", EngineKind::libtorch, true}};
 
 std::vector<Touch> truth_of(const Dataset& dataset, const std::vector<std::uint32_t>& samples) {
   std::vector<Touch> truth;
@@ -57,31 +59,31 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
   RunsByObject runs;
   for (const auto& [object, its_runs] : runs_of_objects) runs.push_back(its_runs);
 
-  // Of each way and seed, and over all seeds in the last place.
+  // Of each method and seed; the last element is the sum over all seeds.
   std::vector<std::vector<std::vector<RunCounts>>> counts(
-      ways.size(), std::vector<std::vector<RunCounts>>(seeds + 1, std::vector<RunCounts>(dataset.runs().size())));
+      methods.size(), std::vector<std::vector<RunCounts>>(seeds + 1, std::vector<RunCounts>(dataset.runs().size())));
   fmt::print("| seed |");
-  for (const Way& way : ways) fmt::print(" {}: loss | accuracy [%] |", way.name);
+  for (const Method& method : methods) fmt::print(" {}: loss | accuracy [%] |", method.name);
   fmt::print("\n| ---: |");
-  for (std::size_t i = 0; i < 2 * ways.size(); ++i) fmt::print(" ---: |");
+  for (std::size_t i = 0; i < 2 * methods.size(); ++i) fmt::print(" ---: |");
   fmt::print("\n");
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     fmt::print("| {} |", seed);
-    for (std::size_t way = 0; way < ways.size(); ++way) {
+    for (std::size_t method = 0; method < methods.size(); ++method) {
       settings.training.seed = seed;
-      settings.training.engine = ways[way].engine;
+      settings.training.engine = methods[method].engine;
       const auto trained = train_lenet({.size = heatmap_size(dataset.sensor(), settings.rendering.factor),
                                         .training = {training_maps, training_truth},
                                         .options = settings.training,
                                         .threads = threads,
-                                        .float64 = ways[way].float64});
+                                        .float64 = methods[method].float64});
       const auto logits = trained.network.logits(testing_maps, threads);
       double right = 0;
       for (std::size_t i = 0; i < logits.size(); ++i) {
         const double hit = verdict_of(logits[i]) == testing_truth[i] ? 1 : 0;
         right += hit;
         for (const std::size_t place : {std::size_t{seed} - 1, std::size_t{seeds}}) {
-          RunCounts& of_run = counts[way][place][dataset.samples()[testing[i]].run_index];
+          RunCounts& of_run = counts[method][place][dataset.samples()[testing[i]].run_index];
           of_run.right += hit;
           of_run.all += 1;
         }
@@ -92,27 +94,27 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
     fmt::print("\n");
   }
 
-  const auto accuracy = [&](std::size_t way, std::size_t place, std::span<const std::size_t> of_runs) {
+  const auto accuracy = [&](std::size_t method, std::size_t place, std::span<const std::size_t> of_runs) {
     RunCounts sum;
     for (const std::size_t run : of_runs) {
-      sum.right += counts[way][place][run].right;
-      sum.all += counts[way][place][run].all;
+      sum.right += counts[method][place][run].right;
+      sum.all += counts[method][place][run].all;
     }
     return sum.all > 0 ? std::optional(sum.right / sum.all) : std::nullopt;
   };
-  const auto difference = [&](std::size_t way, std::size_t place, std::size_t other_way, std::size_t other_place) {
+  const auto difference = [&](std::size_t method, std::size_t place, std::size_t other_method, std::size_t other_place) {
     return figure_over_objects(runs, mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
-                                 const auto ours = accuracy(way, place, of_runs),
-                                            theirs = accuracy(other_way, other_place, of_runs);
+                                 const auto ours = accuracy(method, place, of_runs),
+                                            theirs = accuracy(other_method, other_place, of_runs);
                                  return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
                                }));
   };
   fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
-  for (std::size_t way = 0; way + 1 < ways.size(); ++way)
-    fmt::print("| {} minus float64, {} seeds together | {} |\n", ways[way].name, seeds,
-               text_of(difference(way, seeds, ways.size() - 1, seeds)));
+  for (std::size_t method = 0; method + 1 < methods.size(); ++method)
+    fmt::print("| {} minus float64, {} seeds together | {} |\n", methods[method].name, seeds,
+               text_of(difference(method, seeds, methods.size() - 1, seeds)));
   if (seeds > 1)
-    fmt::print("| float64, seed 1 minus seed 2 | {} |\n", text_of(difference(ways.size() - 1, 0, ways.size() - 1, 1)));
+    fmt::print("| float64, seed 1 minus seed 2 | {} |\n", text_of(difference(methods.size() - 1, 0, methods.size() - 1, 1)));
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-// How near reading and writing recordings come to what they cannot do without: the decompression alone, the reading of the bytes
-// alone. `scripts/bench` runs this and makes the table of docs/performance.md from it.
+// Measures reading and writing of recordings, and their lower limits: decompression alone, and reading of the bytes alone.
+// `scripts/bench` runs it and makes the table of docs/performance.md.
 //
-//   recording_benchmark FOLDER RECORDING… [--benchmark_…]   compares, on files that it makes in FOLDER from the recordings'
-//   events recording_benchmark --read FILE [THREADS]               reads all events of a file once; prints how many, and the
-//   seconds
+// recording_benchmark FOLDER RECORDING… [--benchmark_…]
+//   Compares on files in FOLDER, which it writes with the events of the recordings.
+// recording_benchmark --read FILE [THREADS]
+//   Reads all events of a file once; prints their number and the seconds.
 
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -25,7 +25,9 @@
 #include <thread>
 #include <vector>
 
+#include "measured_time.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -36,30 +38,17 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using Step = std::function<void()>;
 
 constexpr std::size_t packet_events = 8192;
 constexpr std::size_t events_in_all = 1024 * packet_events;
 
-double wall_seconds() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
-
-/// Of this process, in the kernel too: other programs that want the same cores do not lengthen it.
-double cpu_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+double quantile(const std::vector<double>& values, double share) {
+  return value_of_rank(values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
-/// Both in turn, which first changing from time to time: what else the machine does meets them alike. The ratio is the median of
-/// those of neighbours.
-/// Work on one thread is measured by its CPU time, work on several by the wall's.
+/// Measures both steps in turn; another one comes first in each round, so that other programs affect both alike. The ratio is the
+/// median of the ratios of neighbours. Work on one thread is measured by CPU time, work on several by wall-clock time.
 void compare(benchmark::State& state, const Step& ours, const Step& alone, const Step& clean_up, bool by_wall) {
   const auto seconds_of = [&](const Step& step) {
     clean_up();
@@ -87,7 +76,7 @@ void compare(benchmark::State& state, const Step& ours, const Step& alone, const
   state.counters["ratio_high"] = quantile(ratios, 0.75);
 }
 
-/// The recordings' events one after the other and over again, until there are enough, in ascending time.
+/// The events of the recordings, repeated until there are enough, in ascending time.
 std::vector<Event> events_of(const std::vector<fs::path>& recordings) {
   std::vector<Event> all;
   all.reserve(events_in_all);
@@ -122,7 +111,7 @@ void write_recording(const fs::path& file, std::span<const Event> events, Compre
   writer.close();
 }
 
-/// Brings the file into the page cache as it comes there from a disk, and not in the pieces in which it was written.
+/// Reads the file from the disk into the page cache. It was there in the pieces in which it was written.
 void read_from_disk(const fs::path& file) {
   const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   ::posix_fadvise(in.number(), 0, 0, POSIX_FADV_DONTNEED);
@@ -187,8 +176,7 @@ void decompress_zstd(std::span<const std::span<const std::byte>> packets) {
   ZSTD_freeDCtx(context);
 }
 
-/// The file from its first byte to its last, a packet's length at a time into the same buffer, and every byte looked at once: the
-/// sum of its 64-bit words.
+/// Reads the file in pieces of a packet's length into one buffer, and sums the 64-bit words.
 void read_and_sum(const fs::path& file) {
   const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   std::vector<std::uint64_t> buffer((content_size + 8) / sizeof(std::uint64_t));
@@ -202,7 +190,7 @@ void read_and_sum(const fs::path& file) {
   benchmark::DoNotOptimize(sum);
 }
 
-/// What packets hold, as a writer compresses them.
+/// The contents of packets before compression.
 std::vector<std::byte> contents_of(std::span<const Event> events) {
   std::vector<std::byte> contents(events.size() / packet_events * content_size);
   for (std::size_t i = 0; i < events.size() / packet_events; ++i) {
@@ -235,7 +223,7 @@ void write_plainly(const fs::path& file, std::span<const std::byte> contents) {
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   for (std::size_t at = 0; at < contents.size(); at += content_size) {
     if (::write(out.number(), contents.data() + at, content_size) != static_cast<ssize_t>(content_size))
-      throw Error(file.string() + ": cannot be written; expected a place with room");
+      throw Error(file.string() + ": cannot be written; expected a folder with free space");
   }
 }
 
@@ -248,7 +236,7 @@ void run(const fs::path& folder, const std::vector<fs::path>& recordings, int ar
     read_from_disk(file_of(compression));
   }
   const fs::path none = file_of(Compression::none), lz4 = file_of(Compression::lz4), zstd = file_of(Compression::zstd);
-  // In memory, so that syncing, which is the disk's affair, costs nothing.
+  // In memory, so that the time of syncing to a disk is not measured.
   const fs::path memory = "/dev/shm";
   const fs::path output = (fs::is_directory(memory) ? memory : folder) / fmt::format("written-{}.aedat4", ::getpid());
   const StoredFile lz4_file(lz4), zstd_file(zstd);

@@ -1,10 +1,10 @@
-// A camera that never tires: serves the events of a recording as a DV stream over loopback, so many a second, whoever reads them.
+// Serves the events of a recording as a DV stream over loopback, at a constant rate.
 //
 //   stream_generator RECORDING MILLION_EVENTS_PER_S SECONDS [PACKET_MS]
 //
-// Prints the port it listens on; sends packets of so many whole ms [1] to the first client, uncompressed, each when it is due;
-// ends with one line of JSON: what was sent, and how late the latest packet left. A client that does not keep up makes it late,
-// for nothing is dropped here.
+// Prints the port on which it listens. Sends uncompressed packets of PACKET_MS (1) to the first client, each when it is due.
+// Prints one line of JSON at the end: what was sent, and the largest delay of a packet. It drops nothing, so a slow client delays
+// it.
 
 #include <arpa/inet.h>
 #include <fmt/core.h>
@@ -35,7 +35,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-/// False once the client is gone.
+/// Returns false if the client has closed the connection.
 bool send_all(int socket, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -59,13 +59,14 @@ FileDescriptor first_client() {
   fmt::print("{}\n", ntohs(address.sin_port));
   std::fflush(stdout);
   FileDescriptor client(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
-  const int at_once = 1;  // small packets would wait for each other, 40 ms at a time
+  const int at_once = 1;  // else small packets are held back for up to 40 ms
   ::setsockopt(client.number(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
-  if (!client.is_open()) throw Error(std::string("stream_generator: no client (") + std::strerror(errno) + "); expected one");
+  if (!client.is_open())
+    throw Error(std::string("stream_generator: no client (") + std::strerror(errno) + "); expected a connection");
   return client;
 }
 
-/// Events of one packet, in places and polarities those of the recording, their times set when they are sent.
+/// At least `wanted` events with the pixels and polarities of the recording. Their times are set when they are sent.
 std::vector<Event> events_of(const std::string& file, std::size_t wanted) {
   std::vector<Event> all;
   while (all.size() < wanted) {
@@ -101,7 +102,7 @@ void serve(const std::string& file, double million_per_s, int seconds, int packe
   for (int i = 0; i < 1000 * seconds / packet_ms && there; ++i) {
     if (next + in_packet > events.size()) next = 0;
     auto* place = packet.data() + head;
-    for (std::size_t k = 0; k < in_packet; ++k) {  // read-outs of 200 us, five a ms
+    for (std::size_t k = 0; k < in_packet; ++k) {  // five read-outs per ms
       Event event = events[next + k];
       event.t = camera_time(begin_us + 1000 * std::int64_t{i} * packet_ms +
                             200 * static_cast<std::int64_t>(5 * static_cast<std::size_t>(packet_ms) * k / in_packet));

@@ -1,4 +1,4 @@
-# Everything the project stands on, all of it Debian packages (scripts/setup installs them).
+# The libraries of the project. All are Debian packages; scripts/setup installs them.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -17,18 +17,18 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 
-# Asio is headers alone, used without Boost; it stays inside the stages that link this.
+# Asio without Boost consists of headers only. Only the stages that link this target include them.
 find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)
 add_library(tactile_asio INTERFACE)
 target_include_directories(tactile_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
 target_compile_definitions(tactile_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
 target_link_libraries(tactile_asio INTERFACE Threads::Threads)
 if(TACTILE_SANITIZE MATCHES "thread")
-  # The sanitizer sees no fences, and GCC warns of asio's, beside which there is always a lock.
+  # The sanitizer ignores fences, and GCC warns of those of asio. There is always a lock as well.
   target_compile_options(tactile_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
 endif()
 
-# Of ONNX only its messages are used; its CMake package names its targets differently from one Debian to the next.
+# Only the messages of ONNX are used, without its CMake package, whose targets have different names in Debian 12 and 13.
 find_package(Protobuf REQUIRED)
 find_path(ONNX_INCLUDE_DIR onnx/onnx_pb.h REQUIRED)
 find_library(ONNX_PROTO_LIBRARY onnx_proto REQUIRED)
@@ -37,13 +37,13 @@ target_include_directories(tactile_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIR})
 target_compile_definitions(tactile_onnx INTERFACE ONNX_ML=1 ONNX_NAMESPACE=onnx)
 target_link_libraries(tactile_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf)
 
-# The compiler and the headers are all we need of FlatBuffers; its CMake package is named differently from one Debian to the next.
+# Only the compiler and the headers of FlatBuffers are used, without its CMake package, which has different names in Debian 12 and 13.
 find_program(FLATC flatc REQUIRED)
 find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
 
-# Debian's Torch package asks for every toolkit it was built with; only headers and shared libraries are used here.
+# Only the headers and the shared libraries of Torch are used; its CMake package also looks for the toolkits that it was built with.
 find_package(Torch REQUIRED)
 set(TACTILE_TORCH_VERSION "${Torch_VERSION}")
 
-# The camera driver is not in Debian: used where it is found. Earlier ones lack the DVXplorer Mini.
+# The camera driver is not in Debian. It is used if it is installed. Earlier versions do not know the DVXplorer Mini.
 find_package(libcaer 3.3.14 QUIET)

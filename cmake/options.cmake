@@ -1,12 +1,12 @@
-# What every target of ours is compiled with; other people's headers come in as SYSTEM and stay out of it.
+# The compiler options of every target. Headers of other projects are included as SYSTEM, without warnings.
 add_library(tactile_options INTERFACE)
 add_library(tactile::options ALIAS tactile_options)
 target_compile_features(tactile_options INTERFACE cxx_std_20)
 target_compile_options(tactile_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Werror)
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wconversion -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 15)
-  # They see dangers in inlined library code that are not there (GCC bugs 105562, 105329 and 105651, among others), more of them
-  # where headers are precompiled.
+  # These compilers warn wrongly about inlined library code (GCC bugs 105562, 105329 and 105651, among others), more often with precompiled
+  # headers.
   target_compile_options(tactile_options INTERFACE
     -Wno-maybe-uninitialized -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
@@ -18,16 +18,16 @@ if(TACTILE_FUZZERS)
   target_compile_options(tactile_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Headers that many files read are parsed once, for all targets that link tactile::core. Files include what they use all the same.
+# Headers that many files include are parsed once for all targets that link tactile::core. Files still include the headers that they use.
 set(TACTILE_PRECOMPILED_HEADERS
   <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <set> <span>
   <sstream> <string> <string_view> <thread> <utility> <vector> <fmt/format.h> <nlohmann/json.hpp>
   <tactile/core/json_templates.hpp>)
 
-# Of what is not worked hard: half the time to compile, for code a third slower.
+# For code that runs for moments only: it compiles in half the time and is a third slower.
 set(TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-O1>)
 
-# The links between stages that docs/architecture.md allows: lines "name -> stage stage …".
+# The links between stages that docs/architecture.md allows, in lines "name -> stage stage …".
 set(architecture ${PROJECT_SOURCE_DIR}/docs/architecture.md)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${architecture})
 file(STRINGS ${architecture} arrows REGEX "^[a-z0-9_]+ ->")
@@ -44,8 +44,8 @@ function(check_arrows name)
   endforeach()
 endfunction()
 
-# add_stage(NAME [QUICKLY] SOURCES a.cpp … HEADERS a.hpp … LINKS tactile::core … PRIVATE_LINKS …): one library per stage of the way.
-# QUICKLY: it runs for moments; it is compiled in half the time.
+# add_stage(NAME [QUICKLY] SOURCES a.cpp … HEADERS a.hpp … LINKS tactile::core … PRIVATE_LINKS …) adds the library of a stage.
+# QUICKLY compiles it with TACTILE_COMPILE_QUICKLY.
 function(add_stage name)
   cmake_parse_arguments(STAGE "QUICKLY" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   check_arrows(${name} ${STAGE_LINKS} ${STAGE_PRIVATE_LINKS})

@@ -1,4 +1,4 @@
-# Writes version.cpp with the project's version and git revision.
+# Writes version.cpp with the version of the project and the git revision.
 execute_process(
   COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=12
   OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)

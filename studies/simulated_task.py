@@ -1,4 +1,4 @@
-"""Tables of docs/simulation.md from a folder that scripts/simulation-study has filled.
+"""Prints the tables of docs/simulation.md from the folder of scripts/simulation-study.
 
     simulated_task.py TACTILE FOLDER TITLE
 """
@@ -12,11 +12,11 @@ import tempfile
 import numpy as np
 
 TICK_US = 2000
-READOUT_US = 200
-AWAY_US = 100_000  # quiet is at least so far from any motion
+QUIET_DISTANCE_US = 100_000  # events are quiet if they are at least this far from any motion
 
 
 def figure(value, low, high):
+    """A share in percent, with its confidence interval if there is one."""
     return f"{100 * value:.1f} [{100 * low:.1f}, {100 * high:.1f}]" if low is not None else f"{100 * value:.1f}"
 
 
@@ -44,7 +44,7 @@ def events_of(tactile, run, folder):
 
 
 def statistics_of(events, size, truth):
-    """What one run's events are like, hot pixels apart."""
+    """Statistics of the events of one run. Hot pixels are counted separately."""
     t = events["t_us"].astype(np.int64)
     pixel = events["y"].astype(np.int64) * size[0] + events["x"]
     hot = np.array([y * size[0] + x for x, y in ((p["x"], p["y"]) for p in truth.get("hot_pixels", []))], dtype=np.int64)
@@ -54,7 +54,7 @@ def statistics_of(events, size, truth):
 
     quiet = np.ones(len(t), bool)
     quiet_us = t[-1] - t[0]
-    moving = sorted((i["start_us"] - AWAY_US, i["end_us"] + AWAY_US) for i in truth["intervals"])
+    moving = sorted((i["start_us"] - QUIET_DISTANCE_US, i["end_us"] + QUIET_DISTANCE_US) for i in truth["intervals"])
     merged = []
     for start, end in moving:
         if merged and start <= merged[-1][1]:
@@ -88,6 +88,7 @@ def statistics_of(events, size, truth):
 
 
 def spread(values, scale=1.0, digits=0):
+    """Two cells of a table: the median, and the 5th to 95th percentile."""
     values = np.asarray(values, float) * scale
     low, middle, high = np.percentile(values, [5, 50, 95])
     return f"{middle:,.{digits}f} | {low:,.{digits}f} to {high:,.{digits}f}"

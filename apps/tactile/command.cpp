@@ -35,7 +35,7 @@ std::vector<std::string> texts_of(const nlohmann::json& value, const std::string
   return texts;
 }
 
-/// Command line before file: only options that were not given take their value from it.
+/// The command line has priority: only options that were not given take their value from the file.
 void fill_in_from(const std::string& file, CLI::App& command) {
   const nlohmann::json json = read_json(file);
   if (!json.is_object()) throw Error(file + ": no JSON object; expected {\"option\": value, ...}");
@@ -46,7 +46,7 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   for (const auto& [key, value] : json.items()) {
     if (std::find(names.begin(), names.end(), key) == names.end()) {
       const std::string nearest = nearest_name(key, names);
-      throw Error(fmt::format("{}: '{}' is no option of '{}'; {}", file, key, command.get_name(),
+      throw Error(fmt::format("{}: '{}' is not an option of '{}'; {}", file, key, command.get_name(),
                               nearest.empty() ? fmt::format("'tactile {} --help' lists all", command.get_name())
                                               : fmt::format("the nearest is '{}'", nearest)));
     }
@@ -114,7 +114,7 @@ ProgressCallback progress_line(const CommonArguments& common) {
       if (visible) std::fputs("\r\033[K", stderr);
     }
   };
-  // A log is told in whole lines, and seldom.
+  // Without a terminal, progress is logged in whole lines, and seldom.
   const bool draws = isatty(STDERR_FILENO) != 0;
   const auto first = draws ? std::chrono::milliseconds(1000) : std::chrono::milliseconds(30'000);
   const auto period = draws ? std::chrono::milliseconds(100) : first;

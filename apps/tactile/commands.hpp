@@ -32,10 +32,10 @@ void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
-// Loading libtorch, OpenCV and libav takes longer, and more memory, than many a command does. So there are three programs. Each
-// holds its own commands and those of the programs before it.
+// Loading libtorch, OpenCV and libav takes more time and memory than many commands need. Therefore there are three programs. Each
+// has its own commands and those of the programs before it.
 enum class Program : std::uint8_t {
-  tactile,  ///< loads none of them; it becomes one of the other two where a command is not its own
+  tactile,  ///< loads none of them; starts one of the other two for their commands
   runs,     ///< tactile-runs loads no libtorch
   model     ///< tactile-model
 };
@@ -44,11 +44,11 @@ using AddCommand = void (*)(CLI::App&);
 
 struct CommandEntry {
   std::string_view name;
-  Program program;  ///< the first that holds it
+  Program program;  ///< the first that has it
   AddCommand add;
 };
 
-/// Every command, in the order they are run. Evaluated by the compiler, so that a program needs to link its own commands only.
+/// Every command, in the order of use. The compiler evaluates it, so that a program links only its own commands.
 consteval auto command_table() {
   return std::array{
       CommandEntry{"simulate", Program::runs, add_simulate_command},
@@ -72,7 +72,7 @@ consteval auto command_table() {
   };
 }
 
-/// The commands that a program holds.
+/// The commands of a program.
 template <Program program>
 consteval auto commands_of() {
   constexpr auto table = command_table();
@@ -89,7 +89,7 @@ consteval auto commands_of() {
   return commands;
 }
 
-/// The first program that holds a command; nothing if there is no such command.
+/// The first program with a command; nothing if there is no such command.
 constexpr std::optional<Program> program_of(std::string_view command) {
   constexpr auto programs = [] {
     constexpr auto table = command_table();

@@ -45,7 +45,7 @@ std::optional<SensorSize> size_in(std::string_view text) {
 
 std::string check_size(const std::string& text) {
   return size_in(text) ? std::string()
-                       : fmt::format("'{}' is no sensor size; expected WxH, such as 640x480, each from 1 to 32767", text);
+                       : fmt::format("'{}' is not a sensor size; expected WxH, such as 640x480, each from 1 to 32767", text);
 }
 
 std::optional<PixelRegion> region_in(std::string_view text) {
@@ -59,11 +59,12 @@ std::optional<PixelRegion> region_in(std::string_view text) {
 }
 
 std::string check_region(const std::string& text) {
-  return region_in(text) ? std::string()
-                         : fmt::format("'{}' is no region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
+  return region_in(text)
+             ? std::string()
+             : fmt::format("'{}' is not a region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
 }
 
-/// A time of the recording's clock, or with a '+' in front one that counts from its first element.
+/// A time of the recording's clock, or with '+' a time after its first element.
 struct Moment {
   CameraTime t;
   bool counts_from_first;
@@ -79,8 +80,8 @@ std::optional<Moment> moment_in(std::string_view text) {
 std::string check_moment(const std::string& text) {
   return moment_in(text) ? std::string()
                          : fmt::format(
-                               "'{}' is no time; expected whole us of the recording's clock, or such as +5000 from its "
-                               "first element on",
+                               "'{}' is not a time; expected whole us of the recording's clock, or after its "
+                               "first element, such as +5000",
                                text);
 }
 
@@ -107,22 +108,22 @@ ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
 void warn(const ConvertArguments& args, const ConvertSummary& summary) {
   const RecordingProblems& problems = summary.problems;
   if (summary.size_guessed) {
-    spdlog::info("{}: the sensor is taken to have {}x{} pixels, which hold all events; --size WxH says otherwise", args.in,
+    spdlog::info("{}: assuming a sensor of {}x{} pixels, which contains all events; use --size WxH for another size", args.in,
                  summary.size->width, summary.size->height);
   }
   const auto from = moment_in(args.from_us);
   if (from && !from->counts_from_first && summary.first_in && from->t < *summary.first_in) {
-    spdlog::warn("--from-us {}: cuts nothing, for the first element of {} is at {} us; '+{}' would count from there",
-                 args.from_us, args.in, us_of(*summary.first_in), std::max<std::int64_t>(us_of(from->t), 0));
+    spdlog::warn("--from-us {}: cuts nothing, because the first element of {} is at {} us; '+{}' counts from there", args.from_us,
+                 args.in, us_of(*summary.first_in), std::max<std::int64_t>(us_of(from->t), 0));
   }
   for (const Stream& stream : summary.left_out)
     spdlog::info("{}: stream {} ({}) is left out", args.in, stream.id, stream.name.empty() ? name_of(stream.type) : stream.name);
   const std::uint64_t packets = problems.broken_packets + problems.mismatched_packets + problems.undeclared_packets;
   if (problems.truncated_bytes > 0)
-    spdlog::warn("{}: cut off, {} behind the last whole packet are lost", args.in, counted(problems.truncated_bytes, "byte"));
+    spdlog::warn("{}: cut off, {} after the last whole packet are lost", args.in, counted(problems.truncated_bytes, "byte"));
   if (problems.skipped_bytes > 0)
     spdlog::warn("{}: damaged, {} between packets are lost", args.in, counted(problems.skipped_bytes, "byte"));
-  if (packets > 0) spdlog::warn("{}: {} could not be read and left nothing in the output", args.in, counted(packets, "packet"));
+  if (packets > 0) spdlog::warn("{}: {} could not be read, and are not in the output", args.in, counted(packets, "packet"));
   if (problems.out_of_range_events > 0)
     spdlog::warn("{}: {} outside the sensor dropped", args.in, counted(problems.out_of_range_events, "event"));
   if (summary.cropped_events + summary.cropped_frames > 0) {
@@ -130,7 +131,7 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
                  counted(summary.cropped_frames, "frame"));
   }
   if (summary.steps_back > 0)
-    spdlog::warn("{}: time steps back {}; written as it is", args.out, counted(summary.steps_back, "time"));
+    spdlog::warn("{}: time steps back {}; times are written unchanged", args.out, counted(summary.steps_back, "time"));
 }
 
 nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summary) {
@@ -250,26 +251,26 @@ void warn(const ConvertArguments& args, const BagImportSummary& summary) {
   const BagImportDrops& drops = summary.drops;
   say(drops.events, "event", "outside the sensor dropped");
   say(drops.late_events, "event", "too far out of order dropped");
-  say(drops.event_packets, "event packet", "never reached the bag");
-  say(drops.broken_messages, "message", "could not be decoded and left nothing in the run");
-  say(drops.other_sensor_messages, "message", "of events for a sensor of another size left out");
-  say(drops.robot_states, "robot state", "dropped: no pose, not later than the one before, or out of reach of it");
-  say(drops.frames, "frame", "dropped: of another size, or not later than the one before");
-  say(drops.imu_samples, "IMU sample", "dropped: not later than the one before");
+  say(drops.event_packets, "event packet", "lost before the bag");
+  say(drops.broken_messages, "message", "could not be decoded, and are not in the run");
+  say(drops.other_sensor_messages, "message", "of events of a sensor of another size left out");
+  say(drops.robot_states, "robot state", "dropped: no pose, not later than the previous one, or too far from it");
+  say(drops.frames, "frame", "dropped: of another size, or not later than the previous one");
+  say(drops.imu_samples, "IMU sample", "dropped: not later than the previous one");
   say(summary.problems.truncated_bytes, "byte",
-      "behind the last whole record: the bag is cut off, and what could be read of them is in the run");
+      "after the last whole record: the bag is cut off, and the run has what could be read of them");
   say(summary.problems.broken_chunks, "chunk", "could not be read");
   say(summary.problems.broken_records, "record", "could not be read");
-  say(summary.problems.unknown_messages, "message", "of unknown topics passed over");
+  say(summary.problems.unknown_messages, "message", "of unknown topics skipped");
 }
 
-/// A bag becomes a run folder; the options of recordings mean nothing to it.
+/// Converts a bag to a run folder; the options of recordings do not apply.
 void import(const ConvertArguments& args, const CommonArguments& common) {
   if (!args.from_us.empty() || !args.to_us.empty() || !args.crop.empty() || !args.streams.empty() || !args.size.empty() ||
       !args.source.empty()) {
     throw Error(args.in +
-                ": a bag is taken whole; expected --from-us, --to-us, --crop, --stream, --size and --source left out: the " +
-                "run's events.aedat4 can be cut and cropped afterwards");
+                ": a bag is converted completely; expected no --from-us, --to-us, --crop, --stream, --size and --source: " +
+                "the run's events.aedat4 can be cut and cropped afterwards");
   }
   BagImportOptions options = args.bag;
   if (!args.compression.empty()) options.compression = compression_named(args.compression);
@@ -284,7 +285,7 @@ void convert(ConvertArguments args, const CommonArguments& common) {
   if (is_ros_bag(args.in)) return import(args, common);
   const BagImportOptions& bag = args.bag;
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
-    if (!topic->empty()) throw Error(args.in + ": is no bag; expected the options for its topics left out");
+    if (!topic->empty()) throw Error(args.in + ": is not a bag; expected no options for topics");
   }
   const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
   warn(args, summary);
@@ -328,8 +329,8 @@ void add_convert_command(CLI::App& app) {
   command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")
       .type_name("TOPIC");
   command.add_option("--pose-topic", args->bag.pose_topic, "Topic of the transforms with the robot's tool").type_name("TOPIC");
-  command.add_option("--video-topic", args->bag.video_topic, "Likewise").type_name("TOPIC");
-  command.add_option("--imu-topic", args->bag.imu_topic, "Likewise").type_name("TOPIC");
+  command.add_option("--video-topic", args->bag.video_topic, "Topic of the video, if a bag has several").type_name("TOPIC");
+  command.add_option("--imu-topic", args->bag.imu_topic, "Topic of the IMU samples, if a bag has several").type_name("TOPIC");
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");
 }
 

@@ -8,14 +8,14 @@
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/run_truth.hpp"
-#include "tactile/report/prediction_picture.hpp"
+#include "tactile/pictures/prediction_picture.hpp"
 
 namespace tactile {
-void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& rendering, const std::string& title,
-                     const std::optional<RunFolder>& run, const std::filesystem::path& file) {
+void draw_ticks(const std::vector<ReportedTick>& ticks, const HeatmapOptions& rendering, const std::string& title,
+                const std::optional<RunFolder>& run, const std::filesystem::path& file) {
   if (ticks.empty()) throw Error(file.string() + ": there is no tick to draw; expected a stream longer than the history");
-  const auto first =
-      std::find_if(ticks.begin(), ticks.end(), [&](const ToldTick& tick) { return tick.beginning == ticks.back().beginning; });
+  const auto first = std::find_if(ticks.begin(), ticks.end(),
+                                  [&](const ReportedTick& tick) { return tick.beginning == ticks.back().beginning; });
   const std::uint32_t beginnings = first->beginning - ticks.front().beginning;
   PredictionPicture picture;
   picture.title = title;
@@ -38,7 +38,7 @@ void draw_told_ticks(const std::vector<ToldTick>& ticks, const HeatmapOptions& r
                                         static_cast<double>(rendering.tick.count()) / 1000, skipped, range.count));
   if (beginnings > 0)
     picture.remarks.push_back(
-        fmt::format("The stream began anew {} before; those ticks are not drawn.", counted(beginnings, "time")));
+        fmt::format("The stream restarted {} before; earlier ticks are not drawn.", counted(beginnings, "time")));
   if (run) {
     const RunTruth truth = read_run_truth(*run);
     picture.has_labels = !truth.labels.empty();

@@ -6,12 +6,11 @@
 
 #include "quantity_text.hpp"
 #include "record_runs.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
 namespace {
-
-double seconds_of(microseconds us) { return 1e-6 * static_cast<double>(us.count()); }
 
 struct NamedHistogram {
   const char *key, *words;
@@ -20,16 +19,16 @@ struct NamedHistogram {
 
 std::vector<NamedHistogram> histograms_of(const DeadlineMonitor& monitor) {
   return {{"waiting", "waiting for data", &monitor.waiting()},
-          {"queued", "waiting for us", &monitor.queued()},
+          {"queued", "waiting for detect", &monitor.queued()},
           {"rendering", "rendering", &monitor.rendering()},
           {"network", "network", &monitor.network()},
           {"output", "output", &monitor.output()},
           {"work", "rendering, network, output", &monitor.work()},
-          {"answer", "from closed to told", &monitor.answer()},
+          {"answer", "from closed to verdict", &monitor.answer()},
           {"whole", "from the tick's end", &monitor.whole()}};
 }
 
-std::string latency_text(const DetectSummary& summary) {
+std::string latency_text(const DetectionSummary& summary) {
   std::vector<std::vector<std::string>> rows;
   const auto us = [](std::chrono::nanoseconds ns) { return fmt::format("{:.0f}", 1e-3 * static_cast<double>(ns.count())); };
   const auto add = [&](const char* words, const DurationHistogram& histogram) {
@@ -50,36 +49,41 @@ std::string latency_text(const DetectSummary& summary) {
     const auto length = static_cast<std::size_t>((40 * bin.count + most - 1) / most);
     bars.push_back({fmt::format("to {:.4g}", bin.to_us), std::to_string(bin.count), std::string(length, '#')});
   }
-  return text + "\n" + text_table({answers ? "from closed to told [us]" : "work [us]", "ticks", ""}, bars);
+  return text + "\n" + text_table({answers ? "from closed to verdict [us]" : "work [us]", "ticks", ""}, bars);
 }
 
-}  // namespace
+using Lines = std::vector<std::pair<std::string, std::string>>;
 
-std::string text_of(const DetectSummary& summary) {
-  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
-  std::vector<std::pair<std::string, std::string>> lines;
-  lines.emplace_back("ticks", summary.plays
-                                  ? fmt::format("{} told, none skipped; no deadline, since what is played waits", ticks.told)
-                                  : fmt::format("{} told, {} skipped, {} more than a tick late: {:.3f} % missed", ticks.told,
-                                                ticks.skipped, ticks.late, 100 * ticks.missed_share()));
-  std::string said;
+std::string verdicts_text(const VerdictCounts& counts) {
+  std::string text;
   for (const Touch touch : all_touches) {
     const auto index = static_cast<std::size_t>(touch);
-    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", name_of(touch), summary.verdicts[index]);
-    if (touch != Touch::none) said += fmt::format(" in {}", counted(summary.episodes[index], "episode"));
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(touch), counts.ticks[index]);
+    if (touch != Touch::none) text += fmt::format(" in {}", counted(counts.episodes[index], "episode"));
   }
-  lines.emplace_back("verdicts", said);
-  if (summary.gate) {
-    lines.emplace_back("gate",
-                       fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.told, *summary.gate));
-  }
+  return text;
+}
+
+void add_ticks(const DetectionSummary& summary, Lines& lines) {
+  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
+  lines.emplace_back("ticks", summary.plays ? fmt::format("{} reported, none skipped; no deadline for a replay", ticks.reported)
+                                            : fmt::format("{} reported, {} skipped, {} more than a tick late: {:.3f} % missed",
+                                                          ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
+  lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
+  if (summary.detector.gate)
+    lines.emplace_back("gate", fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.reported,
+                                           *summary.detector.gate));
   if (!summary.plays)
-    lines.emplace_back("closed", fmt::format("{} by events, {} by the host's time", ticks.told - summary.counts.by_host,
-                                             summary.counts.by_host));
-  std::string events = fmt::format("{} in {}", summary.counts.events, counted(summary.counts.packets, "packet"));
-  if (summary.counts.late_events > 0) events += fmt::format(", {} too late", summary.counts.late_events);
-  if (summary.counts.lost_events > 0)
-    events += fmt::format(", {} dropped ({} incomplete)", summary.counts.lost_events, counted(summary.counts.incomplete, "tick"));
+    lines.emplace_back(
+        "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
+}
+
+void add_events(const DetectionSummary& summary, Lines& lines) {
+  const LiveCounts& counts = summary.counts;
+  std::string events = fmt::format("{} in {}", counts.events, counted(counts.packets, "packet"));
+  if (counts.late_events > 0) events += fmt::format(", {} too late", counts.late_events);
+  if (counts.lost_events > 0)
+    events += fmt::format(", {} dropped ({} incomplete)", counts.lost_events, counted(counts.incomplete, "tick"));
   lines.emplace_back("events", events);
   const LostElements unsound = summary.drops.total();
   if (unsound.packets + unsound.events > 0)
@@ -88,94 +92,131 @@ std::string text_of(const DetectSummary& summary) {
   std::string faults;
   for (const auto& [kind, count] : summary.faults) faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", count, kind);
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
+}
+
+void add_outputs(const DetectionSummary& summary, Lines& lines) {
   if (summary.robot) {
     lines.emplace_back(
         "robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
                              counted(summary.robot->raised, "rise"), counted(summary.robot->state.reconnects, "reconnect")));
   }
   if (summary.udp) lines.emplace_back("udp", fmt::format("{} sent, {} failed", (*summary.udp)[0], (*summary.udp)[1]));
+}
+
+void add_machine(const DetectionSummary& summary, Lines& lines) {
   if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "time"));
-  const double elapsed = seconds_of(summary.elapsed);
+  const double elapsed = in_s(summary.elapsed);
   lines.emplace_back("lasted", fmt::format("{}, {:.1f} % of one core", duration_text(summary.elapsed),
                                            elapsed > 0 ? 100 * summary.cpu_s / elapsed : 0));
-  if (summary.asked_for_real_time)
-    lines.emplace_back("real time",
-                       summary.real_time.empty() ? "ahead of other threads, memory locked" : summary.real_time.front());
-  for (std::size_t i = 1; i < summary.real_time.size(); ++i) lines.emplace_back("", summary.real_time[i]);
-  if (summary.may_sleep) lines.emplace_back("awake", summary.may_sleep->empty() ? "processors do not sleep" : *summary.may_sleep);
-  lines.emplace_back("engine", summary.engine + ", " + summary.precision);
+  if (summary.used_real_time) {
+    const std::vector<std::string>& refused = summary.real_time_refused;
+    lines.emplace_back("real time", refused.empty() ? "real-time priority, memory locked" : refused.front());
+    for (std::size_t i = 1; i < refused.size(); ++i) lines.emplace_back("", refused[i]);
+  }
+  if (summary.awake_refused)
+    lines.emplace_back("awake", summary.awake_refused->empty() ? "processor cores do not sleep" : *summary.awake_refused);
+}
+
+nlohmann::json ticks_json(const DetectionSummary& summary) {
+  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
+  const auto us_or_null = [](const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
+  return {{"told", ticks.reported},
+          {"skipped", ticks.skipped},
+          {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
+          {"missed_share", summary.plays ? nlohmann::json() : nlohmann::json(ticks.missed_share())},
+          {"by_events", ticks.reported - summary.counts.by_host},
+          {"by_host", summary.counts.by_host},
+          {"incomplete", summary.counts.incomplete},
+          {"rehearsals", summary.counts.rehearsals},
+          {"first_us", us_or_null(summary.verdicts.first_tick)},
+          {"last_us", us_or_null(summary.verdicts.last_tick)}};
+}
+
+nlohmann::json events_json(const DetectionSummary& summary) {
+  const LostElements unsound = summary.drops.total();
+  return {{"counted", summary.counts.events},
+          {"late", summary.counts.late_events},
+          {"dropped", summary.counts.lost_events},
+          {"packets", summary.counts.packets},
+          {"longest_packet_us", summary.longest_packet.count()},
+          {"unsound_packets", unsound.packets},
+          {"unsound_events", unsound.events}};
+}
+
+void add_verdicts(const VerdictCounts& counts, nlohmann::json& json) {
+  for (const Touch touch : all_touches)
+    json["verdicts"][std::string(name_of(touch))] = counts.ticks[static_cast<std::size_t>(touch)];
+  json["episodes"] = {{"press", counts.episodes[1]}, {"slip", counts.episodes[2]}, {"first", nlohmann::json::array()}};
+  for (const VerdictEpisode& episode : counts.first_episodes)
+    json["episodes"]["first"].push_back(
+        {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});
+}
+
+void add_faults(const DetectionSummary& summary, nlohmann::json& json) {
+  json["faults"] = {{"kinds", summary.faults}, {"first", nlohmann::json::array()}};
+  for (const DetectionFault& fault : summary.first_faults)
+    json["faults"]["first"].push_back({{"kind", fault.kind}, {"text", fault.text}, {"host_time_us", us_of(fault.at)}});
+}
+
+void add_latencies(const DeadlineMonitor& deadlines, nlohmann::json& json) {
+  for (const NamedHistogram& named : histograms_of(deadlines)) {
+    json["latency_us"][named.key] = *named.histogram;
+    nlohmann::json bins = nlohmann::json::array();
+    for (const DurationHistogram::Bin& bin : named.histogram->octaves()) bins.push_back({bin.from_us, bin.to_us, bin.count});
+    json["histogram_us"][named.key] = bins;
+  }
+}
+
+}  // namespace
+
+std::string text_of(const DetectionSummary& summary, const DetectModel& model) {
+  Lines lines;
+  add_ticks(summary, lines);
+  add_events(summary, lines);
+  add_outputs(summary, lines);
+  add_machine(summary, lines);
+  lines.emplace_back("engine", model.engine + ", " + model.precision);
   lines.emplace_back("ended", summary.ended);
-  std::string text = fmt::format("{}{} as {} sees it\n", summary.source, summary.simulated ? " (simulated)" : "", summary.model) +
+  std::string text = fmt::format("{}{}, predicted by {}\n", summary.source, summary.simulated ? " (simulated)" : "", model.name) +
                      text_list(lines) + latency_text(summary);
   if (summary.ticks_left_out > 0)
-    text += fmt::format("\n{} are missing in what was written of them: it could not be written fast enough\n",
+    text += fmt::format("\n{} could not be written fast enough, and are missing in the files\n",
                         counted(summary.ticks_left_out, "tick"));
   if (summary.recorded) text += "\n" + text_of(*summary.recorded);
   return text;
 }
 
-nlohmann::json json_of(const DetectSummary& summary) {
-  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
-  const auto us_or_null = [](const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
-  const LostElements unsound = summary.drops.total();
+nlohmann::json json_of(const DetectionSummary& summary, const DetectModel& model) {
+  const TickDetectorOptions& detector = summary.detector;
   nlohmann::json json = {
-      {"model", summary.model},
-      {"engine", summary.engine},
-      {"precision", summary.precision},
+      {"model", model.name},
+      {"engine", model.engine},
+      {"precision", model.precision},
       {"source", summary.source},
       {"simulated", summary.simulated},
-      {"rendering", summary.rendering},
-      {"confirm", text_of(summary.confirmation)},
+      {"rendering", detector.rendering},
+      {"confirm", text_of(detector.confirmation)},
       {"gate",
-       summary.gate ? nlohmann::json{{"limit_events", *summary.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
+       detector.gate ? nlohmann::json{{"limit_events", *detector.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
       {"ended", summary.ended},
-      {"elapsed_s", seconds_of(summary.elapsed)},
+      {"elapsed_s", in_s(summary.elapsed)},
       {"cpu_s", summary.cpu_s},
-      {"ticks",
-       {{"told", ticks.told},
-        {"skipped", ticks.skipped},
-        {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
-        {"missed_share", summary.plays ? nlohmann::json() : nlohmann::json(ticks.missed_share())},
-        {"by_events", ticks.told - summary.counts.by_host},
-        {"by_host", summary.counts.by_host},
-        {"incomplete", summary.counts.incomplete},
-        {"rehearsals", summary.counts.rehearsals},
-        {"first_us", us_or_null(summary.first_tick)},
-        {"last_us", us_or_null(summary.last_tick)}}},
-      {"events",
-       {{"counted", summary.counts.events},
-        {"late", summary.counts.late_events},
-        {"dropped", summary.counts.lost_events},
-        {"packets", summary.counts.packets},
-        {"longest_packet_us", summary.longest_packet.count()},
-        {"unsound_packets", unsound.packets},
-        {"unsound_events", unsound.events}}},
+      {"ticks", ticks_json(summary)},
+      {"events", events_json(summary)},
       {"beginnings", summary.counts.beginnings},
       {"reopened", summary.reopened},
-      {"verdicts", nlohmann::json::object()},
-      {"episodes", {{"press", summary.episodes[1]}, {"slip", summary.episodes[2]}, {"first", nlohmann::json::array()}}},
-      {"faults", {{"kinds", summary.faults}, {"first", nlohmann::json::array()}}},
       {"real_time", nullptr},
       {"awake", nullptr},
       {"robot", nullptr},
       {"udp", nullptr},
       {"recorded", nullptr},
       {"ticks_left_out", summary.ticks_left_out}};
-  for (const Touch touch : all_touches)
-    json["verdicts"][std::string(name_of(touch))] = summary.verdicts[static_cast<std::size_t>(touch)];
-  for (const ToldEpisode& episode : summary.first_episodes)
-    json["episodes"]["first"].push_back(
-        {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});
-  for (const DetectionFault& fault : summary.first_faults)
-    json["faults"]["first"].push_back({{"kind", fault.kind}, {"text", fault.text}, {"host_time_us", us_of(fault.at)}});
-  for (const NamedHistogram& named : histograms_of(summary.deadlines)) {
-    json["latency_us"][named.key] = *named.histogram;
-    nlohmann::json bins = nlohmann::json::array();
-    for (const DurationHistogram::Bin& bin : named.histogram->octaves()) bins.push_back({bin.from_us, bin.to_us, bin.count});
-    json["histogram_us"][named.key] = bins;
-  }
-  if (summary.asked_for_real_time) json["real_time"] = {{"granted", summary.real_time.empty()}, {"refused", summary.real_time}};
-  if (summary.may_sleep) json["awake"] = {{"granted", summary.may_sleep->empty()}, {"refused", *summary.may_sleep}};
+  add_verdicts(summary.verdicts, json);
+  add_faults(summary, json);
+  add_latencies(summary.deadlines, json);
+  if (summary.used_real_time)
+    json["real_time"] = {{"granted", summary.real_time_refused.empty()}, {"refused", summary.real_time_refused}};
+  if (summary.awake_refused) json["awake"] = {{"granted", summary.awake_refused->empty()}, {"refused", *summary.awake_refused}};
   if (summary.robot) {
     json["robot"] = {{"controller", summary.robot->state.controller},
                      {"writes", summary.robot->state.writes},

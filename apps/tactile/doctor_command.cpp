@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// The files behind the shared libraries of this process whose names hold `part`.
+/// The files of this process's shared libraries whose names contain `part`.
 std::set<std::string> loaded_libraries(std::string_view part) {
   std::set<std::string> found;
   std::ifstream maps("/proc/self/maps");
@@ -50,7 +50,7 @@ struct Blas {
   bool slow = false;
 };
 
-/// Debian lets one of several packages be "the" BLAS: the folder of the file behind libblas.so.3 tells which.
+/// Debian selects one of several packages as BLAS: the folder that libblas.so.3 links to shows which.
 Blas blas_in_use() {
   const std::set<std::string> files = loaded_libraries("libblas.so");
   for (const std::string& file : files) {
@@ -62,7 +62,7 @@ Blas blas_in_use() {
   }
   for (const std::string& file : loaded_libraries("libopenblas")) return {"OpenBLAS", file, false};
   for (const std::string& file : loaded_libraries("libmkl")) return {"MKL", file, false};
-  return {"no BLAS that could be found", "", true};
+  return {"no BLAS found", "", true};
 }
 
 std::vector<std::string> cpu_features() {
@@ -80,7 +80,7 @@ std::vector<std::string> cpu_features() {
   return features;
 }
 
-/// The smallest step seen between two readings of the steady clock [ns].
+/// The smallest step between two readings of the steady clock [ns].
 double timer_step_ns() {
   auto smallest = Clock::duration::max();
   for (int i = 0; i < 2000; ++i) {
@@ -92,7 +92,7 @@ double timer_step_ns() {
   return std::chrono::duration<double, std::nano>(smallest).count();
 }
 
-/// How late a 2 ms sleep ends, in the median of 50 [us]: what a live detector has to live with.
+/// How late a sleep of 2 ms ends, the median of 50 [us]. A live detector has this delay.
 double wake_up_delay_us() {
   std::vector<double> delays;
   for (int i = 0; i < 50; ++i) {
@@ -100,7 +100,7 @@ double wake_up_delay_us() {
     std::this_thread::sleep_until(due);
     delays.push_back(std::chrono::duration<double, std::micro>(Clock::now() - due).count());
   }
-  return upper_median(delays);
+  return median(delays);
 }
 
 /// Writes 64 MiB into `folder` and syncs them [MB/s]; nothing if it cannot.
@@ -138,7 +138,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 void examine_machine(const CommonArguments& common, const fs::path& data) {
   const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
-  const std::string torch = torch_version();  // loads libtorch, and so its BLAS
+  const std::string torch = torch_version();  // loads libtorch, and with it its BLAS
   const Blas blas = blas_in_use();
   const std::vector<std::string> features = cpu_features();
   stop_if_interrupted();
@@ -160,7 +160,7 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
   if (!disk_mb_s)
     warnings.push_back(fmt::format("{} cannot be written; recordings and results need a writable folder", folder.string()));
   if (disk_mb_s && *disk_mb_s < 100)
-    warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs some 100 MB/s uncompressed",
+    warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs about 100 MB/s uncompressed",
                                    folder.string(), *disk_mb_s));
 
   const nlohmann::json result = {
@@ -188,11 +188,11 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
                      {"HDF5", hdf5_version()},
                      {"LZ4, zstd", fmt::format("{}, {}", LZ4_versionString(), ZSTD_versionString())},
                      {"timer step", fmt::format("{:.0f} ns", step_ns)},
-                     {"wake-up delay", fmt::format("{:.0f} µs behind a 2 ms sleep", delay_us)},
+                     {"wake-up delay", fmt::format("{:.0f} µs after a sleep of 2 ms", delay_us)},
                      {"disk write", disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *disk_mb_s, folder.string()) : "not writable"},
                      {"camera driver", has_libcaer ? "libcaer" : "built without libcaer"}});
   for (const std::string& warning : warnings) text += "\nwarning: " + warning + "\n";
-  if (warnings.empty()) text += "\nNothing stands in the way.\n";
+  if (warnings.empty()) text += "\nNo problem was found.\n";
   print_result(common, result, text);
 }
 

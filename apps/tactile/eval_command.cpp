@@ -39,7 +39,7 @@ EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& c
   return options;
 }
 
-/// Writes the result to `file` and the same as a table beside it, and says where.
+/// Writes the result to `file`, and as a table beside it. @return  a sentence that names both
 std::string write_result(const fs::path& file, const nlohmann::json& json, const Evaluation& evaluation) {
   fs::path table = file;
   table.replace_extension(".csv");
@@ -48,7 +48,7 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, const
   return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
 }
 
-/// The file of results: the usual one, or one of its own where options give other figures, so that neither replaces the other.
+/// The file of results. Options that change the figures have their own file, so that none replaces another.
 fs::path result_file(const fs::path& usual, const EvalArguments& args, const EvaluationOptions& options, const Dataset& dataset) {
   std::string name = usual.stem().string();
   if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
@@ -59,7 +59,7 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const Eva
   return usual.parent_path() / (name + ".json");
 }
 
-/// Before an hour is worked for what cannot be kept.
+/// Called first, because an evaluation can take an hour.
 void check_writable(const fs::path& folder) {
   if (::access(folder.c_str(), W_OK) != 0)
     throw Error(folder.string() + ": results cannot be written there (" + std::strerror(errno) + "); expected a writable folder");
@@ -69,8 +69,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
-    throw Error(fmt::format("{}: no such dataset; expected one with a model of it, run '{}' first", file.string(),
-                            train_command(args, {})));
+    throw Error(
+        fmt::format("{}: no such dataset; expected one with a model, run '{}' first", file.string(), train_command(args, {})));
   }
   const Dataset dataset(file);
   const auto bundle = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
@@ -78,8 +78,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
     const auto other = newest_bundle(
         args.models, [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; });
     const std::string way_out =
-        other ? fmt::format("; {} is of another state of it, or of another one, and is judged on it by --model {}", other->name(),
-                            shell_word(other->name()))
+        other ? fmt::format("; {} belongs to another state of it, or to another dataset, and is evaluated on it with --model {}",
+                            other->name(), shell_word(other->name()))
               : "";
     throw Error(fmt::format("{}: no single-run model of {}; expected one, run '{}' first{}", args.models, file.string(),
                             train_command(args, {}), way_out));
@@ -91,7 +91,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
   if (options.of_another_dataset) {
-    spdlog::warn("{} was trained on another dataset than {} is now; it is judged on the {} runs that it did not learn from",
+    spdlog::warn("{} was trained on another dataset than {}; it is evaluated on the {} runs that it was not trained on",
                  bundle->name(), file.string(), runs.size());
   }
   const std::vector<SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
@@ -107,8 +107,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (args.no_train && !fs::exists(file)) {
-    throw Error(fmt::format("{}: no such dataset; expected one with models of it, run '{}' first", file.string(),
-                            train_command(args, {})));
+    throw Error(
+        fmt::format("{}: no such dataset; expected one with models, run '{}' first", file.string(), train_command(args, {})));
   }
   const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   const Dataset dataset(file);
@@ -124,7 +124,7 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   };
   const ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings());
   check_writable(seen.folder);
-  spdlog::info("evaluating {} beside {}", held_out.folder.string(), seen.folder.string());
+  spdlog::info("evaluating {} and {}", held_out.folder.string(), seen.folder.string());
 
   const EngineKind engine = engine_named(args.engine);
   const Classifier with = open_classifier(seen.folder, common.threads, engine);

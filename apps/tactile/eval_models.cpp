@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "chosen_model.hpp"
 #include "model_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -42,10 +43,10 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
   add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
   add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
-  // An early stop brings a validation part of its own, which the option makes another.
+  // An early stop has a default validation share.
   add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
   add("early-stop", settings.training.early_stop, defaults.training.early_stop);
-  // With other objects held out a training goes on from another model, which only its user knows.
+  // With other objects held out, a training starts from another model, which only the user knows.
   if (settings.from) command += settings.split.kind == SplitKind::unseen ? " --from MODEL" : " --from " + settings.from->name;
   const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
   add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
@@ -57,25 +58,18 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
 }
 
 ModelBundle bundle_named(const EvalArguments& args) {
-  const fs::path given(args.model);
-  const ModelBundle bundle{!fs::exists(given)         ? fs::path(args.models) / given
-                           : given.filename().empty() ? given.parent_path()
-                                                      : given};
+  const ModelBundle bundle = named_model(args.model, args.models);
   if (fs::exists(bundle.description())) return bundle;
   if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder))) {
     throw Error(
-        fmt::format("{}: its training was broken off; expected a finished model, 'tactile train' with the same options and "
-                    "--resume goes on with it",
+        fmt::format("{}: its training was interrupted; expected a finished model: 'tactile train' with the same options and "
+                    "--resume resumes it",
                     bundle.folder.string()));
   }
-  std::vector<std::string> names;
-  std::error_code none, unknown;
-  for (fs::directory_iterator entry(args.models, none), end; !none && entry != end; entry.increment(none)) {
-    if (fs::exists(entry->path() / "model.json", unknown)) names.push_back(entry->path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  throw Error(fmt::format("{}: no model; expected a folder with model.json{}", bundle.folder.string(),
-                          names.empty() ? ", as 'tactile train' makes it" : fmt::format(", such as {}", fmt::join(names, ", "))));
+  const std::vector<std::string> names = model_names(args.models);
+  throw Error(
+      fmt::format("{}: no model; expected a folder with model.json{}", bundle.folder.string(),
+                  names.empty() ? ", as 'tactile train' creates it" : fmt::format(", such as {}", fmt::join(names, ", "))));
 }
 
 std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind) {
@@ -92,7 +86,7 @@ ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vect
 
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
                        const ModelSettings& settings) {
-  // A partner of one that goes on from a model goes on from one too, but not from the same: that saw what is to be held out.
+  // If a model started from another model, its partner does, too, but from a different one that never saw the held-out objects.
   const auto like_ours = [&](ModelSettings model) {
     if (model.from && settings.from) model.from = settings.from;
     return model;
@@ -122,10 +116,11 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
   if (args.no_train)
     throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));
   if (fs::exists(bundle.folder)) {
-    throw Error(fmt::format("{}: is there, but of another dataset or damaged; expected it of {}, run '{} --force' first",
-                            bundle.folder.string(), dataset.file().string(), command));
+    throw Error(
+        fmt::format("{}: exists, but belongs to another dataset or is damaged; expected a model of {}, run '{} --force' first",
+                    bundle.folder.string(), dataset.file().string(), command));
   }
-  spdlog::info("{} is missing: it is trained first, as by '{}': {}", bundle.folder.string(), command,
+  spdlog::info("{} is missing: it is trained first, as with '{}': {}", bundle.folder.string(), command,
                training_size(dataset, settings));
   TrainingEstimate estimate(settings.training.epochs, progress_line(common));
   train_model(dataset, settings, bundle,

@@ -19,24 +19,24 @@ struct EvalArguments {
   std::string confirm = "1/1";
   bool gate = false;
   std::string engine = "fast";
-  std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five that there are
-  std::vector<std::string> runs;      ///< to be shown over time; the rest is left undone then
+  std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has
+  std::vector<std::string> runs;      ///< to show over time, instead of the evaluation
   std::string out;
 };
 
-/// The `tactile train` that makes a model of these settings.
+/// The command that trains a model with these settings.
 std::string train_command(const EvalArguments& args, const ModelSettings& settings);
 
-/// That of `--model`: a folder, or a name below `--models`.
+/// The model of `--model`. @throws Error  if it is not there or not finished
 ModelBundle bundle_named(const EvalArguments& args);
 
-/// The model of this dataset and kind of split that was trained last.
+/// The newest model of this dataset with this kind of split.
 std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind);
 
-/// The same settings with another split. @param held_out  of unseen
+/// The same settings with another split. @param held_out  for the split unseen
 ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out);
 
-/// The model of the same settings that holds objects out, or does not; trained where it is missing.
+/// The model with the same settings and the other split. Trains it if it is missing.
 ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
                        const ModelSettings& settings);
 

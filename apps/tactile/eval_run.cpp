@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <vector>
 
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
@@ -18,7 +20,7 @@
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
-#include "tactile/report/prediction_picture.hpp"
+#include "tactile/pictures/prediction_picture.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -26,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The run that is meant, and its place in the dataset if it has one.
+/// A run, and its index in the dataset, if any.
 struct ChosenRun {
   RunFolder folder;
   std::optional<std::uint32_t> in_dataset;
@@ -60,7 +62,7 @@ ModelBundle model_for_runs(const EvalArguments& args, const std::optional<Datase
   return *found;
 }
 
-/// How an interval was met; "in doubt" where its labels are.
+/// The outcome of an interval; "in doubt" if its labels are.
 std::string words_of(const TouchInterval& interval, const RunPrediction& prediction) {
   for (const Detection& detection : prediction.detections) {
     if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return words_of(detection);
@@ -71,9 +73,9 @@ std::string words_of(const TouchInterval& interval, const RunPrediction& predict
 PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& classifier, const Confirmation& confirmation,
                              bool learned_from) {
   PredictionPicture picture;
-  picture.title = fmt::format("{}{} as {} sees it{}", prediction.run, prediction.simulated ? " (simulated)" : "",
+  picture.title = fmt::format("{}{}, predicted by {}{}", prediction.run, prediction.simulated ? " (simulated)" : "",
                               classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
-  const double history_ms = static_cast<double>(classifier.rendering().history.count()) / 1000;
+  const double history_ms = in_ms(classifier.rendering().history);
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const Probabilities& p = prediction.full.probabilities[k];
     picture.ticks.push_back({prediction.full.ticks.at(static_cast<std::int64_t>(k)),
@@ -87,16 +89,15 @@ PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& 
   picture.has_truth = prediction.truth.has_truth;
   picture.truth = prediction.truth.true_ones;
   picture.unlabelled = prediction.truth.unlabelled;
-  std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms,
-                                     static_cast<double>(classifier.rendering().tick.count()) / 1000);
+  std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms, in_ms(classifier.rendering().tick));
   if (confirmation.of > 1)
-    settings += fmt::format("; said in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
+    settings += fmt::format("; predicted in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
   picture.remarks.push_back(settings + ".");
   if (picture.has_labels) {
     const FalseAlarms& alarms = prediction.false_alarms;
     picture.remarks.push_back(fmt::format(
-        "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion that "
-        "nobody labels: {}.",
+        "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion "
+        "without labels: {}.",
         alarms.alarms, alarms.after_intervals, alarms.unlabelled));
   }
   return picture;
@@ -116,22 +117,86 @@ nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundl
                       {"intervals", nlohmann::json::array()}};
   for (const Detection& detection : prediction.detections) {
     const bool detected = detection.outcome == DetectionOutcome::detected;
-    json["intervals"].push_back(
-        {{"class", name_of(detection.interval.touch)},
-         {"start_us", us_of(detection.interval.start)},
-         {"end_us", us_of(detection.interval.end)},
-         {"outcome", detected                                        ? "detected"
-                     : detection.outcome == DetectionOutcome::missed ? "missed"
-                                                                     : "early"},
-         {"delay_ms", detected ? nlohmann::json(static_cast<double>(detection.delay.count()) / 1000) : nlohmann::json()}});
+    json["intervals"].push_back({{"class", name_of(detection.interval.touch)},
+                                 {"start_us", us_of(detection.interval.start)},
+                                 {"end_us", us_of(detection.interval.end)},
+                                 {"outcome", detected                                        ? "detected"
+                                             : detection.outcome == DetectionOutcome::missed ? "missed"
+                                                                                             : "early"},
+                                 {"delay_ms", detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}});
   }
   json["false_alarms"] = prediction.truth.labels.empty() ? nlohmann::json() : nlohmann::json(prediction.false_alarms.alarms);
   return json;
 }
 
-/// The same with a name of its own for each run: object and run, whatever the folder above it is.
 fs::path stem_of(const EvalArguments& args, const ModelBundle& bundle, const RunFolder& run) {
   return (args.out.empty() ? bundle.folder / "runs" : fs::path(args.out)) / (run.object + "-" + run.run);
+}
+
+PredictionOptions prediction_options(const EvalArguments& args, unsigned threads, const std::optional<Dataset>& dataset,
+                                     const ModelBundle& bundle, const ModelDescription& model) {
+  PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = threads};
+  if (args.gate) options.gate = gate_limit(bundle, model);
+  if (dataset) options.guard = dataset->sampling().guard;
+  if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
+  if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
+  return options;
+}
+
+std::map<CameraTime, Touch> samples_of(const Dataset& dataset, std::uint32_t run) {
+  std::map<CameraTime, Touch> samples;
+  for (const Sample& sample : dataset.samples()) {
+    if (sample.run_index == run) samples[sample.t] = sample.touch;
+  }
+  return samples;
+}
+
+/// The row of a run in the table.
+std::vector<std::string> row_of(const RunPrediction& prediction, bool learned_from) {
+  std::string outcomes;
+  for (const Detection& detection : prediction.detections)
+    outcomes += fmt::format("{}{} {}", outcomes.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
+  return {prediction.run + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
+          prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
+          outcomes.empty() ? "no labels" : outcomes};
+}
+
+/// Predicts runs at every tick with one model, and writes the files of each.
+struct RunsOfModel {
+  const EvalArguments& args;
+  const std::optional<Dataset>& dataset;
+  const ModelBundle& bundle;
+  const Classifier& classifier;
+  const PredictionOptions& options;
+  nlohmann::json json = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows = {};
+
+  /// The run's index in the dataset, if the model was trained on this dataset.
+  std::optional<std::uint32_t> index_of(const ChosenRun& run) const {
+    const bool is_known = dataset && classifier.model().manifest_hash == dataset->manifest_hash();
+    return is_known ? run.in_dataset : std::nullopt;
+  }
+  void show(const ChosenRun& run, const std::function<void(std::size_t)>& progress);
+};
+
+void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_t)>& progress) {
+  const std::optional<std::uint32_t> index = index_of(run);
+  // `check_unchanged` has compared the hash of a run in the dataset with its file.
+  const bool learned_from = tactile::learned_from(
+      classifier.model(), index ? dataset->runs()[*index].events_sha256 : sha256_of_file(run.folder.events()));
+  const RunPrediction prediction = predict_run(run.folder, classifier, options, progress);
+  if (prediction.verdicts.empty()) {
+    throw Error(fmt::format("{}: shorter than the history of {} ms; expected at least one full tick", run.folder.name(),
+                            in_ms(classifier.rendering().history)));
+  }
+  const fs::path stem = stem_of(args, bundle, run.folder);
+  write_prediction(stem.string() + ".csv", prediction, index ? samples_of(*dataset, *index) : std::map<CameraTime, Touch>());
+  write_json(stem.string() + ".json", outcome_json(prediction));
+  const PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
+  for (const char* extension : {".png", ".svg"}) draw_prediction(picture, stem.string() + extension);
+  json.push_back(json_of(prediction, bundle, learned_from, stem));
+  rows.push_back(row_of(prediction, learned_from));
+  spdlog::info("{}: {}", run.folder.name(), stem.string() + ".csv, .png, .svg");
 }
 
 }  // namespace
@@ -140,7 +205,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   std::optional<Dataset> dataset;
   if (fs::exists(dataset_file(args.data))) dataset.emplace(dataset_file(args.data));
-  std::vector<std::string> errors;  // of runs that cannot be shown; the others are
+  std::vector<std::string> errors;  // of runs that cannot be shown; the others are shown
   const auto attempt = [&errors](const auto& step) {
     try {
       step();
@@ -148,75 +213,38 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
       errors.push_back(sentence_of(e));
     }
   };
-  std::vector<ChosenRun> asked_for;
-  for (const std::string& given : args.runs) attempt([&] { asked_for.push_back(chosen_run(given, args, dataset)); });
-  if (asked_for.empty()) return end_with(errors);
+  std::vector<ChosenRun> chosen;
+  for (const std::string& given : args.runs) attempt([&] { chosen.push_back(chosen_run(given, args, dataset)); });
+  if (chosen.empty()) return end_with(errors);
   const ModelBundle bundle = model_for_runs(args, dataset);
   const Classifier classifier = open_classifier(bundle.folder, common.threads, engine_named(args.engine));
-  const ModelDescription& model = classifier.model();
-  spdlog::info("every tick as {} sees it", bundle.folder.string());
+  spdlog::info("every tick, predicted by {}", bundle.folder.string());
+  const PredictionOptions options = prediction_options(args, common.threads, dataset, bundle, classifier.model());
+  RunsOfModel shown{.args = args, .dataset = dataset, .bundle = bundle, .classifier = classifier, .options = options};
 
-  PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = common.threads};
-  if (args.gate) options.gate = gate_limit(bundle, model);
-  if (dataset) options.guard = dataset->sampling().guard;
-  if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
-  if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
-
-  const bool of_this_dataset = dataset && model.manifest_hash == dataset->manifest_hash();
   std::vector<ChosenRun> runs;
   std::uint64_t total = 0, done = 0;
-  for (const ChosenRun& run : asked_for) {
+  for (const ChosenRun& run : chosen) {
     attempt([&] {
-      if (of_this_dataset && run.in_dataset) check_unchanged(*dataset, *run.in_dataset);
+      if (const auto index = shown.index_of(run)) check_unchanged(*dataset, *index);
       total += expected_ticks(run.folder.events(), classifier.rendering());
       runs.push_back(run);
     });
   }
-
   const ProgressCallback progress = progress_line(common);
-  nlohmann::json json = {
-      {"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", nlohmann::json::array()}};
-  std::vector<std::vector<std::string>> rows;
-  const auto show = [&](const ChosenRun& run) {
-    const std::string name = run.folder.name();
-    // Of this dataset's runs the hash is known, and was held against the file.
-    const bool learned_from =
-        tactile::learned_from(model, of_this_dataset && run.in_dataset ? dataset->runs()[*run.in_dataset].events_sha256
-                                                                       : sha256_of_file(run.folder.events()));
-    const RunPrediction prediction = predict_run(run.folder, classifier, options, [&](std::size_t ticks) {
-      done += ticks;
-      tell(progress, done, total, "every tick of " + name);
+  for (const ChosenRun& run : runs) {
+    attempt([&] {
+      shown.show(run, [&](std::size_t ticks) {
+        done += ticks;
+        tell(progress, done, total, "every tick of " + run.folder.name());
+      });
     });
-    if (prediction.verdicts.empty()) {
-      throw Error(fmt::format("{}: shorter than the history of {} ms; expected a full tick at least", name,
-                              static_cast<double>(classifier.rendering().history.count()) / 1000));
-    }
-    std::map<CameraTime, Touch> samples;
-    if (of_this_dataset && run.in_dataset) {
-      for (const Sample& sample : dataset->samples()) {
-        if (sample.run_index == *run.in_dataset) samples[sample.t] = sample.touch;
-      }
-    }
-    const fs::path stem = stem_of(args, bundle, run.folder);
-    write_prediction(stem.string() + ".csv", prediction, samples);
-    write_json(stem.string() + ".json", outcome_json(prediction));
-    const PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
-    for (const char* extension : {".png", ".svg"}) draw_prediction(picture, stem.string() + extension);
-    json["runs"].push_back(json_of(prediction, bundle, learned_from, stem));
-
-    std::string met;
-    for (const Detection& detection : prediction.detections)
-      met += fmt::format("{}{} {}", met.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
-    rows.push_back({name + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
-                    prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
-                    met.empty() ? "no labels" : met});
-    spdlog::info("{}: {}", name, stem.string() + ".csv, .png, .svg");
-  };
-  for (const ChosenRun& run : runs) attempt([&] { show(run); });
-  if (rows.empty()) return end_with(errors);
-  print_result(common, json,
-               fmt::format("Every tick as {} sees it\n\n", bundle.name()) +
-                   text_table({"run", "ticks", "false alarms", "intervals and their delay"}, rows) + "\nWritten to " +
+  }
+  if (shown.rows.empty()) return end_with(errors);
+  print_result(common,
+               {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", shown.json}},
+               fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
+                   text_table({"run", "ticks", "false alarms", "intervals and their delay"}, shown.rows) + "\nWritten to " +
                    stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, JSON, PNG and SVG each\n");
   end_with(errors);
 }

@@ -51,11 +51,10 @@ std::string accuracy_text(const Evaluation& evaluation) {
   rows.push_back({"network", percent(mean), bounds(mean, 100)});
   for (const BaselineScore& baseline : evaluation.baselines)
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
-  text += text_table({"beside the baselines, mean over objects [%]", "", "95 %"}, rows);
+  text += text_table({"compared with baselines, mean over objects [%]", "", "95 %"}, rows);
   const auto above = evaluation.above_baselines();
-  text += evaluation.baselines.empty()
-              ? "None of the runs that the model learned from is in the dataset, to fit the baselines on.\n\n"
-          : !above ? "Too few objects to tell whether the network's accuracy lies above every baseline's.\n\n"
+  text += evaluation.baselines.empty() ? "No baselines: the dataset has none of the runs that the model was trained on.\n\n"
+          : !above                     ? "No comparison with the baselines: too few objects for an interval.\n\n"
           : *above
               ? "The network's accuracy interval lies above every baseline's.\n\n"
               : wrapped("The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") +
@@ -75,9 +74,9 @@ std::string classes_text(const Evaluation& evaluation) {
     score_rows.push_back({std::string(name_of(truth)), percent(score.precision), bounds(score.precision, 100),
                           percent(score.recall), bounds(score.recall, 100), percent(score.f1), bounds(score.f1, 100)});
   }
-  return text_table({"true \\ said", "none", "press", "slip"}, rows) + "\n" +
+  return text_table({"true \\ predicted", "none", "press", "slip"}, rows) + "\n" +
          text_table({"[%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
-         wrapped(fmt::format("The network's probabilities are off by {} % {} in the mean (expected calibration error).",
+         wrapped(fmt::format("Expected calibration error of the network's probabilities: {} % {}.",
                              percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100))) +
          "\n\n";
 }
@@ -106,14 +105,14 @@ std::string over_time_text(const Evaluation& evaluation) {
     row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
     row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
     row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
-    row(fmt::format("{}, last less before it", name), labels.last_minus_before,
+    row(fmt::format("{}, last minus before it", name), labels.last_minus_before,
         by_truth ? &by_truth->last_minus_before : nullptr);
-    row(fmt::format("{}, still said {} ms after", name, ms(options.after)), labels.still_said,
+    row(fmt::format("{}, still predicted {} ms after", name, ms(options.after)), labels.still_said,
         by_truth ? &by_truth->still_said : nullptr);
   };
   add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
   add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);
-  std::vector<std::string> header{"ticks of intervals right [%]", "labels", "95 %"};
+  std::vector<std::string> header{"correct ticks of intervals [%]", "labels", "95 %"};
   if (truth) header.insert(header.end(), {"truth", "95 %"});
   return text_table(header, rows) + "\n";
 }
@@ -121,7 +120,7 @@ std::string over_time_text(const Evaluation& evaluation) {
 std::string gate_text(const Evaluation& evaluation) {
   if (!evaluation.gate_off) return {};
   const GateOff& off = *evaluation.gate_off;
-  // Beside one another only two columns: all there is of each would be a long row.
+  // Two columns side by side: all figures of each would be a long row.
   std::vector<Row> rows;
   const auto add = [&](const std::string& name, const auto& text_of) {
     rows.push_back({name, text_of(evaluation.accuracy, evaluation.network), text_of(off.accuracy, off.network)});
@@ -138,39 +137,42 @@ std::string gate_text(const Evaluation& evaluation) {
   add("false alarms per min", [](const Accuracy&, const DetectorScore& score) { return number(score.false_alarms.per_min); });
   const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
   return text_table({fmt::format("gate: none below {} events", off.limit), "on", "off"}, rows) +
-         fmt::format("The gate spares the network {:.1f} % of {} ticks.\n\n", share, off.ticks);
+         fmt::format("The gate skips the network at {:.1f} % of {} ticks.\n\n", share, off.ticks);
 }
 
 constexpr const char* operating_legend =
-    "Press or slip, whichever is likelier, is said from this probability on. m + e: misses and early ones; alarms: false ones.";
+    "threshold: press or slip, whichever is likelier, is predicted from this probability on. m + e: missed + early intervals; "
+    "alarms: "
+    "false alarms.";
 
 std::string operating_text(const Evaluation& evaluation) {
   std::vector<Row> rows;
   for (const OperatingPoint& point : evaluation.operating_curve) {
-    // Those that a person compares; eval.json has them all.
+    // A selection; eval.json has them all.
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
     rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
                     number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms_per_min),
                     bounds(point.false_alarms_per_min, 1)});
   }
-  return text_table({"said from", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
+  return text_table({"threshold", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
          wrapped(operating_legend) + "\n";
 }
 
 constexpr const char* delay_legend =
-    "One tick is the best delay possible; it is averaged over the intervals that were detected. miss: not detected within 500 ms "
-    "or the interval; early: said long before it began. 95 %: bootstrap interval, sem: standard error of the mean; - : too few "
-    "to tell. In brackets, detectors that know nothing: one that detects at once by chance pays with false alarms. From gross "
-    "slip: "
-    "below 0 where told before it.";
+    "The best possible delay is one tick. The mean is over detected intervals. misses: not detected within 500 ms or the "
+    "interval; "
+    "early: predicted long before the interval. 95 %: bootstrap interval; sem: standard error of the mean; -: too few intervals. "
+    "In "
+    "brackets: trivial detectors, which ignore the events; fast detection by chance costs false alarms. From gross slip: below 0 "
+    "where slip is predicted before it.";
 
 constexpr const char* false_alarm_legend =
-    "A false alarm begins in no interval; one that begins within the guard after an interval is counted apart, and so is one in "
-    "real motion that nobody labels. However long it lasts, it counts once: a detector that always says the same has one a run. "
-    "minutes: how long nothing was, and how long these others lasted. The interval per minute ends no lower than so few alarms "
-    "in "
-    "so short a time may mean.";
+    "A false alarm begins in no interval. Alarms within the guard after an interval, and alarms in unlabelled motion, are "
+    "counted "
+    "separately. An alarm counts once, however long it lasts: a detector that always predicts one class has one per run. "
+    "minutes: "
+    "total time without touch, and of the other two kinds. The interval per minute also allows for few alarms in a short time.";
 
 Row delay_row(const std::string& name, const DelaySummary& delay) {
   return {name,
@@ -230,10 +232,10 @@ std::string false_alarms_text(const Evaluation& evaluation) {
 
 std::string engine_text(const Evaluation& evaluation) {
   return "\n" +
-         wrapped(
-             fmt::format("Run with the engine {}: of {} ticks, {} have their two largest logits less than 0.0001 apart, where "
-                         "another engine's verdict may be another.",
-                         name_of(evaluation.engine), evaluation.ticks, evaluation.close_ticks)) +
+         wrapped(fmt::format(
+             "Engine {}: at {} of {} ticks the two largest logits differ by less than 0.0001; there another engine can predict "
+             "another class.",
+             evaluation.engine, evaluation.close_ticks, evaluation.ticks)) +
          "\n";
 }
 
@@ -241,7 +243,7 @@ std::string engine_text(const Evaluation& evaluation) {
 
 std::string text_of(const Evaluation& evaluation) {
   std::string title = title_of(evaluation);
-  if (evaluation.confirmation.of > 1) title += ", confirmed in " + text_of(evaluation.confirmation) + " ticks";
+  if (evaluation.confirm != "1/1") title += ", confirmed in " + evaluation.confirm + " ticks";
   if (evaluation.gate_off) title += ", gated";
   return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
          delays_text(evaluation) + false_alarms_text(evaluation) + gate_text(evaluation) + over_time_text(evaluation) +
@@ -256,7 +258,7 @@ std::string text_of(const UnseenComparison& comparison, bool simulated) {
   };
   for (const auto& [name, of_object] : comparison.objects) add_row(name, of_object);
   add_row("mean over objects", comparison.mean);
-  return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither learned from",
+  return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither model was trained on",
                              comparison.models->seen, comparison.models->held_out, comparison.runs.size(),
                              simulated ? "simulated" : "real")) +
          "\n\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows) + "\n";

@@ -6,7 +6,7 @@
 
 namespace tactile {
 
-// What an evaluation found, as tables for people.
+// The results of an evaluation as tables.
 
 std::string text_of(const Evaluation& evaluation);
 std::string text_of(const UnseenComparison& comparison, bool simulated);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "quantity_text.hpp"
@@ -33,34 +34,19 @@ struct ExportedFile {
   std::string sha256;
 };
 
-ModelBundle model_to_export(const ExportArguments& args) {
-  if (!args.model.empty()) {
-    const fs::path given(args.model);
-    if (fs::is_directory(given)) return {given.filename().empty() ? given.parent_path() : given};
-    return {fs::path(args.models) / given};
-  }
-  // One that learned of every object comes first, as for eval: a study trains those with objects held out last.
-  const auto whole = newest_bundle(
-      args.models, [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; });
-  if (whole) return *whole;
-  const auto newest = newest_bundle(args.models, [](const ModelDescription&) { return true; });
-  if (newest) return *newest;
-  throw Error(args.models + ": no model; expected one, run 'tactile train' first, or name it by --model");
-}
-
-/// Everything that could be refused is refused before the first file is written.
+/// Checks everything before the first file is written.
 void check_places(const ExportArguments& args) {
   if (args.onnx.empty() && args.safetensors.empty()) {
-    throw Error("nothing to export to; expected --onnx FILE, --safetensors FILE, or both");
+    throw Error("no output is given; expected --onnx FILE, --safetensors FILE, or both");
   }
   const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
   if (!args.onnx.empty() && !args.safetensors.empty() && place(args.onnx) == place(args.safetensors)) {
-    throw Error(args.onnx + ": named for both formats; expected a file for each");
+    throw Error(args.onnx + ": is given for both formats; expected a file for each");
   }
   for (const std::string& file : {args.onnx, args.safetensors}) {
     if (file.empty() || !fs::exists(fs::symlink_status(file))) continue;
     if (fs::is_directory(file)) throw Error(file + ": is a folder; expected the name of a file");
-    if (!args.force) throw Error(file + ": is there; expected a new name, or --force to replace it");
+    if (!args.force) throw Error(file + ": exists already; expected a new name, or --force to replace it");
   }
 }
 
@@ -73,7 +59,7 @@ nlohmann::json json_of(const std::vector<ExportedFile>& files) {
 
 void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
-  const ModelBundle bundle = model_to_export(args);
+  const ModelBundle bundle = chosen_model(args.model, args.models);
   const ModelDescription model = read_description(bundle);
   if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
   const Weights weights = read_bundle_weights(bundle, model);
@@ -88,7 +74,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   };
   if (!args.onnx.empty()) {
     auto about = metadata;
-    about.erase("format");  // of safetensors alone
+    about.erase("format");  // of safetensors only
     about["weights_sha256"] = model.weights_sha256;
     onnx.emplace(args.onnx, if_there);
     write_whole(onnx->path(), onnx_model(lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
@@ -120,7 +106,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   std::vector<std::vector<std::string>> rows;
   for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
-  text += wrapped(fmt::format("{}: learned from {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
+  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
                               "none, press, slip",
                               bundle.folder.string(), model.simulated ? "simulated" : "real", model.input.height,
                               model.input.width)) +

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tactile/core/parallel.hpp"
-#include "tactile/report/picture_folder.hpp"
+#include "tactile/pictures/picture_folder.hpp"
 
 namespace tactile {
 namespace {

@@ -10,18 +10,18 @@
 
 namespace tactile {
 
-/// Writes the stored heatmaps of every sample as grey pictures, their pixels the heatmaps' own:
+/// Writes the stored heatmaps of every sample as grey pictures with the same pixels:
 /// `folder/th_040/<object>/<run>/<object>-<run>-<t_us>-<class>.png`, with a list of them in `folder/th_040/pictures.csv`. Within
-/// a run their names sort by time. Each history's folder appears whole; one of earlier pictures is replaced.
+/// a run their names sort by time. Each history's folder appears when it is complete, and replaces earlier pictures.
 ///
-/// @param history  as `Dataset::find_heatmaps` knows it
-/// @param threads  0: as many as the machine has cores
-/// @return         how many were written
-/// @throws Error   as `check_heatmap_pictures`, or if one cannot be written; what was there then still is
+/// @param history  as of `Dataset::find_heatmaps`
+/// @param threads  0: the machine's cores
+/// @return         the number of pictures
+/// @throws Error   as `check_heatmap_pictures`, or if one cannot be written; earlier pictures then stay
 std::uint64_t write_heatmap_pictures(const Dataset& dataset, const StoredHeatmaps& history, const std::filesystem::path& folder,
                                      unsigned threads, const ProgressCallback& progress);
 
-/// @throws Error  if something else than earlier pictures is where those of the history go: to be asked before they are rendered
+/// @throws Error  if something other than earlier pictures is in the place of the history's pictures; call it before rendering
 void check_heatmap_pictures(const std::filesystem::path& folder, const std::string& history_name);
 
 }  // namespace tactile

@@ -45,7 +45,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
     histories.push_back(heatmap_options(history_ms, args.rendering));
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, stored_name(histories.back()));
   }
-  if (!args.pictures.empty()) catch_termination();  // a folder of pictures half made is not left behind
+  if (!args.pictures.empty()) catch_termination();  // so that no incomplete folder of pictures stays
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
   {
@@ -65,13 +65,13 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   }
   std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);
   if (!args.pictures.empty()) {
-    const Dataset dataset(file);  // opened again: it lists what was rendered now
+    const Dataset dataset(file);  // opened again, because it now lists the new heatmaps
     std::uint64_t pictures = 0;
     for (const HeatmapOptions& options : histories) {
       const auto stored = dataset.find_heatmaps(stored_name(options));
       if (!stored)
-        throw Error(fmt::format("{}: history {} is gone again; expected nobody to replace the dataset meanwhile", file.string(),
-                                stored_name(options)));
+        throw Error(fmt::format("{}: history {} has disappeared; expected that no other program replaces the dataset",
+                                file.string(), stored_name(options)));
       pictures += write_heatmap_pictures(dataset, *stored, args.pictures, common.threads, progress_line(common));
     }
     result["pictures"] = pictures;

@@ -22,7 +22,7 @@ std::size_t columns() {
   return std::clamp<std::size_t>(window.ws_col, 60, 100);
 }
 
-/// One entry: what is typed, and what it means in a column of its own.
+/// One entry: the option, and its meaning in a separate column.
 std::string entry(const std::string& typed, const std::string& meaning) {
   std::string text = "  " + typed;
   if (text.size() + 2 > text_column) {
@@ -67,7 +67,7 @@ bool is_common(const CLI::Option& option) {
 
 ValueText value_text(const CLI::Option& option) {
   if (option.get_type_size() == 0) return {};
-  // CLI11 gives the type's name and the checks' descriptions as one, with colons between; a colon in brackets is the name's own.
+  // CLI11 joins the type's name and the checks' descriptions with colons; a colon in brackets belongs to the name.
   const std::string all = option.get_type_name();
   std::size_t end = 0;
   int depth = 0;

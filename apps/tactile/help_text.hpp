@@ -5,17 +5,17 @@
 
 namespace tactile {
 
-/// Lays a command's help out: lines of at most as many columns as the terminal has, and 100; 80 where there is none. A command's
-/// own options come ahead of those that all commands take.
+/// Formats a command's help: lines of at most the terminal's width and 100 columns, or 80 without a terminal. A command's own
+/// options precede those of all commands.
 class HelpText : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 };
 
-/// What an option takes, for people: "N" and "1 to 1024".
+/// An option's value as the help shows it: "N" and "1 to 1024".
 struct ValueText {
-  std::string name;   ///< stands for the value; empty where the option takes none
-  std::string right;  ///< which values are right; empty where anything may be
+  std::string name;   ///< stands for the value; empty if the option takes none
+  std::string right;  ///< which values are right; empty if all are
 };
 
 ValueText value_text(const CLI::Option& option);
@@ -23,7 +23,7 @@ ValueText value_text(const CLI::Option& option);
 /// "tactile convert [OPTIONS] IN OUT"
 std::string usage_text(const CLI::App& app);
 
-/// An option as people type it: "--th", or the word that stands for a positional, "OUT".
+/// An option as a user writes it: "--th", or the word for a positional argument, "OUT".
 std::string label_of(const CLI::Option& option);
 
 }  // namespace tactile

@@ -7,8 +7,8 @@
 namespace tactile {
 namespace {
 
-volatile std::sig_atomic_t raised = 0;        ///< the signal that came last
-volatile std::sig_atomic_t raised_at_ms = 0;  ///< when it came first, on the steady clock, of which the lower digits suffice
+volatile std::sig_atomic_t raised = 0;        ///< the last signal
+volatile std::sig_atomic_t raised_at_ms = 0;  ///< when it first came, on the steady clock; the lower digits suffice
 
 std::sig_atomic_t now_ms() {
   timespec now{};
@@ -16,8 +16,8 @@ std::sig_atomic_t now_ms() {
   return static_cast<std::sig_atomic_t>((now.tv_sec % 1'000'000) * 1000 + now.tv_nsec / 1'000'000);
 }
 
-/// A signal raises the flag. The same once more ends the process, but not within half a second: `timeout` tells its wish twice,
-/// to the process and to its group.
+/// A signal raises the flag. The same signal again ends the process, but not within half a second: `timeout` sends it twice, to
+/// the process and to its group.
 void on_signal(int number) {
   if (raised != number) {
     raised_at_ms = now_ms();
@@ -65,7 +65,7 @@ void catch_termination() {
     catch_signal(SIGTERM);
     struct sigaction present {};
     const bool is_ignored = sigaction(SIGHUP, nullptr, &present) == 0 && present.sa_handler == SIG_IGN;
-    if (!is_ignored) catch_signal(SIGHUP);  // under nohup the terminal's end is none of ours
+    if (!is_ignored) catch_signal(SIGHUP);  // under nohup the command continues without the terminal
     std::signal(SIGPIPE, SIG_IGN);
     return true;
   }();

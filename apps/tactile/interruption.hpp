@@ -2,16 +2,16 @@
 
 namespace tactile {
 
-/// From here on Ctrl-C, SIGTERM and SIGHUP wait until they are released: first in a program, which cannot meet them yet, and
-/// ahead of becoming another one, for what waits is waiting there too.
+/// From now on Ctrl-C, SIGTERM and SIGHUP wait until they are released: at the start of a program, which cannot handle them yet,
+/// and before it starts another program in its place, where they still wait.
 void hold_signals();
 void release_signals();
 
-/// Ctrl-C raises a flag from here on; pressed once more it ends the process, as it always does.
+/// From now on Ctrl-C raises a flag. The second Ctrl-C ends the process.
 void catch_ctrl_c();
 
-/// The same for SIGTERM and SIGHUP (a terminal that is closed), for commands whose normal end they are. What reads our output may
-/// end too: SIGPIPE is ignored, and writing fails instead.
+/// The same for SIGTERM and SIGHUP (a closed terminal), for commands whose usual end they are. The program that reads our output
+/// may end, too: SIGPIPE is ignored, and writing fails instead.
 void catch_termination();
 
 bool interrupted();

@@ -15,10 +15,11 @@
 #include "labelled_run.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/folders_in.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_runs.hpp"
-#include "tactile/report/run_picture.hpp"
+#include "tactile/pictures/run_picture.hpp"
 #include "truth_tables.hpp"
 
 namespace tactile {
@@ -62,17 +63,6 @@ Check is_region() {
                                               text);
                },
                "x,y,width,height [px]"};
-}
-
-/// The folders in `place`, by name. What cannot be read is passed over: looking for runs has named it.
-std::vector<fs::path> folders_in(const fs::path& place) {
-  std::vector<fs::path> folders;
-  std::error_code failed, unknown;
-  for (fs::directory_iterator entry(place, failed), end; !failed && entry != end; entry.increment(failed)) {
-    if (fs::is_directory(entry->path(), unknown)) folders.push_back(entry->path());
-  }
-  std::sort(folders.begin(), folders.end());
-  return folders;
 }
 
 bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }

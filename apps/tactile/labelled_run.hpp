@@ -5,11 +5,11 @@
 
 namespace tactile {
 
-/// A run with its labels, as tables tell of it.
+/// A run with its labels, for tables.
 struct LabelledRun {
   RunFolder run;
   Labels labels;
-  CameraTime first_event{};  ///< what times in tables count from
+  CameraTime first_event{};  ///< zero of the times in tables
 };
 
 }  // namespace tactile

@@ -5,11 +5,11 @@
 
 namespace tactile {
 
-/// One line on stderr that is drawn over and over, where that is a terminal, and log lines that do not run into it. May be used
-/// from several threads.
+/// One line on stderr that is drawn again and again, if that is a terminal. Log lines do not collide with it. Several threads may
+/// use it.
 class LiveLine {
  public:
-  explicit LiveLine(bool wanted);  ///< without a terminal nothing is ever drawn
+  explicit LiveLine(bool wanted);  ///< nothing is drawn without a terminal
   ~LiveLine() { clear(); }
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;

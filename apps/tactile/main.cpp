@@ -1,7 +1,7 @@
 #include "commands.hpp"
 #include "program.hpp"
 
-/// `tactile`: runs its own commands, and becomes another program for the others.
+/// `tactile`: runs its own commands, and starts another program for the others.
 int main(int argc, char** argv) {
   using namespace tactile;
   const std::string_view command = argc > 1 ? argv[1] : "";

@@ -10,8 +10,8 @@
 
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
+#include "tactile/core/confirmation.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/evaluation/confirmation.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -19,7 +19,7 @@
 namespace tactile {
 namespace {
 
-/// @throws Error  if no object has the run that is to be learned from, in the dataset or beside it: a slip of the pen
+/// @throws Error  if no object has the training run, in the dataset or beside it: most likely a mistyped run
 void check_train_run(const Dataset& dataset, const std::string& wanted) {
   std::set<std::string> ids;
   for (const DatasetRun& run : dataset.runs()) {
@@ -29,7 +29,7 @@ void check_train_run(const Dataset& dataset, const std::string& wanted) {
   throw Error(fmt::format("--train-run {}: no object has such a run; expected one of {}", wanted, fmt::join(ids, ", ")));
 }
 
-/// The split; where it cannot be made, a warning says why runs have no samples.
+/// The split. If there is none, a warning explains why runs have no samples.
 Split split_or_reasons(const Dataset& dataset, const SplitOptions& options) {
   check_train_run(dataset, options.train_run);
   try {
@@ -64,7 +64,7 @@ Check is_confirmation() {
 std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
   if (std::filesystem::exists(file)) return std::nullopt;
-  spdlog::info("{} is missing: it is made by the defaults of 'tactile windows'", file.string());
+  spdlog::info("{} is missing: it is created with the defaults of 'tactile windows'", file.string());
   DatasetSummary summary = write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   spdlog::info("{}: {} samples", file.string(), summary.samples);
@@ -99,7 +99,7 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
   for (const RunWithoutSamples& run : runs_of_objects_left_out(dataset)) flagged.insert(run.object);
   std::vector<std::string> held_out;
   for (const std::string& object : named.empty() ? default_held_out() : named) {
-    // One that is flagged and not in the dataset is left out. The split refuses a name that is not known at all.
+    // A flagged object that is not in the dataset is left out. The split rejects an unknown name.
     if (objects.contains(object) || (!named.empty() && !flagged.contains(object))) held_out.push_back(object);
   }
   std::set<std::string> left = with_samples;

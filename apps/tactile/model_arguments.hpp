@@ -15,35 +15,35 @@
 
 namespace tactile {
 
-/// The dataset that DATA means: DATA/dataset.h5, or DATA itself where it is a file.
+/// The dataset of DATA: DATA/dataset.h5, or DATA itself if it is a file.
 std::filesystem::path dataset_file(const std::string& data);
 
-/// Makes a missing dataset by windows' defaults, and says so. Nothing if there is one. Its errors are for `end_with`.
+/// Creates a missing dataset with the defaults of `windows`, and logs this. Nothing if there is one. Pass its errors to
+/// `end_with`.
 /// @throws Error as `write_dataset`
 std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
 
-/// Warns of runs and objects of these splits that are not those asked for, and of what lifts flags.
-/// @return  the sentences  @throws Error  if an object has no run with samples and `strict` is set
+/// Warns if runs or objects of these splits differ from the requested ones, and explains how to include flagged ones.
+/// @return  the warnings. @throws Error  if an object has no run with samples and `strict` is set
 std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict);
 
 /// k/n of `--confirm`.
 Check is_confirmation();
 
-/// The objects to hold out: those named, or those of the paper's five that the dataset has.
-/// @throws Error  where none was named and none of those, or nothing else, is there
+/// The objects to hold out: `named`, or those of the paper's five that the dataset has.
+/// @throws Error  if none is left to hold out, or none to train on
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);
 
-/// What a training works through, for people: "3636 samples, 10 epochs".
+/// The size of a training: "3636 samples, 10 epochs".
 std::string training_size(const Dataset& dataset, const ModelSettings& settings);
 
-/// Logs how much longer a training takes once its first epoch has shown it, and once more where an epoch shows that this was
-/// wrong by a quarter.
+/// Logs the remaining time of a training after its first epoch, and again after an epoch that shows an error of a quarter.
 class TrainingEstimate {
  public:
-  /// @param progress  gets what `see` gets
+  /// @param progress  called with what `see` receives
   TrainingEstimate(unsigned epochs, ProgressCallback progress) : epochs_(epochs), progress_(std::move(progress)) {}
 
-  void begin(unsigned epoch, double done);  ///< as `TrainModelOptions::begins`: what comes before is no training
+  void begin(unsigned epoch, double done);  ///< as `TrainModelOptions::begins`: the training begins here
   void see(const Progress& progress);
 
  private:
@@ -53,11 +53,11 @@ class TrainingEstimate {
   ProgressCallback progress_;
   bool has_begun_ = false;
   Clock::time_point measured_from_{};
-  double measured_from_epochs_ = 0;  ///< so many were done then
+  double measured_from_epochs_ = 0;  ///< epochs that were done then
   std::optional<Clock::time_point> expected_end_;
 };
 
-/// `--engine`, what a model is run with.
+/// `--engine`, which runs a model.
 void add_engine_option(Command command, std::string& engine);
 
 }  // namespace tactile

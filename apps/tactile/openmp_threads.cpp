@@ -13,7 +13,7 @@
 namespace tactile {
 namespace {
 
-/// This process's arguments, as the kernel has them: separated by zeros.
+/// This process's arguments from the kernel, separated by zeros.
 std::vector<std::string> own_arguments() {
   std::vector<std::string> arguments;
   std::string argument;
@@ -44,7 +44,7 @@ void let_openmp_threads_sleep() {
   hold_signals();
   stop_if_interrupted();
   ::execv("/proc/self/exe", pointers.data());
-  release_signals();  // that failed: the work goes on with threads that spin, slower, not wrong
+  release_signals();  // that failed: the threads spin, which is slower, but not wrong
 }
 
 }  // namespace tactile

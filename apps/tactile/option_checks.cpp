@@ -33,9 +33,9 @@ std::string range_text(double low, double high) { return number_text(low) + " to
 
 std::string check_number(const std::string& text, bool whole, double low, double high) {
   const std::optional<double> value = number_in(text);
-  if (!value || std::isnan(*value)) return fmt::format("'{}' is no number; expected {}", text, range_text(low, high));
+  if (!value || std::isnan(*value)) return fmt::format("'{}' is not a number; expected {}", text, range_text(low, high));
   if (whole && !whole_number_in(text) && *value >= low && *value <= high)
-    return fmt::format("{} is no whole number; expected {}", text, range_text(low, high));
+    return fmt::format("{} is not a whole number; expected {}", text, range_text(low, high));
   if (*value < low || *value > high) return fmt::format("{} is out of range; expected {}", text, range_text(low, high));
   return "";
 }
@@ -53,7 +53,7 @@ Check one_of(std::initializer_list<const char*> words) {
 Check is_run() {
   return Check{[](std::string& text) {
                  return is_run_id(text) ? std::string()
-                                        : fmt::format("'{}' is no run's id; expected two digits from 01 on", text);
+                                        : fmt::format("'{}' is not the id of a run; expected two digits from 01 on", text);
                },
                ""};
 }
@@ -64,7 +64,7 @@ Check is_seed() {
                  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
                  return error == std::errc{} && end == text.data() + text.size()
                             ? std::string()
-                            : fmt::format("'{}' is no seed; expected a whole number from 0 to 18446744073709551615", text);
+                            : fmt::format("'{}' is not a seed; expected a whole number from 0 to 18446744073709551615", text);
                },
                "0 to 18446744073709551615"};
 }

@@ -9,24 +9,23 @@
 #include "options.hpp"
 #include "tactile/core/numbers.hpp"
 
-// What options take. A check's description stands in the help as what is right ("1 to 1024"), and behind "expected" where a value
-// is wrong.
+// Checks of option values. The help shows a check's description ("1 to 1024"), and an error shows it after "expected".
 namespace tactile {
 
-/// A number from `low` to `high`, both included; a whole one where T is.
+/// A number from `low` to `high`, both included; a whole one if T is.
 template <class T>
 Check in_range(T low, T high);
 
 /// One of these words.
 Check one_of(std::initializer_list<const char*> words);
 
-/// Whole numbers that a seed can be, 0 to 18446744073709551615.
+/// A whole number from 0 to 18446744073709551615.
 Check is_seed();
 
 /// A run's id: two digits from 01 on.
 Check is_run();
 
-/// The name of a file that is there, and no folder.
+/// The name of an existing file, not of a folder.
 Check is_existing_file();
 
 std::string range_text(double low, double high);  ///< "0.001 to 1000000", "1e-12 to 10"

@@ -38,13 +38,13 @@ namespace tactile {
 
 namespace {
 
-/// What the standard library calls lack of memory says nothing to a person.
+/// The standard library's message does not explain the problem.
 int fail_for_lack_of_memory() noexcept {
-  std::fputs("tactile: there is not enough memory; expected more, or less work at once (--threads 1)\n", stderr);
+  std::fputs("tactile: there is not enough memory; expected more memory, or fewer threads (--threads 1)\n", stderr);
   return 1;
 }
 
-/// Where an exception cannot be caught, as in a destructor.
+/// For an exception that cannot be caught, as in a destructor.
 [[noreturn]] void end_uncaught() {
   try {
     if (const std::exception_ptr uncaught = std::current_exception()) std::rethrow_exception(uncaught);
@@ -53,7 +53,7 @@ int fail_for_lack_of_memory() noexcept {
   } catch (const std::exception& e) {
     print_error(sentence_of(e));
   } catch (...) {
-    // What it was cannot be known.
+    // It has no message.
   }
   std::abort();
 }
@@ -84,7 +84,7 @@ int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
     for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
       const std::string nearest = nearest_name(argv[1], names);
-      print_error(fmt::format("'{}' is no command; {}'tactile --help' lists all", argv[1],
+      print_error(fmt::format("'{}' is not a command; {}'tactile --help' lists all", argv[1],
                               nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest)));
       return e.get_exit_code();
     }
@@ -113,7 +113,7 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
     print_error(sentence_of(e));
     return 1;
   }
-  if (exit_code != 0 && exit_code != 2) return exit_code;  // why has been printed
+  if (exit_code != 0 && exit_code != 2) return exit_code;  // the reason has been printed
   const std::string lost = what_output_lost();
   if (lost.empty()) return exit_code;
   print_error(lost);
@@ -122,8 +122,8 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
 
 namespace {
 
-/// Whether `program` can be loaded where there is a limit on memory: tried in a process of its own, since who becomes a program
-/// that cannot be loaded is ended by the loader, in its own words.
+/// Whether `program` can be loaded within the limit on memory. A child process tries it first, because the loader ends a process
+/// with its own message if the program cannot be loaded.
 bool can_be_loaded(const std::string& program) {
   rlimit limit{};
   const auto is_limited = [&limit](auto which) { return ::getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY; };
@@ -151,16 +151,17 @@ int hand_over_to(const char* program, char** argv) {
   std::error_code failed;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
   const std::string file = (here / program).string();
-  // OpenCV loads OpenBLAS, which begins a thread for each core as it is loaded, with 128 MB for each: without them they spin,
-  // and the process waits for them as it ends. We let it work on one thread anyway: libtorch has threads of its own.
+  // OpenCV loads OpenBLAS, which starts a thread with 128 MB for each core. Without this memory the threads spin, and the process
+  // waits for them in the end. One thread is enough: libtorch has its own threads.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
   if (std::filesystem::exists(file, failed) && !can_be_loaded(file)) {
-    print_error(fmt::format("{}: cannot be loaded within the limit on memory (ulimit -v); expected a higher one, or none", file));
+    print_error(
+        fmt::format("{}: cannot be loaded within the limit on memory (ulimit -v); expected a higher limit, or none", file));
     return 1;
   }
   ::execv(file.c_str(), argv);
-  print_error(
-      fmt::format("{}: cannot be run ({}); expected this part of tactile beside the program itself", file, std::strerror(errno)));
+  print_error(fmt::format("{}: cannot be run ({}); expected this part of tactile in the folder of the program", file,
+                          std::strerror(errno)));
   return 1;
 }
 

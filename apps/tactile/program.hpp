@@ -8,11 +8,11 @@ class App;
 
 namespace tactile {
 
-/// Declares these commands, runs the one that was asked for, and turns what it throws into a sentence and an exit code.
+/// Declares these commands, runs the requested one, and turns an exception into a sentence and an exit code.
 int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands);
 
-/// Becomes another program of ours, which stands beside this one, with the same arguments; returns only where that fails: 1,
-/// after saying why.
+/// Starts another tactile program from the same folder in place of this one, with the same arguments. Returns only if that fails:
+/// 1, after printing the reason.
 int hand_over_to(const char* program, char** argv);
 
 }  // namespace tactile

@@ -14,7 +14,7 @@ std::string rate_text(double per_second);          ///< "807 /s", "189.8 k/s", "
 std::string duration_text(microseconds duration);  ///< "200 us", "61.3 ms", "12.345 s", "5:09 min", "1:05:09 h"
 std::string bytes_text(std::uint64_t bytes);       ///< "949253 bytes (927.0 KiB)"
 
-/// "2020-11-16 14:38:13.718345 UTC" where a camera time can be host time, that is from 2001 to 2099; else "33 us".
+/// "2020-11-16 14:38:13.718345 UTC" if a camera time can be host time, from 2001 to 2099; else "33 us".
 std::string moment_text(CameraTime t);
 
 }  // namespace tactile

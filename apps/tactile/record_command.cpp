@@ -25,7 +25,7 @@
 #include "tactile/capture/session_plan.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
-#include "tactile/network/network_address.hpp"
+#include "tactile/transport/network_address.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -66,8 +66,7 @@ void list_sources(const CommonArguments& common) {
 
 std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) {
   if (args.robot.empty()) {
-    if (plan.start_on || plan.stop_on)
-      throw Error("record: the robot shall start or stop runs, but there is none; expected --robot HOST");
+    if (plan.start_on || plan.stop_on) throw Error("record: --start-on and --stop-on need a robot; expected --robot HOST");
     return nullptr;
   }
   const NetworkAddress address = robot_address(args.robot);
@@ -90,9 +89,9 @@ std::unique_ptr<VideoCapture> open_video(const RecordArguments& args, LiveLine& 
   return std::make_unique<VideoCapture>(std::move(options));
 }
 
-/// Nothing if Ctrl-C came meanwhile.
+/// Nothing after Ctrl-C.
 std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) try {
-  // The cameras come last: what they send is taken from their first moment on.
+  // The cameras are opened last, because recording begins with their first data.
   std::unique_ptr<RobotMonitor> robot = open_robot(args, plan, line);
   if (interrupted()) return nullptr;
   std::unique_ptr<VideoCapture> video = open_video(args, line);
@@ -110,11 +109,11 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
                                                           .log = [&line](const std::string& text) { line.warn(text); }});
 } catch (const Error&) {
   if (!interrupted()) throw;
-  return nullptr;  // who does not want to wait for it any more has no use for why it does not come
+  return nullptr;  // after Ctrl-C an error does not matter
 }
 
-/// Calls `give_up` and ends with 0 if Ctrl-C comes while something lets itself be waited for: no wait of some seconds can be
-/// called off, so it is left behind with its thread. Nothing has been written by then.
+/// Calls `give_up` and ends with 0 if Ctrl-C comes while a source is opened. Opening may take seconds and cannot be cancelled, so
+/// its thread is left running. Nothing has been written by then.
 template <class GiveUp>
 std::unique_ptr<RunRecorder> open_unless_interrupted(const RecordArguments& args, const SessionPlan& plan, LiveLine& line,
                                                      const GiveUp& give_up) {
@@ -122,7 +121,7 @@ std::unique_ptr<RunRecorder> open_unless_interrupted(const RecordArguments& args
   std::future<std::unique_ptr<RunRecorder>> opened =
       std::async(std::launch::async, [&] { return open_recorder(args, plan, line); });
   while (opened.wait_for(milliseconds(50)) != std::future_status::ready) {
-    // What is about to come, such as a camera, is let go in order.
+    // A source that is just being opened, such as a camera, is closed in order.
     if (interrupted() && opened.wait_for(milliseconds(500)) != std::future_status::ready) {
       give_up();
       std::_Exit(0);
@@ -171,7 +170,7 @@ nlohmann::json settings_json(const RecordArguments& args, const SessionPlan& pla
   return json;
 }
 
-/// The result of a run that was begun, or of all runs of a session.
+/// The result of a run, or of all runs of a session.
 void print_runs(const CommonArguments& common, const std::string& data, bool is_session, const RecordedRuns& recorded) {
   const auto& [runs, error] = recorded;
   std::string text;
@@ -194,10 +193,10 @@ void record(RecordArguments args, const CommonArguments& common) {
   if (!args.readout_mode.empty()) readout_mode(args.readout_mode);
   RunsToRecord wanted{
       .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
-  if (args.from.empty()) args.from.push_back(usual_source("record"));
+  if (args.from.empty()) args.from.push_back(default_source("record"));
   wanted.settings = settings_json(args, wanted.plan);
 
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on a file's size is a full disk: said, and what is there is kept
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk, and the data so far is kept
   LiveLine line(!common.quiet);
   const auto print = [&](const RecordedRuns& recorded) { print_runs(common, args.out, wanted.is_session, recorded); };
   const std::unique_ptr<RunRecorder> recorder = open_unless_interrupted(args, wanted.plan, line, [&] { print({}); });
@@ -213,16 +212,17 @@ void add_record_command(CLI::App& app) {
   Command command = add_command(
       app, "record", "Record a live camera, a robot and a video into a run folder",
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
-  const auto is_object =
-      Check{[](std::string& text) {
-              return is_object_name(text)
-                         ? ""
-                         : fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens", text);
-            },
-            ""};
-  const auto is_run = Check{
-      [](std::string& text) { return is_run_id(text) ? "" : fmt::format("'{}' is no run's number; expected 01 to 99", text); },
-      "01 to 99"};
+  const auto is_object = Check{
+      [](std::string& text) {
+        return is_object_name(text)
+                   ? ""
+                   : fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens", text);
+      },
+      ""};
+  const auto is_run = Check{[](std::string& text) {
+                              return is_run_id(text) ? "" : fmt::format("'{}' is not a number of a run; expected 01 to 99", text);
+                            },
+                            "01 to 99"};
   command
       .add_option("--from", args->from,
                   "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams")

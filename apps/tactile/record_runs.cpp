@@ -18,6 +18,7 @@
 #include "interruption.hpp"
 #include "quantity_text.hpp"
 #include "tactile/capture/new_run.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/host_clock.hpp"
@@ -29,12 +30,10 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-double seconds_of(microseconds duration) { return std::chrono::duration<double>(duration).count(); }
-
-/// Lines of standard input, waited for with a bound.
+/// Lines of standard input, with a limited wait.
 class Answers {
  public:
-  /// The next line, without its end; nothing if none came within `patience`.
+  /// The next line, without its end; nothing if none arrives within `patience`.
   std::optional<std::string> next(std::chrono::milliseconds patience) {
     if (auto line = buffered()) return line;
     if (ended_) {
@@ -69,8 +68,9 @@ class Answers {
   bool ended_ = false;
 };
 
-/// Names the runs that share one start of camera and controller. The camera's ends with this program; the monitor tells how often
-/// the controller's clock started. While the robot is gone nobody knows: such a run shares its clock with no other.
+/// Names the sessions: runs that share one start of camera and controller. The camera starts with this program; the monitor
+/// counts the starts of the controller's clock. While the robot is not connected this is unknown: such a run is a session of its
+/// own.
 class SessionId {
  public:
   explicit SessionId(const std::string& name) {
@@ -92,7 +92,7 @@ class SessionId {
   }
 
  private:
-  /// A robot that has just been connected to tells its clock with its first package.
+  /// A robot sends its clock with its first package after connecting.
   static bool clock_is_known(const RobotMonitor& robot) {
     const Steady::time_point deadline = Steady::now() + std::chrono::seconds(1);
     while (!robot.newest("timestamp")) {
@@ -104,7 +104,7 @@ class SessionId {
   std::string name_of(int number) const { return number == 1 ? base_ : fmt::format("{}-{}", base_, number); }
 
   std::string base_;
-  std::uint64_t clock_starts_ = 0;  ///< of the present name; 0 while there is none
+  std::uint64_t clock_starts_ = 0;  ///< of the present session; 0 if there is none
   int names_ = 0, present_ = 0;
 };
 
@@ -115,7 +115,7 @@ std::optional<bool> newest(const RunRecorder& recorder, const RobotBit& bit) {
 
 std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(bytes)); }
 
-/// Elements of every kind, frames of the film and packages of the robot, that are in no file although they were sent.
+/// Elements of every type, video frames and packages of the robot that were sent, but are in no file.
 std::string drops_text(const RunDrops& drops) {
   const LostElements total = drops.total();
   if (total.packets + total.events + total.others == 0) return "0";
@@ -135,7 +135,7 @@ class Walk {
     try {
       walk();
       if (!done_.empty() && !done_.back().errors.empty()) error = done_.back().errors.front();
-    } catch (const std::exception& e) {  // what was recorded until then is told all the same
+    } catch (const std::exception& e) {  // the runs so far are reported nevertheless
       line_.clear();
       error = sentence_of(e);
     }
@@ -162,7 +162,7 @@ class Walk {
   Answers answers_;
   std::size_t object_index_ = 0;
   std::vector<RunSummary> done_;
-  RisingEdge start_;  ///< kept from run to run: it may rise while one is being closed
+  RisingEdge start_;  ///< kept from run to run: it may rise while a run is being closed
   Steady::time_point drawn_{};
   std::uint64_t drawn_events_ = 0;
 };
@@ -198,11 +198,11 @@ std::string Walk::question() const {
                          : fmt::format("End of the list. Enter ends, r and Enter redoes {}.", done_.back().run.name());
   const SessionPlan::Object& object = plan_.objects[object_index_];
   const std::string start = plan_.start_on ? plan_.start_on->text() + " starts" : "Enter starts";
-  return fmt::format("{}, run {} of {}: {}; with Enter behind it{} s skips the object, q ends.", object.name,
+  return fmt::format("{}, run {} of {}: {}; followed by Enter,{} s skips the object, q ends.", object.name,
                      runs_there(object_index_) + 1, object.runs, start, redo);
 }
 
-/// Passes over the objects that have all their runs. At the end of the list one more question lets the last run be redone.
+/// Skips the objects that have all their runs. At the end of the list a question allows redoing the last run.
 Walk::Answer Walk::wait_to_begin() {
   if (interrupted()) return Answer::end;
   if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? Answer::begin : Answer::end;
@@ -223,7 +223,7 @@ Walk::Answer Walk::wait_to_begin() {
   for (;;) {
     if (interrupted()) return Answer::end;
     if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
-      if (done_.empty() || gone != "source ended") throw Error(gone + "; expected one that goes on until the last run");
+      if (done_.empty() || gone != "source ended") throw Error(gone + "; expected a source that continues until the last run");
       line_.warn(gone + ": no further run can be recorded");
       return Answer::end;
     }
@@ -305,13 +305,13 @@ bool Walk::record_one() {
   done_.push_back(recorder_.end(why));
   const RunSummary& run = done_.back();
   for (std::size_t i = 1; i < run.errors.size(); ++i) line_.warn(run.errors[i]);
-  if (run.robot && run.robot->rows == 0) line_.warn(run.run.name() + ": nothing came from the robot: robot.csv has no row");
+  if (run.robot && run.robot->rows == 0) line_.warn(run.run.name() + ": no data came from the robot: robot.csv has no row");
   if (wanted_.is_session || !line_.draws()) {
     line_.inform(fmt::format("{}: {} in {:.1f} s, {}, dropped {}, ended by: {}", run.run.name(), counted(run.events, "event"),
-                             seconds_of(run.elapsed), megabytes(run.bytes), drops_text(run.drops), run.ended));
+                             in_s(run.elapsed), megabytes(run.bytes), drops_text(run.drops), run.ended));
   }
   if (wanted_.is_session && runs_there(object_index_) == counted_before)
-    line_.inform(fmt::format("{} stays, but is none of the plan's runs: it was broken off", run.run.name()));
+    line_.inform(fmt::format("{} is kept, but does not count for the plan: it was interrupted", run.run.name()));
   return run.errors.empty() && !interrupted();
 }
 
@@ -320,15 +320,15 @@ void Walk::draw(const RunFolder& run, const RunState& state) {
   if (!line_.draws() || now - drawn_ < std::chrono::seconds(1)) return;
   const double passed = std::chrono::duration<double>(now - drawn_).count();
   std::string text = wanted_.is_session ? run.name() + "  " : "";
-  text += fmt::format("{}  {}  {}", clock_text(seconds_of(state.elapsed)),
+  text += fmt::format("{}  {}  {}", clock_text(in_s(state.elapsed)),
                       rate_text(static_cast<double>(state.events - drawn_events_) / passed), megabytes(state.bytes));
-  // What is lost comes first: a narrow terminal cuts the line at its right end.
+  // Losses come first, because a narrow terminal cuts the line at its right end.
   text += fmt::format("  dropped {}", drops_text(state.drops));
   if (state.video && state.video->dropped > 0) text += fmt::format(", {}", counted(state.video->dropped, "frame"));
   text += fmt::format("  queue {}", megabytes(state.queue_bytes));
-  if (state.robot) text += state.robot->connected ? fmt::format("  robot {:.0f} Hz", state.robot->rate_hz) : "  robot gone";
+  if (state.robot) text += state.robot->connected ? fmt::format("  robot {:.0f} Hz", state.robot->rate_hz) : "  robot lost";
   if (state.video)
-    text += state.video->running ? fmt::format("  video {:.1f} fps", state.video->frames_per_second) : "  video gone";
+    text += state.video->running ? fmt::format("  video {:.1f} fps", state.video->frames_per_second) : "  video lost";
   drawn_ = now;
   drawn_events_ = state.events;
   line_.draw(text);
@@ -341,7 +341,7 @@ RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, Live
 }
 
 std::string text_of(const RunSummary& run) {
-  const double span_s = seconds_of(run.events_span);
+  const double span_s = in_s(run.events_span);
   const std::string rate = span_s > 0 ? ", " + rate_text(static_cast<double>(run.events) / span_s) : "";
   std::vector<std::pair<std::string, std::string>> lines{
       {"events", fmt::format("{} in {}{}", run.events, duration_text(run.events_span), rate)}};
@@ -371,7 +371,7 @@ std::string text_of(const RunSummary& run) {
 }
 
 nlohmann::json json_of(const RunSummary& run) {
-  const double events_s = seconds_of(run.events_span);
+  const double events_s = in_s(run.events_span);
   nlohmann::json json = {
       {"folder", run.run.folder.string()},
       {"object", run.run.object},
@@ -386,8 +386,8 @@ nlohmann::json json_of(const RunSummary& run) {
       {"imu_samples", run.imu_samples},
       {"triggers", run.triggers},
       {"frames", run.frames},
-      {"elapsed_s", seconds_of(run.elapsed)},
-      {"duration_s", seconds_of(run.span)},
+      {"elapsed_s", in_s(run.elapsed)},
+      {"duration_s", in_s(run.span)},
       {"events_per_s", events_s > 0 ? nlohmann::json(static_cast<double>(run.events) / events_s) : nlohmann::json()},
       {"bytes", run.bytes},
       {"dropped", json_of(run.drops)},

@@ -11,22 +11,22 @@
 
 namespace tactile {
 
-/// What to record into which folder.
+/// The runs to record.
 struct RunsToRecord {
   std::filesystem::path data;
   SessionPlan plan;
-  bool is_session = false;  ///< walks the plan and asks before each run; else it is one run of the plan's one object
-  std::string run;          ///< of a single run; the next free number if it is empty
+  bool is_session = false;  ///< follows the plan and asks before each run; else one run of the plan's only object
+  std::string run;          ///< of a single run; empty: the next free number
   nlohmann::json settings;
 };
 
 struct RecordedRuns {
   std::vector<RunSummary> runs;
-  std::string error;  ///< what ended them, in the last run or behind it; empty if all went well
+  std::string error;  ///< the error that ended the last run, or came after it; empty if there was none
 };
 
-/// Records until the plan is fulfilled, the user or the sources end it, or something fails. Answers come from standard input, a
-/// line each; questions and the live line go to stderr.
+/// Records until the plan is complete, the user or the sources end it, or an error occurs. Answers are lines of standard input.
+/// Questions and the live line go to stderr.
 RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
 
 std::string text_of(const RunSummary& run);

@@ -6,7 +6,7 @@
 
 namespace tactile {
 
-/// The counts of what was wrong with a recording, by name.
+/// The problems of a recording by name, with counts.
 nlohmann::json json_of(const RecordingProblems& problems);
 
 }  // namespace tactile

@@ -48,7 +48,7 @@ HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args
 microseconds whole_us(double ms, const std::string& option) {
   const double us = ms * 1000;
   if (std::abs(us - std::round(us)) > 1e-6)
-    throw Error(fmt::format("{} {}: no whole number of us; expected at most three decimals", option, ms));
+    throw Error(fmt::format("{} {}: not a whole number of us; expected at most three decimals", option, ms));
   return microseconds{std::llround(us)};
 }
 

@@ -9,7 +9,7 @@
 
 namespace tactile {
 
-/// How heatmaps are rendered, but for their history: what every command that renders takes.
+/// How heatmaps are rendered, except for their history: options of every command that renders.
 struct RenderingArguments {
   std::string denoise = "mean", resize = "area";
   double factor = 0.2;
@@ -18,10 +18,10 @@ struct RenderingArguments {
 
 void add_rendering_options(Command command, RenderingArguments& args);
 
-/// @throws Error  if the history is no whole number of ticks, or an option is out of its range
+/// @throws Error  if the history is not a whole number of ticks, or an option is out of range
 HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);
 
-/// Milliseconds of an option as microseconds. @throws Error, naming the option, if they are no whole number
+/// Milliseconds of an option as microseconds. @throws Error  that names the option, if they are not a whole number
 microseconds whole_us(double ms, const std::string& option);
 
 }  // namespace tactile

@@ -23,37 +23,36 @@ struct RepairArguments {
   bool force = false;
 };
 
-/// What was wrong and is not in the output, one line each; empty if the input was sound.
+/// What is damaged and not in the output, one line each; empty if the input is sound.
 std::vector<std::string> losses(const RepairSummary& summary) {
   const RecordingProblems& problems = summary.problems;
   std::vector<std::string> lines;
   if (problems.truncated_bytes > 0)
-    lines.push_back(counted(problems.truncated_bytes, "byte") + " behind the last whole packet: the recording was cut off");
-  if (problems.skipped_bytes > 0)
-    lines.push_back(counted(problems.skipped_bytes, "byte") + " between packets: damaged, and what they held with them");
+    lines.push_back(counted(problems.truncated_bytes, "byte") + " after the last whole packet: the recording was cut off");
+  if (problems.skipped_bytes > 0) lines.push_back(counted(problems.skipped_bytes, "byte") + " between packets: damaged");
   if (summary.packets_damaged > 0)
-    lines.push_back(counted(summary.packets_damaged, "packet") + " not as written, by the checksums beside the recording");
-  if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that did not decode");
+    lines.push_back(counted(summary.packets_damaged, "packet") + " changed, according to the checksums beside the recording");
+  if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that could not be decoded");
   if (problems.mismatched_packets > 0)
     lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");
   if (problems.undeclared_packets > 0)
     lines.push_back(counted(problems.undeclared_packets, "packet") + " of a stream that the header does not declare");
   if (problems.missing_packets > 0)
-    lines.push_back(fmt::format("{} ({}) that the data table lists and that are not there",
-                                counted(problems.missing_packets, "packet"), counted(problems.missing_elements, "element")));
+    lines.push_back(fmt::format("{} ({}) of the data table that are missing", counted(problems.missing_packets, "packet"),
+                                counted(problems.missing_elements, "element")));
   if (problems.empty_packets > 0) lines.push_back(counted(problems.empty_packets, "packet") + " without contents");
   if (problems.out_of_range_events > 0)
     lines.push_back(counted(problems.out_of_range_events, "event") + " outside the sensor or without polarity");
   for (const auto& [name, bytes] : summary.log_bytes_lost)
     lines.push_back(
-        fmt::format("{} of {}: from the first row on with a zero byte, as a power cut leaves it", counted(bytes, "byte"), name));
+        fmt::format("{} of {}: from the first row with a zero byte on, as after a power cut", counted(bytes, "byte"), name));
   return lines;
 }
 
 std::string table_text(const RepairSummary& summary) {
-  if (summary.index == PacketIndex::table) return "sound, written anew";
-  return "rebuilt: " + (summary.problems.table.empty() ? std::string("there was none, the recording was never closed")
-                                                       : summary.problems.table);
+  if (summary.index == PacketIndex::table) return "sound, written again";
+  return "rebuilt: " +
+         (summary.problems.table.empty() ? std::string("there was none, the recording was not closed") : summary.problems.table);
 }
 
 std::uint64_t steps_back_in(const RepairSummary& summary) {
@@ -105,15 +104,13 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
   if (lost.empty()) text += line("lost", "nothing");
   for (std::size_t i = 0; i < lost.size(); ++i) text += line(i == 0 ? "lost" : "", lost[i]);
   text += line("table", table_text(summary));
-  if (summary.header_damaged) text += line("header", "not as written, by its checksum; taken as it is");
+  if (summary.header_damaged) text += line("header", "changed, according to its checksum; used unchanged");
   if (summary.problems.resized_packets > 0)
-    text += line("sizes",
-                 counted(summary.problems.resized_packets, "packet") + " given the size that fits, for the one in front did not");
+    text += line("sizes", counted(summary.problems.resized_packets, "packet") + " with a corrected size");
   if (summary.problems.unwrapped_packets > 0)
     text += line("times", counted(summary.problems.unwrapped_packets, "packet") + " moved by 2^32 us into place");
   if (const std::uint64_t steps = steps_back_in(summary); steps > 0) {
-    text +=
-        line("times", fmt::format("step back {}; left as they are, for what is right cannot be told", counted(steps, "time")));
+    text += line("times", fmt::format("step back {}; unchanged, because the right times are unknown", counted(steps, "time")));
   }
   text += "\n";
   std::vector<std::vector<std::string>> rows;
@@ -127,7 +124,7 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
 
 void repair(const RepairArguments& args, const CommonArguments& common) {
   const bool of_run = std::filesystem::is_directory(args.in);
-  if (of_run && args.force) throw Error(args.out + ": --force replaces a recording; expected it left out for a run's folder");
+  if (of_run && args.force) throw Error(args.out + ": --force replaces a recording; expected no --force for a run folder");
   const RepairSummary summary = of_run ? repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
                                        : repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
   print_result(common, json_of(args, summary), text_of(args, summary));

@@ -35,15 +35,15 @@ bool is_file(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// A model that a report may tell of.
+/// A model for a report.
 struct FoundModel {
   fs::path folder;
   bool single_run = false, evaluated = false;
   std::string trained_at;
 };
 
-/// Models of the dataset, the one to be told whole first: of single runs, evaluated, trained last. Those with objects held out
-/// are told through the comparison that lies in the model they are compared with.
+/// Models of the dataset; the first gives all its results: of single runs, evaluated, trained last. Models with held-out objects
+/// appear in the comparison that the other model's folder has.
 std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path& models) {
   std::vector<FoundModel> found;
   std::error_code none;
@@ -59,7 +59,7 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
                        .evaluated = is_file(entry->path() / "eval.json"),
                        .trained_at = model["trained_at"].text()});
     } catch (const Error& e) {
-      spdlog::warn("passed over: {}", e.what());
+      spdlog::warn("skipped: {}", e.what());
     }
   }
   std::sort(found.begin(), found.end(), [](const FoundModel& a, const FoundModel& b) {
@@ -73,14 +73,14 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
   return folders;
 }
 
-/// The folder of the dataset that a model was trained on, as it was given then; empty where it is not there from here.
+/// The folder of the dataset that a model was trained on, as given at its training; empty where it does not exist from here.
 fs::path data_of(const fs::path& model) {
   const nlohmann::json document = read_json(model / "model.json");
   const fs::path file = JsonView(document, (model / "model.json").string())["dataset"]["file"].text();
   return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
 }
 
-/// A report of nothing but a trade of speed for accuracy.
+/// A report of a trade of speed for accuracy alone.
 ReportInput report_of_trade(const fs::path& folder) {
   ReportInput input;
   input.trade = read_trade(folder);
@@ -89,13 +89,13 @@ ReportInput report_of_trade(const fs::path& folder) {
   return input;
 }
 
-/// The folder of a trade that belongs to what is reported: the one named, else trade/ where it is there.
+/// The folder of a trade to include: the one named, else trade/ where it exists.
 fs::path trade_of(const ReportArguments& args) {
   if (!args.trade.empty()) return args.trade;
   return is_file("trade/trade.json") ? "trade" : "";
 }
 
-/// What is to be reported, and the folder that the report goes into.
+/// The input of the report, and its folder.
 std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
   const fs::path what = !args.what.empty()            ? fs::path(args.what)
                         : is_file("study/study.json") ? fs::path("study")
@@ -107,9 +107,8 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(
-        fmt::format("{}: holds neither a study, a model, a trade nor a dataset; expected what 'tactile reproduce', 'train', "
-                    "'trade' or 'windows' "
-                    "wrote",
+        fmt::format("{}: contains neither a study, a model, a trade nor a dataset; expected a folder that 'tactile reproduce', "
+                    "'train', 'trade' or 'windows' wrote",
                     what.string()));
   }
   const std::vector<fs::path> folders = models_of(Dataset(dataset).manifest_hash(), args.models);
@@ -133,15 +132,15 @@ void report(const ReportArguments& args, const CommonArguments& common) {
   });
   std::string text = summary.title + "\n\n";
   if (summary.claims > 0) {
-    text += fmt::format("Of the paper's {} claims {} hold, {} do not, and of {} one cannot tell.\n\n", summary.claims,
+    text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} have no verdict.\n\n", summary.claims,
                         summary.hold, summary.do_not, summary.claims - summary.hold - summary.do_not);
   }
   if (!summary.missing.empty()) {
-    text += "Not in it:\n";
+    text += "Missing:\n";
     for (const std::string& missing : summary.missing) text += wrapped("- " + missing, 2) + "\n";
     text += "\n";
   }
-  text += fmt::format("{}: written, with {} figures; needs nothing beside it\n", summary.page.string(), summary.figures.size());
+  text += fmt::format("{}: written, with {} figures; self-contained\n", summary.page.string(), summary.figures.size());
   print_result(common,
                {{"title", summary.title},
                 {"simulated", summary.simulated},

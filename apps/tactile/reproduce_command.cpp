@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
@@ -22,9 +23,9 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
-#include "tactile/study/step_runner.hpp"
-#include "tactile/study/study.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -49,7 +50,7 @@ struct ReproduceArguments {
   bool without_report = false;
 };
 
-/// "all", or a whole number from 0 on.
+/// "all", or a whole number >= 0.
 std::size_t number_of_splits(const std::string& text) {
   if (text == "all") return std::numeric_limits<std::size_t>::max();
   std::size_t number = 0;
@@ -94,17 +95,6 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   return options;
 }
 
-/// "97.31 [96.20, 98.10]", as it is or in percent.
-std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
-  if (figure.at("value").is_null()) return "-";
-  std::string text = fmt::format("{:.{}f}", factor * figure.at("value").get<double>(), decimals);
-  const auto bound = [&](const char* key) {
-    return figure.at(key).is_null() ? std::string("?") : fmt::format("{:.{}f}", factor * figure.at(key).get<double>(), decimals);
-  };
-  if (!figure.at("low").is_null() || !figure.at("high").is_null()) text += fmt::format(" [{}, {}]", bound("low"), bound("high"));
-  return text;
-}
-
 std::string mean_of(const nlohmann::json& accuracy) {
   return accuracy.is_null() ? std::string("-") : figure_text(accuracy.at("mean"), 100, 2);
 }
@@ -115,15 +105,14 @@ std::string kept_text(const nlohmann::json& claim) {
   return fmt::format("{} of {} objects", claim.at("kept").get<std::size_t>(), claim.at("of").get<std::size_t>());
 }
 
-/// What one may go on with: the chosen model on its own.
+/// Commands that use the chosen model.
 std::string next_commands(const ReproduceArguments& args, const nlohmann::json& study) {
   const std::string model = study.at("choice").at("model").get<std::string>();
   const std::string folder = shell_word((fs::path(args.models) / model).string());
   std::string data = args.data == "data" ? "" : " " + shell_word(args.data), models;
   if (args.models != "models") models = " --models " + shell_word(args.models);
-  return fmt::format(
-      "To go on with the model chosen:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n", data,
-      folder, models, folder);
+  return fmt::format("To use the chosen model:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n",
+                     data, folder, models, folder);
 }
 
 std::string text_of(const StudySummary& summary) {
@@ -139,7 +128,7 @@ std::string text_of(const StudySummary& summary) {
   text += "Accuracy by history [%]: mean over objects, and its 95 % interval\n\n" +
           text_table({"t_h [ms]", "to choose on", "reported", "all test runs"}, rows) + "\n";
   text += wrapped(study.at("choice").at("why").get<std::string>() +
-                  " In the paper's way: " + study.at("paper_way").at("why").get<std::string>()) +
+                  " As in the paper: " + study.at("paper_way").at("why").get<std::string>()) +
           "\n\n";
 
   if (!study.at("unseen").is_null() && !study.at("unseen").at("reported").is_null()) {
@@ -148,13 +137,14 @@ std::string text_of(const StudySummary& summary) {
       rows.push_back({object, figure_text(figures.at("seen"), 100, 2), figure_text(figures.at("held_out"), 100, 2),
                       figure_text(figures.at("difference"), 100, 2)});
     }
-    text += "Objects trained without [%]\n\n" + text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
+    text +=
+        "Objects held out of training: accuracy [%]\n\n" + text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
   }
   if (!study.at("splits_mean").is_null()) {
-    text += wrapped(fmt::format("{} drawn splits: unseen less seen {} points on the reported runs.", study.at("splits").size(),
-                                study.at("splits_mean").at("reported").is_null()
-                                    ? std::string("-")
-                                    : figure_text(study.at("splits_mean").at("reported"), 100, 2))) +
+    text += wrapped(fmt::format(
+                "{} random splits: unseen minus seen is {} points on the reported runs.", study.at("splits").size(),
+                study.at("splits_mean").at("reported").is_null() ? std::string("-")
+                                                                 : figure_text(study.at("splits_mean").at("reported"), 100, 2))) +
             "\n\n";
   }
 
@@ -163,38 +153,35 @@ std::string text_of(const StudySummary& summary) {
     rows.push_back({claim.at("id").get<std::string>(), kept_text(claim), claim.at("verdict").get<std::string>(),
                     claim.at("all_test").at("verdict").get<std::string>()});
   }
-  text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "in the paper's way"}, rows) + "\n";
+  text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "as in the paper"}, rows) + "\n";
   for (const auto& claim : study.at("claims")) {
     std::string words = claim.at("id").get<std::string>() + ":";
-    if (const auto said = claim.at("in_words").get<std::string>(); !said.empty()) words += " " + said;
-    if (const auto why = claim.at("why").get<std::string>(); !why.empty()) words += fmt::format(" One cannot tell: {}.", why);
+    if (const auto measured = claim.at("in_words").get<std::string>(); !measured.empty()) words += " " + measured;
+    if (const auto why = claim.at("why").get<std::string>(); !why.empty()) words += fmt::format(" Not decided: {}.", why);
     text += wrapped(words, 2) + "\n";
   }
   text += "\n";
-  text +=
-      wrapped(study.at("summary").get<std::string>() +
-              (study.at("simulated").get<bool>()
-                   ? " What is measured on simulated runs says nothing about real ones; it tells what the method does on them."
-                   : "")) +
-      "\n";
+  text += wrapped(study.at("summary").get<std::string>() +
+                  (study.at("simulated").get<bool>() ? " Results on simulated runs say nothing about real ones." : "")) +
+          "\n";
   double seconds = 0;
   for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
   text += wrapped(study.at("bootstrap").at("trainings").get<std::string>()) + "\n";
-  text += wrapped(fmt::format("{} steps done, {} kept as they were: work of {} (min:s), trainings side by side, one thread each.",
-                              summary.done, summary.kept, clock_text(seconds))) +
-          "\n";
+  text +=
+      wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
+                          summary.done, summary.kept, clock_text(seconds))) +
+      "\n";
   text += fmt::format("\nWritten to {}\n", summary.file.string());
   return text;
 }
 
-/// Draws the study's report, unless it lies there drawn from this very study.
-fs::path draw_report(const fs::path& study, const fs::path& program, const NewProgress& new_progress,
-                     const std::function<void(const std::string& step, bool kept)>& tell_step) {
+/// Draws the study's report, unless it exists and was drawn from this study.
+fs::path draw_report(const fs::path& study, const fs::path& program, const NewProgress& new_progress) {
   const fs::path out = study / "report", page = out / "report.html";
   const auto page_made = [&]() -> nlohmann::json {
     return fs::is_regular_file(page) ? nlohmann::json(sha256_of_file(page)) : nlohmann::json();
   };
-  StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .tell = tell_step});
+  StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .on_step = log_step});
   runner.run({.name = "report",
               .command = "tactile report " + shell_word(study.string()),
               .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
@@ -212,15 +199,8 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const StudyOptions options = options_of(args, common);
   const auto new_progress = [&] { return progress_line(common); };
-  const auto tell_step = [](const std::string& step, bool kept) {
-    if (kept) {
-      spdlog::debug("{}: kept", step);
-    } else {
-      spdlog::info("{}", step);
-    }
-  };
   const StudySummary summary =
-      run_study(options, new_progress, tell_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+      run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
@@ -233,11 +213,11 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
     return end_with(summary.errors);
   }
   try {
-    const fs::path page = draw_report(options.out, options.program, new_progress, tell_step);
+    const fs::path page = draw_report(options.out, options.program, new_progress);
     result["report"] = page.string();
-    text += fmt::format("To read, with figures: {}\n", page.string());
+    text += fmt::format("Report with figures: {}\n", page.string());
   } catch (const Error&) {
-    // The figures are found all the same: what hinders the drawing is told after them.
+    // The study is complete: print it before the error.
     print_result(common, result, text);
     throw;
   }

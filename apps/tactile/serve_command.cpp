@@ -22,7 +22,7 @@
 #include "tactile/capture/looped_source.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
-#include "tactile/network/dv_stream_server.hpp"
+#include "tactile/transport/dv/dv_stream_server.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
@@ -30,10 +30,10 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// How long a client may take nothing at all before one that goes as fast as its clients waits for it no more.
+/// At full speed, a client that accepts no bytes for this long is not waited for any more.
 constexpr std::chrono::milliseconds longest_stall = 10s;
 
-/// From the client that was waited for to the first packet.
+/// Between the first client and the first packet.
 constexpr std::chrono::milliseconds settling = 500ms;
 
 struct ServeArguments {
@@ -58,11 +58,11 @@ std::unique_ptr<CameraSource> open_source(const ServeArguments& args) {
   options.seed = args.seed;
   options.packet_span = microseconds{args.packet_us};
   if (is_simulator(args.source)) {
-    if (!args.stream.empty()) throw Error("--stream: the simulator has one stream; expected it for a recording alone");
+    if (!args.stream.empty()) throw Error("--stream: the simulator has one stream; expected --stream only for a recording");
     return open_camera_source(args.source, options);
   }
   if (!std::filesystem::exists(args.source)) {
-    throw Error(args.source + ": there is no such file or run; expected a recording, a run's folder, or sim[:OBJECT]");
+    throw Error(args.source + ": no such file or run; expected a recording, a run's folder, or sim[:OBJECT]");
   }
   options.stream = args.stream;
   const auto open = [text = "file:" + args.source, options] { return open_camera_source(text, options); };
@@ -70,12 +70,12 @@ std::unique_ptr<CameraSource> open_source(const ServeArguments& args) {
   return open();
 }
 
-/// The camera's stream of this type, as it is to be declared. @throws Error if there is none
+/// The camera's stream of this type, as the server declares it. @throws Error  if there is none
 Stream stream_to_serve(const ServeArguments& args, const CameraSource& source, StreamType type, const std::string& option) {
   const auto streams = source.streams();
   const auto found = std::find_if(streams.begin(), streams.end(), [&](const Stream& s) { return s.type == type; });
   if (found == streams.end()) {
-    throw Error(fmt::format("{}: its camera has no stream of {} for {}; expected a recording that has", args.source,
+    throw Error(fmt::format("{}: its camera has no stream of {} for {}; expected a recording with one", args.source,
                             name_of(type), option));
   }
   Stream stream = *found;
@@ -125,7 +125,7 @@ ClientCounts clients_of(const std::vector<Served>& served) {
   return counts;
 }
 
-/// A line with what was played in the last second, four times a second.
+/// Draws the rates of the last second, four times per second.
 class ServeLine {
  public:
   explicit ServeLine(LiveLine& line) : line_(line) {}
@@ -149,8 +149,8 @@ class ServeLine {
   std::uint64_t events_ = 0;
 };
 
-/// Until each server has a client that stays a moment: a recorder begins its run once it is connected, and one that only looks
-/// what is there goes again. Then everyone who was waited for gets the whole.
+/// Waits until each server has a client that stays for a moment. A client that only checks for a stream leaves soon. A client
+/// that records receives the whole stream.
 void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
   const auto all_have = [&] {
     return std::all_of(served.begin(), served.end(), [](const Served& one) { return one.server->clients() > 0; });
@@ -191,7 +191,7 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
   for (const Served& one : served) {
     broadcast.add(one.stream.id, *one.server);
     const std::string address = one.server->address().text();
-    // Not by fmt::print, which throws where nobody reads it.
+    // fmt::print would throw if no program reads stderr.
     std::fputs(fmt::format("serving {} of {} on {}\n", name_of(one.stream.type), args.source, address).c_str(), stderr);
     streams.push_back({{"type", name_of(one.stream.type)}, {"address", address}});
   }
@@ -203,7 +203,7 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
   const std::chrono::duration<double> duration = SteadyClock::now() - begun;
   const bool was_interrupted = interrupted();
   for (const Served& one : served) one.server->drain(was_interrupted ? 1s : longest_stall);
-  // The vendor's reader throws away what it has not handed over yet when the connection closes.
+  // When the connection closes, the vendor's reader discards the packets that its user has not read yet.
   if (!was_interrupted && clients_of(served).now > 0) std::this_thread::sleep_for(settling);
   line.clear();
 
@@ -224,10 +224,11 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
       {"lasted", duration_text(microseconds{static_cast<std::int64_t>(1e6 * duration.count())})},
       {"clients", fmt::format("{}, {} dropped", clients.joined, clients.dropped)}};
   if (drops.packets + drops.events + drops.others > 0) {
-    std::string lost = counted(drops.packets, "packet") + " that could not be read, " + counted(drops.events, "event");
+    std::string lost = counted(drops.packets, "unreadable packet") + ", " + counted(drops.events, "impossible event");
     if (drops.others > 0)
-      lost += " and " + counted(drops.others, "IMU sample, trigger or frame", "IMU samples, triggers and frames");
-    lines.emplace_back("lost", lost + " that cannot be");
+      lost +=
+          ", " + counted(drops.others, "impossible IMU sample, trigger or frame", "impossible IMU samples, triggers and frames");
+    lines.emplace_back("lost", lost);
   }
   print_result(common, json, fmt::format("{}{}\n", args.source, source->simulated() ? " (simulated)" : "") + text_list(lines));
 }

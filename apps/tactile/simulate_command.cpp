@@ -34,6 +34,60 @@ std::string_view name_of(SimulatedRun::Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+/// Sums over the runs.
+struct Totals {
+  std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
+  std::uint64_t bytes = 0, touch_events = 0;
+  double touch_s = 0, duration_s = 0;
+};
+
+bool is_new(const SimulatedRun& run) { return run.kind == SimulatedRun::Kind::made || run.kind == SimulatedRun::Kind::replaced; }
+
+Totals totals_of(const std::vector<SimulatedRun>& runs) {
+  Totals totals;
+  for (const SimulatedRun& run : runs) {
+    ++totals.counts[name_of(run.kind)];
+    totals.bytes += run.bytes;
+    totals.touch_events += run.touch_events;
+    totals.touch_s += run.touch_s;
+    totals.duration_s += run.duration_s;
+  }
+  return totals;
+}
+
+nlohmann::json json_of(const SimulatedRun& run) {
+  nlohmann::json json = {{"run", run.run.name()}, {"outcome", name_of(run.kind)}, {"bytes", run.bytes}};
+  if (is_new(run)) {
+    json["events"] = run.events;
+    json["duration_s"] = run.duration_s;
+  }
+  return json;
+}
+
+std::string table_of(const std::vector<SimulatedRun>& runs) {
+  std::vector<std::vector<std::string>> rows;
+  for (const SimulatedRun& run : runs) {
+    rows.push_back({run.run.name(), std::string(name_of(run.kind)), is_new(run) ? fmt::format("{:.2f}", run.duration_s) : "",
+                    is_new(run) ? std::to_string(run.events) : "", fmt::format("{:.1f}", 1e-6 * static_cast<double>(run.bytes))});
+  }
+  return text_table({"run", "", "seconds", "events", "MB"}, rows);
+}
+
+/// The speed as a sentence, and in `json`.
+std::string speed_of(const Totals& totals, double elapsed_s, double core_s, nlohmann::json& json) {
+  const double times_real_time = totals.duration_s / core_s;
+  json["times_real_time"] = times_real_time;
+  std::string text = fmt::format(
+      "{:.1f} s of runs made in {:.1f} s, {:.1f} times faster than real time; in {:.1f} s of processor time, {:.1f} times",
+      totals.duration_s, elapsed_s, totals.duration_s / elapsed_s, core_s, times_real_time);
+  if (totals.touch_s > 0) {
+    const double touch_rate = static_cast<double>(totals.touch_events) / totals.touch_s;
+    json["touch_events_per_s"] = touch_rate;
+    text += fmt::format("; {:.2f} million events/s in press and slip on average", 1e-6 * touch_rate);
+  }
+  return wrapped(text) + "\n";
+}
+
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
   SimulateOptions options{.data = args.data,
                           .preset = args.preset,
@@ -46,61 +100,24 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   const auto begun = std::chrono::steady_clock::now();
-  const std::clock_t worked = std::clock();  // on all threads
-  const std::vector<SimulatedRun> outcomes = simulate(options, progress_line(common));
+  const std::clock_t worked = std::clock();  // of all threads
+  const std::vector<SimulatedRun> runs = simulate(options, progress_line(common));
   const double core_s = static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC;
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
-  std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
-  nlohmann::json runs = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
-  std::uint64_t bytes = 0, touch_events = 0;
-  double touch_s = 0, duration_s = 0;
-  for (const SimulatedRun& outcome : outcomes) {
-    ++counts[name_of(outcome.kind)];
-    bytes += outcome.bytes;
-    touch_events += outcome.touch_events;
-    touch_s += outcome.touch_s;
-    duration_s += outcome.duration_s;
-    const bool is_new = outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced;
-    nlohmann::json run = {{"run", outcome.run.name()}, {"outcome", name_of(outcome.kind)}, {"bytes", outcome.bytes}};
-    if (is_new) {
-      run["events"] = outcome.events;
-      run["duration_s"] = outcome.duration_s;
-    }
-    runs.push_back(run);
-    rows.push_back({outcome.run.name(), std::string(name_of(outcome.kind)),
-                    is_new ? fmt::format("{:.2f}", outcome.duration_s) : "", is_new ? std::to_string(outcome.events) : "",
-                    fmt::format("{:.1f}", 1e-6 * static_cast<double>(outcome.bytes))});
+  const Totals totals = totals_of(runs);
+  nlohmann::json result = {{"data", args.data},     {"physics", options.physics.source},
+                           {"preset", args.preset}, {"seed", args.seed},
+                           {"bytes", totals.bytes}, {"runs", nlohmann::json::array()}};
+  for (const SimulatedRun& run : runs) result["runs"].push_back(json_of(run));
+  std::string counts;
+  for (const std::string_view kind : {"made", "kept", "replaced", "removed"}) {
+    result[std::string(kind)] = totals.counts.at(kind);
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", totals.counts.at(kind), kind);
   }
-  nlohmann::json result = {{"data", args.data},
-                           {"physics", options.physics.source},
-                           {"preset", args.preset},
-                           {"seed", args.seed},
-                           {"made", counts["made"]},
-                           {"kept", counts["kept"]},
-                           {"replaced", counts["replaced"]},
-                           {"removed", counts["removed"]},
-                           {"bytes", bytes},
-                           {"runs", runs}};
-  std::string text = text_table({"run", "", "seconds", "events", "MB"}, rows);
-  text +=
-      fmt::format("\n{}: {} made, {} kept, {} replaced, {} removed; {:.1f} MB (simulated, seed {})\n", args.data, counts["made"],
-                  counts["kept"], counts["replaced"], counts["removed"], 1e-6 * static_cast<double>(bytes), args.seed);
-  if (duration_s > 0 && core_s > 0) {
-    const double times_real_time = duration_s / core_s;
-    result["times_real_time"] = times_real_time;
-    std::string speed = fmt::format(
-        "{:.1f} s of runs made in {:.1f} s by the clock, {:.1f} times faster than real time, and in {:.1f} s "
-        "of work of all cores, {:.1f} times",
-        duration_s, elapsed_s, duration_s / elapsed_s, core_s, times_real_time);
-    if (touch_s > 0) {
-      const double touch_rate = static_cast<double>(touch_events) / touch_s;
-      result["touch_events_per_s"] = touch_rate;
-      speed += fmt::format("; {:.2f} million events/s in press and slip on average", 1e-6 * touch_rate);
-    }
-    text += wrapped(speed) + "\n";
-  }
+  std::string text = table_of(runs) + fmt::format("\n{}: {}; {:.1f} MB (simulated, seed {})\n", args.data, counts,
+                                                  1e-6 * static_cast<double>(totals.bytes), args.seed);
+  if (totals.duration_s > 0 && core_s > 0) text += speed_of(totals, elapsed_s, core_s, result);
   print_result(common, result, text);
 }
 
@@ -112,9 +129,8 @@ void add_simulate_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { simulate_runs(*args, common); });
   command.add_option("data", args->data, "Folder of runs").show_default();
   command
-      .add_option(
-          "--physics", args->physics,
-          "JSON file of what runs are drawn from, in the place of what configs/simulation.json and configs/objects.json say")
+      .add_option("--physics", args->physics,
+                  "JSON file with the distributions of runs, instead of configs/simulation.json and configs/objects.json")
       .check(is_existing_file())
       .type_name("FILE.json");
   command

@@ -9,7 +9,7 @@
 
 namespace tactile {
 
-std::string usual_source(const std::string& command) {
+std::string default_source(const std::string& command) {
   std::vector<std::string> cameras, streams;
   std::string out_of_reach;
   for (const FoundSource& source : find_camera_sources()) {
@@ -22,12 +22,12 @@ std::string usual_source(const std::string& command) {
   if (cameras.size() > 1) {
     std::string names;
     for (const std::string& camera : cameras) names += (names.empty() ? "" : ", ") + camera;
-    throw Error(command + ": several cameras are there (" + names + "); expected --from with one of them");
+    throw Error(command + ": several cameras were found (" + names + "); expected --from with one of them");
   }
   if (!cameras.empty()) return cameras.front();
   if (!streams.empty()) return streams.front();
   throw Error(
-      fmt::format("{}: no camera that can be opened, and no stream at {}{}; expected one of them, or --from "
+      fmt::format("{}: found no camera that can be opened, and no stream at {}{}; expected one of them, or --from "
                   "tcp://HOST:PORT, unix:PATH, file:PATH, sim or camera:SERIAL",
                   command, SourcePlaces{}.stream, out_of_reach));
 }

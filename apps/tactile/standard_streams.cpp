@@ -13,7 +13,7 @@
 namespace tactile {
 namespace {
 
-/// @param why  errno, 0 where it is not known
+/// @param why  errno; 0 if unknown
 std::string sentence_about(int why) {
   const char* expected = "a place with room";
   if (why == EPIPE) expected = "a program that reads it to its end";
@@ -27,7 +27,7 @@ std::string sentence_about(int why) {
 void open_missing_streams() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) continue;
-    // The lowest number that is free is taken: this one.
+    // `open` returns the lowest free number: this one.
     static_cast<void>(::open("/dev/null", descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY));
   }
 }
@@ -43,7 +43,7 @@ std::string what_output_lost() {
   std::cout.flush();
   if (std::fflush(stdout) != 0) return sentence_about(errno);
   if (std::ferror(stdout) != 0 || !std::cout.good()) return sentence_about(0);
-  // Some file systems over a network report a full disk only as a descriptor is closed; a copy of it does as well.
+  // Some network file systems report a full disk only when a descriptor is closed. Closing a copy is enough.
   const int copy = ::dup(STDOUT_FILENO);
   return copy < 0 || ::close(copy) == 0 ? std::string() : sentence_about(errno);
 }

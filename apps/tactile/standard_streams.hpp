@@ -5,17 +5,17 @@
 
 namespace tactile {
 
-/// Opens each of the descriptors 0, 1 and 2 that is closed, so that no file of data gets its number: standard error takes
-/// whatever is written, standard output refuses it still.
+/// Opens the descriptors 0, 1 and 2 if they are closed, so that no data file gets these numbers. Standard error then accepts
+/// everything; writing to standard output still fails.
 void open_missing_streams();
 
-/// Puts `text` on standard output, at once. @throws Error  if not all of it can be written
+/// Prints `text` to standard output immediately. @throws Error  if not all of it can be written
 void print(std::string_view text);
 
-/// Why not all that was put on standard output, by whatever library, has been written, as a sentence; empty if it has.
+/// A sentence if any output to standard output could not be written, by any library; else empty.
 std::string what_output_lost();
 
-/// A line on standard error: "tactile: `sentence`". One that cannot be written is passed over.
+/// Prints "tactile: `sentence`" to standard error, and ignores a failure.
 void print_error(const std::string& sentence) noexcept;
 
 }  // namespace tactile

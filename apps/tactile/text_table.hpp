@@ -9,11 +9,11 @@
 
 namespace tactile {
 
-/// Rows of cells under a header, columns aligned: the first to the left, the others to the right. Where the last has no header it
-/// holds words, such as remarks: to the left too.
+/// Rows of cells under a header. The first column is aligned left, the others right. A last column without header contains
+/// remarks, and is aligned left, too.
 std::string text_table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
 
-/// Names and what they are, one a line, the values aligned.
+/// Names and values, one pair per line, the values aligned.
 std::string text_list(const std::vector<std::pair<std::string, std::string>>& entries);
 
 }  // namespace tactile

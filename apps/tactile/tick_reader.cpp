@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "command.hpp"
+#include "interruption.hpp"
 #include "quantity_text.hpp"
 #include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
@@ -16,24 +17,41 @@ constexpr std::size_t kept_at_most = 2'000'000;  // more than an hour
 
 }  // namespace
 
-TickReader::TickReader(TickReaderOptions options, LiveLine& line, DetectSummary& summary)
-    : options_(std::move(options)), line_(line), summary_(summary) {
+TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std::move(options)), line_(line) {
   if (options_.csv.empty()) return;
   file_.open(options_.csv, std::ios::binary | std::ios::trunc);
   file_ << "t_us,p_none,p_press,p_slip,verdict,said,events,gated,closed,skipped,beginning,incomplete\n";
   check_file();
 }
 
+TickOutput TickReader::output() {
+  return {.episode = [this](const ReportedTick& tick) { begin_episode(tick); },
+          .ticks = [this](std::span<const ReportedTick> ticks) { read(ticks); },
+          .end = [this] { end(); },
+          .interrupted = interrupted};
+}
+
 void TickReader::check_file() const {
   if (!file_) throw Error(options_.csv + ": cannot be written; expected a place with room");
 }
 
-void TickReader::read(TickLog& log) {
-  log.take(ticks_);
-  for (const ToldTick& tick : ticks_) read(tick);
-  if (!options_.csv.empty() && !ticks_.empty()) check_file();
-  if (!ticks_.empty()) newest_ = ticks_.back();
+void TickReader::read(std::span<const ReportedTick> ticks) {
+  for (const ReportedTick& tick : ticks) {
+    skipped_ += tick.due.skipped;
+    if (options_.keeps) kept_.size() < kept_at_most ? kept_.push_back(tick) : void(++not_kept_);
+    if (!options_.csv.empty()) write(tick);
+  }
+  if (!options_.csv.empty() && !ticks.empty()) check_file();
+  if (!ticks.empty()) newest_ = ticks.back();
   draw();
+}
+
+void TickReader::write(const ReportedTick& tick) {
+  const TickVerdict& verdict = tick.verdict;
+  const Probabilities& p = verdict.probabilities;
+  file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
+                       name_of(verdict.verdict), name_of(verdict.predicted), verdict.events, verdict.gated ? 1 : 0,
+                       tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
 }
 
 void TickReader::end() {
@@ -42,35 +60,11 @@ void TickReader::end() {
   check_file();
 }
 
-void TickReader::read(const ToldTick& tick) {
-  const TickVerdict& verdict = tick.verdict;
-  const auto touch = static_cast<std::size_t>(verdict.verdict);
-  ++summary_.verdicts[touch];
-  skipped_ += tick.due.skipped;
-  if (!summary_.first_tick) summary_.first_tick = verdict.t;
-  summary_.last_tick = verdict.t;
-  const bool goes_on = last_ == verdict.verdict && beginning_ == tick.beginning;
-  if (verdict.verdict != Touch::none && !goes_on) begin_episode(tick);
-  if (verdict.verdict != Touch::none && goes_on && episode_is_kept_) summary_.first_episodes.back().last = verdict.t;
-  last_ = verdict.verdict;
-  beginning_ = tick.beginning;
-  if (options_.keeps) kept_.size() < kept_at_most ? kept_.push_back(tick) : void(++not_kept_);
-  if (options_.csv.empty()) return;
-  const Probabilities& p = verdict.probabilities;
-  file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
-                       name_of(verdict.verdict), name_of(verdict.said), verdict.events, verdict.gated ? 1 : 0,
-                       tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
-}
-
-void TickReader::begin_episode(const ToldTick& tick) {
-  const Touch touch = tick.verdict.verdict;
-  ++summary_.episodes[static_cast<std::size_t>(touch)];
-  episode_is_kept_ = summary_.first_episodes.size() < most_episodes_told;
-  if (episode_is_kept_) summary_.first_episodes.push_back({touch, tick.verdict.t, tick.verdict.t});
+void TickReader::begin_episode(const ReportedTick& tick) {
   if (!options_.prints) return;
   line_.clear();
-  const double seconds = 1e-6 * static_cast<double>(us_of(tick.verdict.t));
-  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), seconds,
+  const Touch touch = tick.verdict.verdict;
+  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), 1e-6 * static_cast<double>(us_of(tick.verdict.t)),
                     static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
 }
 
@@ -81,7 +75,7 @@ void TickReader::draw() {
   const TickVerdict& verdict = newest_->verdict;
   const double seconds = std::chrono::duration<double>(now - begun_).count();
   line_.draw(fmt::format("{}  {:<5} {:.2f}  {} events in t_h  {}  {} skipped", clock_text(seconds), name_of(verdict.verdict),
-                         static_cast<double>(verdict.probabilities[static_cast<std::size_t>(verdict.said)]), verdict.events,
+                         static_cast<double>(verdict.probabilities[static_cast<std::size_t>(verdict.predicted)]), verdict.events,
                          counted(newest_->number + 1, "tick"), skipped_));
 }
 

@@ -4,49 +4,46 @@
 #include <cstdint>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "detect_report.hpp"
 #include "live_line.hpp"
-#include "tactile/detect/tick_log.hpp"
+#include "tactile/detect/detection_session.hpp"
 
 namespace tactile {
 
 struct TickReaderOptions {
-  std::string csv;     ///< every tick is written there; empty: nowhere
-  bool keeps = false;  ///< the ticks, to be drawn
-  bool prints = true;  ///< a line to stdout where press or slip begins
+  std::string csv;     ///< write every tick to this file; empty: none
+  bool keeps = false;  ///< keep the ticks for a plot
+  bool prints = true;  ///< print a line to stdout when press or slip begins
 };
 
-/// What is shown, written, kept and summed up of the ticks, on a thread that may take its time.
+/// Shows, writes and keeps the ticks of a detection.
 class TickReader {
  public:
-  /// @param line, summary  must outlive this. @throws Error  if the CSV cannot be written, as `read` and `end`
-  TickReader(TickReaderOptions options, LiveLine& line, DetectSummary& summary);
+  /// @param line  must outlive this. @throws Error  if the CSV cannot be written; so do the functions of `output`
+  TickReader(TickReaderOptions options, LiveLine& line);
 
-  void read(TickLog& log);  ///< all that came since
-  void end();
+  TickOutput output();  ///< refers to this
 
   std::uint64_t not_kept() const { return not_kept_; }
-  const std::vector<ToldTick>& kept() const { return kept_; }
+  const std::vector<ReportedTick>& kept() const { return kept_; }
 
  private:
   void check_file() const;
-  void read(const ToldTick& tick);
-  void begin_episode(const ToldTick& tick);
+  void read(std::span<const ReportedTick> ticks);
+  void write(const ReportedTick& tick);
+  void begin_episode(const ReportedTick& tick);
+  void end();
   void draw();
 
   const TickReaderOptions options_;
   LiveLine& line_;
-  DetectSummary& summary_;
   std::ofstream file_;
-  std::vector<ToldTick> ticks_, kept_;
-  std::optional<ToldTick> newest_;
+  std::vector<ReportedTick> kept_;
+  std::optional<ReportedTick> newest_;
   std::uint64_t skipped_ = 0, not_kept_ = 0;
-  Touch last_ = Touch::none;
-  std::uint32_t beginning_ = 0;
-  bool episode_is_kept_ = false;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now(), drawn_{};
 };
 

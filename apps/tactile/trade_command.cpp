@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
@@ -18,10 +20,11 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/report/gnuplot.hpp"
+#include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/trade/trade.hpp"
+#include "tactile/pictures/gnuplot.hpp"
 #include "tactile/report/reported_trade.hpp"
-#include "tactile/study/study_runs.hpp"
-#include "tactile/trade/trade.hpp"
+#include "tactile/report/trade_plots.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 #include "text_table.hpp"
@@ -49,42 +52,34 @@ struct TradeArguments {
   std::string apply;
 };
 
-/// Each value once, in order of the first.
-template <class Values>
-Values once(const Values& values) {
-  Values kept;
-  for (const auto& value : values) {
-    if (std::find(kept.begin(), kept.end(), value) == kept.end()) kept.push_back(value);
+/// The converted values, each once, in the order of the first.
+template <class Value, class Convert>
+auto each_once(const std::vector<Value>& values, Convert convert) {
+  std::vector<std::decay_t<std::invoke_result_t<Convert, const Value&>>> levels;
+  for (const Value& value : values) {
+    const auto level = convert(value);
+    if (std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
   }
-  return kept;
-}
-
-TradeLevels levels_of(const TradeArguments& args) {
-  TradeLevels levels;
-  levels.histories.clear();
-  for (const double history_ms : once(args.histories_ms)) levels.histories.push_back(whole_us(history_ms, "--th"));
-  levels.ticks.clear();
-  for (const std::int64_t tick : once(args.ticks_us)) levels.ticks.emplace_back(tick);
-  levels.factors = once(args.factors);
-  levels.resizes.clear();
-  for (const std::string& resize : once(args.resizes)) levels.resizes.push_back(resize == "area" ? Resize::area : Resize::linear);
-  levels.denoises.clear();
-  for (const std::string& denoise : once(args.denoises))
-    levels.denoises.push_back(denoise == "mean" ? Denoise::mean : denoise == "literal" ? Denoise::literal : Denoise::none);
-  levels.engines.clear();
-  for (const std::string& engine : once(args.engines)) levels.engines.push_back(engine_named(engine));
-  levels.precisions.clear();
-  for (const std::string& precision : once(args.precisions)) levels.precisions.push_back(precision_named(precision));
-  levels.sparse.clear();
-  for (const std::string& pass : once(args.passes)) levels.sparse.push_back(pass == "sparse");
-  levels.confirmations.clear();
-  for (const std::string& confirmation : once(args.confirmations)) levels.confirmations.push_back(confirmation_in(confirmation));
-  levels.gate.clear();
-  for (const std::string& gate : once(args.gates)) levels.gate.push_back(gate == "on");
   return levels;
 }
 
-/// Of each knob the usual value where it is to be tried, else the first.
+TradeLevels levels_of(const TradeArguments& args) {
+  return {.histories = each_once(args.histories_ms, [](double history_ms) { return whole_us(history_ms, "--th"); }),
+          .ticks = each_once(args.ticks_us, [](std::int64_t tick_us) { return microseconds{tick_us}; }),
+          .factors = each_once(args.factors, [](double factor) { return factor; }),
+          .resizes = each_once(args.resizes, [](const auto& name) { return name == "area" ? Resize::area : Resize::linear; }),
+          .denoises = each_once(args.denoises,
+                                [](const auto& name) {
+                                  return name == "mean" ? Denoise::mean : name == "literal" ? Denoise::literal : Denoise::none;
+                                }),
+          .engines = each_once(args.engines, [](const auto& name) { return engine_named(name); }),
+          .precisions = each_once(args.precisions, [](const auto& name) { return precision_named(name); }),
+          .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
+          .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); }),
+          .gate = each_once(args.gates, [](const auto& name) { return name == "on"; })};
+}
+
+/// Replaces a usual value that is not among the values to try by the first of them.
 template <class T, class Values>
 void take_usual(T& usual, const Values& values) {
   if (std::find(values.begin(), values.end(), usual) == values.end()) usual = values.front();
@@ -121,7 +116,7 @@ TradeOptions options_of(const TradeArguments& args, const CommonArguments& commo
   options.corners = args.corners;
   options.budget_minutes = args.budget_minutes;
   options.growth = !args.no_growth;
-  options.wish = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms};
+  options.constraints = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms};
   options.program = fs::read_symlink("/proc/self/exe");
   options.threads = common.threads;
   return options;
@@ -130,16 +125,6 @@ TradeOptions options_of(const TradeArguments& args, const CommonArguments& commo
 double number_in(const nlohmann::json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
 std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
-
-/// "95.1 [93.1, 97.0]"
-std::string percent_text(const nlohmann::json& figure) {
-  std::string text = text_of(100 * number_in(figure.at("value")), 1);
-  if (!figure.at("low").is_null() && !figure.at("high").is_null()) {
-    text +=
-        fmt::format(" [{}, {}]", text_of(100 * number_in(figure.at("low")), 1), text_of(100 * number_in(figure.at("high")), 1));
-  }
-  return text;
-}
 
 std::string settings_text(const nlohmann::json& trade) {
   constexpr std::size_t most_rows = 60, width_of_setting = 16;
@@ -154,16 +139,17 @@ std::string settings_text(const nlohmann::json& trade) {
     const auto &reported = point.at("reported"), &delay = reported.at("delay_us");
     const std::string front = std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "");
     const std::vector<std::string> words = lines_of(wrapped(point.at("text"), 0, width_of_setting));
-    rows.push_back(
-        {words.front(), front, percent_text(reported.at("accuracy")), text_of(1e-3 * number_in(delay.at("mean").at("value")), 1),
-         text_of(1e-3 * number_in(delay.at("p95").at("value")), 1), text_of(100 * number_in(delay.at("missed").at("value")), 0),
-         text_of(number_in(reported.at("false_alarms_per_min").at("value")), 1),
-         text_of(number_in(reported.at("us").at("p50").at("value")), 0),
-         text_of(number_in(reported.at("us").at("p99").at("value")), 0)});
+    rows.push_back({words.front(), front, figure_text(reported.at("accuracy"), 100, 1),
+                    text_of(1e-3 * number_in(delay.at("mean").at("value")), 1),
+                    text_of(1e-3 * number_in(delay.at("p95").at("value")), 1),
+                    text_of(100 * number_in(delay.at("missed").at("value")), 0),
+                    text_of(number_in(reported.at("false_alarms_per_min").at("value")), 1),
+                    text_of(number_in(reported.at("us").at("p50").at("value")), 0),
+                    text_of(number_in(reported.at("us").at("p99").at("value")), 0)});
     for (std::size_t i = 1; i < words.size(); ++i) rows.push_back({words[i], "", "", "", "", "", "", "", ""});
   }
   std::string text = text_table({"setting", "", "accuracy [%]", "delay", "p95", "missed", "alarms", "p50", "p99"}, rows);
-  if (more > 0) text += fmt::format("and {} more, on no front\n", more);
+  if (more > 0) text += fmt::format("and {} more settings, on no front\n", more);
   return text + "\n";
 }
 
@@ -193,9 +179,8 @@ std::string text_of(const TradeSummary& summary) {
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
       wrapped(fmt::format(
           "On the {} reported runs: accuracy with its 95 % interval, mean and 95 % quantile of the delay [ms], share missed [%], "
-          "false alarms a minute, time per tick [us]. A: on the front of accuracy and time, D: of delay, misses and false "
-          "alarms, "
-          "both as found on the {} runs to choose on.",
+          "false alarms per minute, time per tick [us]. A: on the front of accuracy and time, D: on the front of delay, misses "
+          "and false alarms, both on the {} runs to choose on.",
           trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size())) +
       "\n\n" + settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
@@ -212,7 +197,7 @@ std::string text_of(const TradeSummary& summary) {
   if (const auto& unfinished = trade.at("unfinished"); !unfinished.is_null())
     text += "\n" + wrapped(unfinished.get<std::string>()) + "\n";
   text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
-  text += fmt::format("{} steps done, {} kept as they were. Written to {}\n", summary.done, summary.kept, summary.file.string());
+  text += fmt::format("{} steps done, {} kept. Written to {}\n", summary.done, summary.kept, summary.file.string());
   return text;
 }
 
@@ -236,7 +221,7 @@ std::vector<std::string> draw_figures(const fs::path& out) {
   return files;
 }
 
-/// Where the dataset is not the one that is told of in the folder: all of it is measured anew, which may take hours.
+/// Warns if the results in the folder are of another dataset: all is measured again, which may take hours.
 void warn_of_another_dataset(const TradeArguments& args) {
   const fs::path file = fs::path(args.out) / "trade.json";
   if (!fs::exists(file)) return;
@@ -248,45 +233,37 @@ void warn_of_another_dataset(const TradeArguments& args) {
     std::vector<std::string> differing;
     if (before.contains("settings"))
       differing = differing_settings(dataset_settings_in(dataset.settings()), before.at("settings"));
-    spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured anew", dataset.file().string(), args.out,
+    spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured again", dataset.file().string(), args.out,
                  differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   } catch (const nlohmann::json::exception&) {
-  } catch (const Error&) {  // what is wrong with the dataset is told by the trade
+  } catch (const Error&) {  // run_trade reports what is wrong with the dataset
   }
 }
 
-/// Where runs or objects are not those asked for.
+/// Warns if runs or objects are not those requested.
 void warn_of_runs(const TradeOptions& options, bool strict) {
   const Dataset dataset(options.data / "dataset.h5");
   const SplitOptions split{.kind = SplitKind::single_run, .train_run = options.train_run};
   warn_of_splits(dataset, {&split, 1}, strict);
-  for (const std::string& remark : remarks_on(dataset, study_runs(dataset, options.train_run, options.choice_runs)))
+  for (const std::string& remark : remarks_on(dataset, divide_runs(dataset, options.train_run, options.choice_runs)))
     spdlog::warn("{}", remark);
 }
 
 void trade(const TradeArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const TradeOptions options = options_of(args, common);
-  if (!args.apply.empty() && !options.wish.any()) {
+  if (!args.apply.empty() && !options.constraints.any()) {
     throw Error(
-        "--apply: nothing was wished for; expected --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min beside "
-        "it");
+        "--apply: no constraint given; expected also --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min");
   }
   const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   if (!made) warn_of_another_dataset(args);
   warn_of_runs(options, args.strict);
   const TradeSummary summary = run_trade(
-      options, [&] { return progress_line(common); },
-      [](const std::string& step, bool kept) {
-        if (kept) {
-          spdlog::debug("{}: kept", step);
-        } else {
-          spdlog::info("{}", step);
-        }
-      });
+      options, [&] { return progress_line(common); }, log_step);
   if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
     spdlog::warn(
-        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and call "
+        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run "
         "this again on a quiet one",
         busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
   }
@@ -297,7 +274,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   result["figures"] = nlohmann::json::array();
   result["applied"] = nullptr;
   std::string text = text_of(summary);
-  const auto tell_all = [&] { print_result(common, result, text); };
+  const auto print_all = [&] { print_result(common, result, text); };
   try {
     if (!args.no_figures) {
       result["figures"] = draw_figures(args.out);
@@ -309,11 +286,11 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
       text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
     }
   } catch (const Error&) {
-    // What was measured is told all the same.
-    tell_all();
+    // The measurements are complete: print them before the error.
+    print_all();
     throw;
   }
-  tell_all();
+  print_all();
   if (made) end_with(made->errors);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "model_arguments.hpp"
@@ -32,7 +33,7 @@ struct TrainArguments {
   double history_ms = 40;
   RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
-  std::vector<std::string> held_out;  ///< empty: those of the paper's five that there are
+  std::vector<std::string> held_out;  ///< empty: those of the paper's five objects that the dataset has
   TrainingOptions training;
   std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
               class_weights = "none";
@@ -43,7 +44,7 @@ struct TrainArguments {
   double save_every_s = 30;
 };
 
-constexpr double usual_validation_share = 0.2;  // of the training samples, where an early stop wants some to judge by
+constexpr double usual_validation_share = 0.2;  // of the training samples, with an early stop
 
 ModelSettings settings_of(const TrainArguments& args) {
   ModelSettings settings;
@@ -64,14 +65,7 @@ ModelSettings settings_of(const TrainArguments& args) {
   return settings;
 }
 
-/// The bundle that --from names: a folder, or a name below --models.
-ModelBundle model_to_go_on_from(const TrainArguments& args) {
-  const fs::path given(args.from);
-  if (fs::is_directory(given)) return {given.filename().empty() ? given.parent_path() : given};
-  return {fs::path(args.models) / given};
-}
-
-/// The command that judges the model.
+/// The command that evaluates the model.
 std::string eval_command(const ModelBundle& bundle, const TrainArguments& args) {
   return fmt::format("tactile eval{}{} --model {}", args.data == "data" ? "" : " ",
                      args.data == "data" ? "" : shell_word(args.data),
@@ -98,14 +92,14 @@ std::string text_of(const ModelBundle& bundle, const TrainArguments& args, const
   titles.insert(titles.end(), {"images/s", "seconds"});
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (summary.stopped_early) {
-    text += wrapped(fmt::format("Stopped behind epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
+    text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
                                 summary.history.back().epoch, summary.best_epoch)) +
             "\n\n";
   }
   text +=
       wrapped(fmt::format(
-          "{}: {}, learned from {} of {}; {} left to test it on, by '{}'", bundle.folder.string(), outcome,
-          counted(model.samples, "sample"), counted(model.train_runs.size(), model.simulated ? "simulated run" : "real run"),
+          "{}: {}, with {} of {}; {} left to test it, by '{}'", bundle.folder.string(), outcome, counted(model.samples, "sample"),
+          counted(model.train_runs.size(), model.simulated ? "simulated run" : "real run"),
           counted(model.test_runs.size(), "run") + (model.test_runs.size() == 1 ? " is" : " are"), eval_command(bundle, args))) +
       "\n";
   return text;
@@ -134,39 +128,39 @@ nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model,
           {"history", summary.history}};
 }
 
-/// Whether a training that was broken off is to be gone on with. @throws Error  if it is there and nobody said what to do
-bool goes_on(const TrainArguments& args, const ModelBundle& bundle) {
+/// Whether to resume an interrupted training. @throws Error  if there is one, and neither --resume nor --force is given
+bool resumes_training(const TrainArguments& args, const ModelBundle& bundle) {
   const fs::path folder = CheckpointFolder::beside(bundle.folder);
   if (!CheckpointFolder::holds_state(folder)) {
-    if (args.resume) spdlog::info("{}: nothing was broken off; the training begins", bundle.folder.string());
+    if (args.resume) spdlog::info("{}: there is no interrupted training; a new one begins", bundle.folder.string());
     return false;
   }
   if (args.resume) return true;
   if (args.force) return false;
-  throw Error(fmt::format("{}: a training that was broken off; expected --resume to go on with it, or --force to begin anew",
-                          folder.string()));
+  throw Error(
+      fmt::format("{}: an interrupted training; expected --resume to resume it, or --force to start again", folder.string()));
 }
 
-/// Why a bundle is not what the training would give: "with other settings (training.epochs: 10 before, 6 now)".
-std::string what_is_other(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
+/// Why the existing bundle differs from the requested one: "with other settings (training.epochs: 10 before, 6 now)".
+std::string difference_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
   try {
     const ModelDescription there = read_description(bundle);
     if (const std::string other = differences(there.settings, settings); !other.empty())
       return "with other settings (" + other + ")";
     if (there.manifest_hash != dataset.manifest_hash()) return "of another dataset";
   } catch (const Error&) {
-    // Not even that can be read: it is damaged.
+    // It cannot be read: it is damaged.
   }
   return "damaged";
 }
 
-/// A learning rate that is too large need not end in NaN: units that no heatmap lights any more learn nothing, and the loss stays
-/// that of taking each touch for as likely as the others, ln 3.
+/// A learning rate that is too large does not always lead to NaN. Units that are 0 for every heatmap learn nothing, and the loss
+/// stays that of three equally likely classes, ln 3.
 void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& settings, const TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
   if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
-      "{}: has learned nothing: its loss of {:.4f} is that of a guess, {:.4f}, or more; try a smaller --lr than {}, or more "
+      "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
       "than {}",
       bundle.folder.string(), summary.history.back().loss, of_a_guess, settings.training.learning_rate,
       counted(settings.training.epochs, "epoch"));
@@ -180,7 +174,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const Dataset dataset(dataset_file(args.data));
   if (settings.split.kind == SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
   const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
-  const ModelBundle from = model_to_go_on_from(args);
+  const ModelBundle from = named_model(args.from, args.models);
   if (!args.from.empty()) settings.from = starting_point(from, dataset, settings);
   const ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? default_name(settings) : args.name)};
   const BundleState state = state_of(bundle, dataset, settings);
@@ -192,16 +186,16 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     return;
   }
   if (state == BundleState::changed && !args.force) {
-    throw Error(fmt::format("{}: is there, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
-                            what_is_other(bundle, dataset, settings)));
+    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
+                            difference_of(bundle, dataset, settings)));
   }
   check_renders(dataset, settings.rendering);
-  const bool resumes = goes_on(args, bundle);
+  const bool resumes = resumes_training(args, bundle);
   TrainingEstimate estimate(settings.training.epochs, progress_line(common));
-  const auto tell_begin = [&](unsigned epoch, double done) {
+  const auto report_begin = [&](unsigned epoch, double done) {
     estimate.begin(epoch, done);
     if (resumes) {
-      spdlog::info("going on with {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
+      spdlog::info("resuming {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
                    100 * done);
     } else {
       spdlog::info("training {}: {}", bundle.name(), training_size(dataset, settings));
@@ -215,17 +209,17 @@ void train(const TrainArguments& args, const CommonArguments& common) {
                            .save_every = std::chrono::duration<double>(args.save_every_s),
                            .from = from.folder,
                            .if_there = state == BundleState::missing ? IfThere::refuse : IfThere::replace,
-                           .begins = tell_begin},
+                           .begins = report_begin},
                           [&estimate](const Progress& progress) { estimate.see(progress); });
   } catch (const Interrupted&) {
     if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))
-      spdlog::warn("{}: broken off; the same command with --resume goes on where it was", bundle.folder.string());
+      spdlog::warn("{}: interrupted; the same command with --resume resumes it", bundle.folder.string());
     throw;
   }
   const std::string outcome = state == BundleState::missing ? "trained" : "replaced";
   const ModelDescription model = read_description(bundle);
   if (resumes && model.threads != common.threads)
-    spdlog::info("gone on with {} threads, as it began: others move the last bits", model.threads);
+    spdlog::info("resumed with {} threads, as it began: another number changes the last bits", model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
   print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary),
                text_of(bundle, args, model, outcome, summary));
@@ -234,7 +228,85 @@ void train(const TrainArguments& args, const CommonArguments& common) {
 
 std::string check_bundle_name(const std::string& name) {
   const bool plain = !name.empty() && name.front() != '.' && name.find('/') == std::string::npos;
-  return plain ? "" : fmt::format("'{}' is no model's name; expected that of a folder: no '/', and no '.' in front", name);
+  return plain ? "" : fmt::format("'{}' is not a name for a model; expected one without '/' and without '.' at the front", name);
+}
+
+void add_split_options(Command& command, TrainArguments& args) {
+  command.add_option("data", args.data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
+      .show_default();
+  command.add_option("--th", args.history_ms, "History t_h [ms], a whole number of ticks")
+      .check(in_range(0.001, 1e5))
+      .show_default();
+  command
+      .add_option("--split", args.split,
+                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
+      .check(one_of({"single-run", "unseen"}))
+      .show_default();
+  command.add_option("--train-run", args.train_run, "Run of each object to train on; the next one if it has no samples")
+      .check(is_run())
+      .show_default();
+  command
+      .add_option("--held-out", args.held_out,
+                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
+      .delimiter(',')
+      .type_name("NAME,...");
+  add_strict_option(command, args.strict);
+}
+
+void add_training_options(Command& command, TrainArguments& args) {
+  command.add_option("--seed", args.training.seed, "Seed of the initial weights and of the sample order")
+      .check(is_seed())
+      .show_default();
+  command.add_option("--epochs", args.training.epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--batch", args.training.batch, "Batch size").check(in_range(1U, 65'536U)).show_default();
+  command.add_option("--lr", args.training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
+  command
+      .add_option("--schedule", args.schedule,
+                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
+      .check(one_of({"constant", "cosine", "step"}))
+      .show_default();
+  command.add_option("--optimizer", args.optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
+      .check(one_of({"adam", "adamw", "sgd"}))
+      .show_default();
+  command.add_option("--engine", args.engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
+      .check(one_of({"fast", "libtorch"}))
+      .show_default();
+  command.add_option("--activation", args.activation, "Activation function")
+      .check(one_of({"relu", "tanh", "sigmoid"}))
+      .show_default();
+  command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
+  command.add_option("--augment", args.augment, "Random augmentation: none, or flip and shift, separated by commas")
+      .delimiter(',')
+      .check(one_of({"none", "flip", "shift"}))
+      .show_default();
+  command
+      .add_option("--class-weights", args.class_weights,
+                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
+      .show_default();
+}
+
+void add_model_options(Command& command, TrainArguments& args) {
+  command
+      .add_option("--validation", args.validation_share,
+                  "Share of training samples used for validation, the last ones of each class")
+      .check(in_range(0.0, 0.5))
+      .default_text("0, or 0.2 with --early-stop");
+  command
+      .add_option("--early-stop", args.training.early_stop,
+                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
+      .check(in_range(0U, 100'000U))
+      .show_default();
+  command.add_option("--from", args.from, "Start from the weights of this model: a folder, or a name in --models")
+      .type_name("MODEL");
+  add_rendering_options(command, args.rendering);
+  command.add_option("--models", args.models, "Folder of models").show_default();
+  command.add_option("--name", args.name, "Name of the model's folder; default: made from history, split, run and seed")
+      .check(Check{check_bundle_name, ""});
+  command.add_flag("--resume", args.resume, "Resume an interrupted training; the result is the same as without the interruption");
+  command.add_option("--save-every", args.save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
+      .check(in_range(0.0, 1e6))
+      .show_default();
+  command.add_flag("--force", args.force, "Train again and replace the existing model");
 }
 
 }  // namespace
@@ -243,76 +315,9 @@ void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
   Command command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
                                 [args](const CommonArguments& common) { train(*args, common); });
-  command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
-      .show_default();
-  command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
-      .check(in_range(0.001, 1e5))
-      .show_default();
-  command
-      .add_option("--split", args->split,
-                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
-      .check(one_of({"single-run", "unseen"}))
-      .show_default();
-  command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
-      .check(is_run())
-      .show_default();
-  command
-      .add_option("--held-out", args->held_out,
-                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
-      .delimiter(',')
-      .type_name("NAME,...");
-  add_strict_option(command, args->strict);
-  command.add_option("--seed", args->training.seed, "Seed of the initial weights and of the sample order")
-      .check(is_seed())
-      .show_default();
-  command.add_option("--epochs", args->training.epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
-  command.add_option("--batch", args->training.batch, "Batch size").check(in_range(1U, 65'536U)).show_default();
-  command.add_option("--lr", args->training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
-  command
-      .add_option("--schedule", args->schedule,
-                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
-      .check(one_of({"constant", "cosine", "step"}))
-      .show_default();
-  command.add_option("--optimizer", args->optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
-      .check(one_of({"adam", "adamw", "sgd"}))
-      .show_default();
-  command.add_option("--engine", args->engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
-      .check(one_of({"fast", "libtorch"}))
-      .show_default();
-  command.add_option("--activation", args->activation, "Activation function")
-      .check(one_of({"relu", "tanh", "sigmoid"}))
-      .show_default();
-  command.add_option("--pool", args->pool, "Pooling").check(one_of({"max", "average"})).show_default();
-  command.add_option("--augment", args->augment, "Random augmentation: none, or flip and shift, separated by commas")
-      .delimiter(',')
-      .check(one_of({"none", "flip", "shift"}))
-      .show_default();
-  command
-      .add_option("--class-weights", args->class_weights,
-                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
-      .show_default();
-  command
-      .add_option("--validation", args->validation_share,
-                  "Share of training samples used for validation, the last ones of each class")
-      .check(in_range(0.0, 0.5))
-      .default_text("0, or 0.2 with --early-stop");
-  command
-      .add_option("--early-stop", args->training.early_stop,
-                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
-      .check(in_range(0U, 100'000U))
-      .show_default();
-  command.add_option("--from", args->from, "Start from the weights of this model: a folder, or a name in --models")
-      .type_name("MODEL");
-  add_rendering_options(command, args->rendering);
-  command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--name", args->name, "Name of the model's folder; default: made from history, split, run and seed")
-      .check(Check{check_bundle_name, ""});
-  command.add_flag("--resume", args->resume,
-                   "Resume an interrupted training; the result is the same as without the interruption");
-  command.add_option("--save-every", args->save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
-      .check(in_range(0.0, 1e6))
-      .show_default();
-  command.add_flag("--force", args->force, "Train again and replace the existing model");
+  add_split_options(command, *args);
+  add_training_options(command, *args);
+  add_model_options(command, *args);
 }
 
 }  // namespace tactile

@@ -9,12 +9,12 @@
 #include <functional>
 #include <map>
 
+#include "tactile/alignment/clock_fit.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/runs_below.hpp"
-#include "tactile/labels/clock_fit.hpp"
 #include "tactile/labels/truth_comparison.hpp"
 #include "text_table.hpp"
 
@@ -25,12 +25,12 @@ constexpr microseconds far_off{20'000};     ///< an unflagged error beyond this 
 constexpr microseconds clock_goal{10'000};  ///< a clock with a symmetric anchor should be off by no more
 constexpr std::array symmetric_anchors{AnchorKind::imu, AnchorKind::sync_tap, AnchorKind::ring_down};
 
-/// A run beside its truth, and what its labels could be taken from.
+/// A run, its comparison with the truth, and the sources that its labels have.
 struct ComparedRun {
   const LabelledRun* labelled = nullptr;
   TruthComparison comparison;
   bool has_stage_command = false, has_imu = false, shares_session = false;
-  bool has_both = false;  ///< truly a press and a slip
+  bool has_both = false;  ///< the truth has a press and a slip
   bool damaged = false;   ///< unfinished, or a file is missing or of another size than run.json says
 };
 
@@ -66,11 +66,11 @@ std::string session_of(const RunFolder& run) {
   try {
     return is_there(run.info()) ? read_run_info(run).session : std::string();
   } catch (const Error&) {
-    return {};  // comparing the run names it
+    return {};  // the comparison of the run gives the error
   }
 }
 
-/// @param errors  takes why a run could not be compared
+/// @param errors  gets why a run could not be compared
 std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs, std::vector<std::string>& errors) {
   std::map<std::string, std::size_t> sessions;
   for (const LabelledRun& labelled : runs) ++sessions[session_of(labelled.run)];
@@ -192,7 +192,7 @@ std::vector<Group> all_groups() {
           {"own_clocks", "clocks of its own", [](const ComparedRun& r) { return !r.shares_session; }}};
 }
 
-/// Whether an anchor that lies alike on either side of its moment places the robot's clock: no lag of skin or stage enters it.
+/// Whether an anchor that is symmetric about its moment places the robot's clock: no lag of skin or stage enters it.
 bool has_symmetric_anchor(const ComparedRun& run) {
   const std::vector<FittedClock>& clocks = run.labelled->labels.robot_clocks;
   return std::any_of(clocks.begin(), clocks.end(), [](const FittedClock& clock) {
@@ -201,7 +201,7 @@ bool has_symmetric_anchor(const ComparedRun& run) {
   });
 }
 
-/// The error of the robot's clock by what placed it.
+/// The error of the robot's clock by the kind of its anchors.
 struct ClocksByAnchor {
   Errors errors;
   std::size_t within = 0;  ///< `clock_goal`
@@ -242,13 +242,12 @@ std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
   return "\n" +
          text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
          wrapped(
-             "Symmetric anchors: an inertial sensor, sync taps or the arm's ring-down, which lie alike on either side of their "
-             "moment. "
-             "Others follow from when something was touched or dragged, and say a wider interval.") +
+             "Symmetric anchors: the IMU, sync taps or the arm's ring-down. Others follow from when something was touched or "
+             "dragged; their intervals are wider.") +
          "\n";
 }
 
-/// What is wrong without a flag that says so, one sentence each.
+/// Errors that no flag names, one sentence each.
 std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   std::vector<std::string> named;
   for (const ComparedRun& run : runs) {
@@ -273,107 +272,127 @@ std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   return named;
 }
 
-std::string of_count(std::size_t part, std::size_t whole, const std::string& what) {
-  return fmt::format("{} of {} {}", part, whole, what);
+/// Counts over all runs.
+struct Totals {
+  std::size_t damaged = 0, damaged_flagged = 0, undamaged_flagged = 0;
+  std::size_t plain = 0, plain_flagged = 0;  ///< undamaged, with press and slip
+  std::size_t intervals = 0, covered = 0, missed = 0, spurious = 0, robot_clocks_missed = 0, video_clocks_missed = 0;
+
+  explicit Totals(const std::vector<ComparedRun>& runs) {
+    const auto count = [](bool holds) { return holds ? std::size_t{1} : std::size_t{0}; };
+    for (const ComparedRun& run : runs) {
+      const TruthComparison& comparison = run.comparison;
+      damaged += count(run.damaged);
+      damaged_flagged += count(run.damaged && comparison.flagged);
+      undamaged_flagged += count(!run.damaged && comparison.flagged);
+      plain += count(!run.damaged && run.has_both);
+      plain_flagged += count(!run.damaged && run.has_both && comparison.flagged);
+      intervals += comparison.intervals.size();
+      spurious += comparison.spurious.size();
+      robot_clocks_missed += count(comparison.robot_clock_sought && !comparison.robot_clock);
+      video_clocks_missed += count(comparison.video_clock_sought && !comparison.video_clock);
+      for (const IntervalComparison& interval : comparison.intervals) {
+        covered += count(interval.start && interval.start->covered);
+        missed += count(!interval.start);
+      }
+    }
+  }
+};
+
+/// By group, then quantity.
+using ErrorsByGroup = std::map<std::string, std::map<std::string, Errors>>;
+
+ErrorsByGroup errors_by_group(const std::vector<ComparedRun>& runs, const std::vector<Group>& groups) {
+  ErrorsByGroup errors;
+  for (const Group& group : groups) {
+    for (const ComparedRun& run : runs) {
+      if (group.holds(run)) add_errors(run, group.flagged, errors[group.key]);
+    }
+  }
+  return errors;
 }
 
-}  // namespace
-
-TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
-  std::vector<std::string> unread;
-  const std::vector<ComparedRun> runs = compare(labelled, unread);
-  if (runs.empty() && !unread.empty()) return {.json = {}, .text = {}, .errors = unread};
-  if (runs.empty()) throw Error("--compare-truth: none of the runs has a truth.json; expected simulated runs");
-  const auto count = [&](const std::function<bool(const ComparedRun&)>& holds) {
-    return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), holds));
-  };
-  const std::size_t damaged = count([](const ComparedRun& r) { return r.damaged; });
-  const std::size_t damaged_flagged = count([](const ComparedRun& r) { return r.damaged && r.comparison.flagged; });
-  const std::size_t undamaged_flagged = count([](const ComparedRun& r) { return !r.damaged && r.comparison.flagged; });
-  const std::size_t plain = count([](const ComparedRun& r) { return !r.damaged && r.has_both; });
-  const std::size_t plain_flagged = count([](const ComparedRun& r) { return !r.damaged && r.has_both && r.comparison.flagged; });
-  std::size_t intervals = 0, covered = 0, missed = 0, spurious = 0, robot_clocks_missed = 0, video_clocks_missed = 0;
-  for (const ComparedRun& run : runs) {
-    const TruthComparison& comparison = run.comparison;
-    intervals += comparison.intervals.size();
-    spurious += comparison.spurious.size();
-    robot_clocks_missed += comparison.robot_clock_sought && !comparison.robot_clock ? 1 : 0;
-    video_clocks_missed += comparison.video_clock_sought && !comparison.video_clock ? 1 : 0;
-    for (const IntervalComparison& interval : comparison.intervals) {
-      covered += interval.start && interval.start->covered ? 1 : 0;
-      missed += interval.start ? 0 : 1;
-    }
+nlohmann::json groups_json(const std::vector<ComparedRun>& runs, const std::vector<Group>& groups, ErrorsByGroup& errors) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const Group& group : groups) {
+    json[group.key] = {{"errors_ms", json_of(errors[group.key])}};
+    if (!group.flagged) json[group.key]["runs"] = std::count_if(runs.begin(), runs.end(), group.holds);
   }
+  return json;
+}
 
-  nlohmann::json groups = nlohmann::json::object();
-  std::map<std::string, std::vector<std::vector<std::string>>> rows_of;
-  const std::vector<Group> all = all_groups();
-  std::map<std::string, std::map<std::string, Errors>> errors_in;
-  for (const Group& group : all) {
-    for (const ComparedRun& run : runs) {
-      if (group.holds(run)) add_errors(run, group.flagged, errors_in[group.key]);
-    }
-    groups[group.key] = {{"errors_ms", json_of(errors_in[group.key])}};
-    if (!group.flagged) groups[group.key]["runs"] = count(group.holds);
-  }
+std::vector<std::vector<std::string>> error_rows(const std::vector<Group>& groups, ErrorsByGroup& errors_in) {
   std::vector<std::vector<std::string>> rows;
   for (const Quantity& quantity : quantities) {
     const std::size_t whole = errors_in["all"][quantity.key].n();
     if (whole == 0) continue;
     rows.push_back({quantity.name});
-    for (const Group& group : all) {
+    for (const Group& group : groups) {
       const Errors& errors = errors_in[group.key][quantity.key];
-      // A group that holds all, or none, says nothing of its own.
+      // A group that holds all runs, or none, adds nothing.
       if (errors.n() == 0 || (errors.n() == whole && std::string_view(group.key) != "all")) continue;
       rows.push_back(errors.cells(group.name, has_interval(quantity)));
     }
   }
+  return rows;
+}
 
+std::string flagged_text(const Totals& totals, std::size_t runs) {
+  std::string text = fmt::format("Flagged: {} of {} undamaged runs; {} of {} of them that hold press and slip",
+                                 totals.undamaged_flagged, runs - totals.damaged, totals.plain_flagged, totals.plain);
+  if (totals.damaged > 0) text += fmt::format("; {} of {} damaged runs", totals.damaged_flagged, totals.damaged);
+  return wrapped(text + ".") + "\n";
+}
+
+std::string silent_text(const std::vector<std::string>& silent) {
+  const auto limit_ms = far_off.count() / 1000;
+  if (silent.empty())
+    return wrapped(fmt::format("No unflagged onset is missed, spurious or off by more than {} ms.", limit_ms)) + "\n";
+  std::string text = wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", limit_ms)) + "\n";
+  for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
+  return text;
+}
+
+}  // namespace
+
+TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
+  TruthTables tables;
+  const std::vector<ComparedRun> runs = compare(labelled, tables.errors);
+  if (runs.empty() && !tables.errors.empty()) return tables;
+  if (runs.empty()) throw Error("--compare-truth: none of the runs has a truth.json; expected simulated runs");
+  const Totals totals(runs);
+  const std::vector<Group> groups = all_groups();
+  ErrorsByGroup errors = errors_by_group(runs, groups);
   const std::vector<std::string> silent = silent_errors(runs);
   const std::array<ClocksByAnchor, 2> by_anchor = clocks_by_anchor(runs);
-  TruthTables tables;
-  tables.errors = std::move(unread);
   tables.json = {{"runs", runs.size()},
-                 {"intervals", intervals},
-                 {"missed", missed},
-                 {"spurious", spurious},
-                 {"onsets_covered", covered},
-                 {"robot_clocks_missed", robot_clocks_missed},
-                 {"video_clocks_missed", video_clocks_missed},
+                 {"intervals", totals.intervals},
+                 {"missed", totals.missed},
+                 {"spurious", totals.spurious},
+                 {"onsets_covered", totals.covered},
+                 {"robot_clocks_missed", totals.robot_clocks_missed},
+                 {"video_clocks_missed", totals.video_clocks_missed},
                  {"flagged",
-                  {{"damaged", {{"runs", damaged}, {"flagged", damaged_flagged}}},
-                   {"undamaged", {{"runs", runs.size() - damaged}, {"flagged", undamaged_flagged}}},
-                   {"undamaged_with_press_and_slip", {{"runs", plain}, {"flagged", plain_flagged}}}}},
+                  {{"damaged", {{"runs", totals.damaged}, {"flagged", totals.damaged_flagged}}},
+                   {"undamaged", {{"runs", runs.size() - totals.damaged}, {"flagged", totals.undamaged_flagged}}},
+                   {"undamaged_with_press_and_slip", {{"runs", totals.plain}, {"flagged", totals.plain_flagged}}}}},
                  {"unflagged_errors", silent},
-                 {"errors_ms", json_of(errors_in["all"])},
+                 {"errors_ms", json_of(errors["all"])},
                  {"robot_clock_by_anchor", json_of(by_anchor)},
-                 {"groups", groups}};
-  std::string text =
+                 {"groups", groups_json(runs, groups, errors)}};
+  tables.text =
       "\n" +
       wrapped(fmt::format("Against the truth of {} simulated {}: {} intervals, {} missed, {} spurious; {} of {} onsets inside "
                           "their 95 % interval; {} robot clocks and {} video clocks not found.",
-                          runs.size(), runs.size() == 1 ? "run" : "runs", intervals, missed, spurious, covered, intervals,
-                          robot_clocks_missed, video_clocks_missed)) +
-      "\n";
-  text += text_table({"absolute error [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width"}, rows);
-  text += wrapped(
-              "Covered: truths inside the 95 % interval; width: the median of these intervals. A clock's offset is compared "
-              "where the "
-              "lift starts.") +
-          "\n";
-  text += text_of(by_anchor);
-  text += wrapped(fmt::format("Flagged: {}; {}{}.", of_count(undamaged_flagged, runs.size() - damaged, "undamaged runs"),
-                              of_count(plain_flagged, plain, "of them that hold press and slip"),
-                              damaged == 0 ? "" : "; " + of_count(damaged_flagged, damaged, "damaged runs"))) +
-          "\n";
-  if (silent.empty())
-    text +=
-        wrapped(fmt::format("No unflagged onset is missed, spurious or off by more than {} ms.", far_off.count() / 1000)) + "\n";
-  else
-    text += wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", far_off.count() / 1000)) +
-            "\n";
-  for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
-  tables.text = std::move(text);
+                          runs.size(), runs.size() == 1 ? "run" : "runs", totals.intervals, totals.missed, totals.spurious,
+                          totals.covered, totals.intervals, totals.robot_clocks_missed, totals.video_clocks_missed)) +
+      "\n" +
+      text_table({"absolute error [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width"},
+                 error_rows(groups, errors)) +
+      wrapped(
+          "Covered: truths inside the 95 % interval; width: the median of these intervals. A clock's offset is compared "
+          "where the lift starts.") +
+      "\n" + text_of(by_anchor) + flagged_text(totals, runs.size()) + silent_text(silent);
   return tables;
 }
 

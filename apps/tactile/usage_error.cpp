@@ -24,7 +24,7 @@ std::string full_name(const CLI::App& app) {
   return app.get_parent() == nullptr ? app.get_name() : app.get_parent()->get_name() + " " + app.get_name();
 }
 
-/// Words that nothing takes; empty if all were taken.
+/// A sentence for superfluous words; empty if there are none.
 std::string about_extra_words(const CLI::App& app, const CLI::App& command) {
   const std::vector<std::string> own = app.remaining(false), all = app.remaining(true);
   const auto is_option = [](const std::string& word) { return word.size() > 1 && word.front() == '-'; };
@@ -36,13 +36,13 @@ std::string about_extra_words(const CLI::App& app, const CLI::App& command) {
   const std::vector<std::string> known = long_names(command);
   const bool is_ahead = &app != &command && std::find(own.begin(), own.end(), *found) != own.end();
   if (is_ahead && std::find(known.begin(), known.end(), name) != known.end())
-    return fmt::format("{}: stands ahead of the command; expected '{} {}'", name, full_name(command), *found);
+    return fmt::format("{}: precedes the command; expected '{} {}'", name, full_name(command), *found);
   const std::string nearest = nearest_name(name, known);
-  return fmt::format("{}: is no option of '{}'; {}'{} --help' lists all", name, full_name(command),
+  return fmt::format("{}: is not an option of '{}'; {}'{} --help' lists all", name, full_name(command),
                      nearest.empty() ? "" : fmt::format("the nearest is '{}', and ", nearest), full_name(command));
 }
 
-/// The option that one of CLI11's messages is about; null if none is named.
+/// The option that a message of CLI11 names; null if it names none.
 const CLI::Option* option_named_in(const std::string& message, const CLI::App& command) {
   std::istringstream words(message);
   for (std::string word; words >> word;) {
@@ -75,15 +75,15 @@ std::string about_option(const CLI::Option& option, const CLI::ParseError& error
   if (dynamic_cast<const CLI::RequiresError*>(&error) != nullptr) {
     for (const CLI::Option* other : option.get_needs()) {
       if (other->count() == 0)
-        return fmt::format("{}: {} is missing; expected {} beside it", label, label_of(*other), expected_value(*other));
+        return fmt::format("{}: {} is missing; expected {}, too", label, label_of(*other), expected_value(*other));
     }
   }
   if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
     for (const CLI::Option* other : option.get_excludes()) {
-      if (other->count() > 0) return fmt::format("{}: does not go with {}; expected one of the two", label, label_of(*other));
+      if (other->count() > 0) return fmt::format("{}: cannot be used with {}; expected one of the two", label, label_of(*other));
     }
   }
-  if (value_text(option).name.empty()) return fmt::format("{}: takes no value; expected it alone", label);
+  if (value_text(option).name.empty()) return fmt::format("{}: takes no value; expected none", label);
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     return option.count() > 1 ? fmt::format("{}: is given {} times; expected it once", label, option.count())
                               : fmt::format("{}: has no value; expected {}", label, expected_value(option));
@@ -98,7 +98,7 @@ std::string about_option(const CLI::Option& option, const CLI::ParseError& error
 UsageError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   const CLI::App& command = given.empty() ? app : *given.front();
-  // What is missing may be there, misspelt.
+  // The missing argument may be misspelt.
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
       error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
     if (const std::string about = about_extra_words(app, command); !about.empty())

@@ -10,7 +10,7 @@ struct UsageError {
   int exit_code = 0;     ///< CLI11's
 };
 
-/// What was wrong with a command line that `app` did not take.
+/// What is wrong with a command line that `app` rejected.
 UsageError usage_error(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace tactile

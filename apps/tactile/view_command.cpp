@@ -49,7 +49,7 @@ void refuse(bool given, const char* option, const std::string& out, const char* 
 }
 
 void view(const ViewArguments& args, const CommonArguments& common) {
-  // What is wrong with the options is said before anything is read.
+  // Errors of options are reported before anything is read.
   std::optional<Form> form;
   if (!args.out.empty()) form = form_of(args.out);
   const Form wanted = form.value_or(Form::sheet);

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
-#include "tactile/report/contact_sheet.hpp"
-#include "tactile/report/rate_strip.hpp"
+#include "tactile/pictures/contact_sheet.hpp"
+#include "tactile/pictures/rate_strip.hpp"
 #include "view_outputs.hpp"
 
 namespace tactile {
@@ -60,46 +60,32 @@ std::vector<TickGroup> around_onsets(const TickRange& range, const ViewedRecordi
   return groups;
 }
 
-/// Each moment's tile, and what JSON says of it.
+/// A moment as a tile and as JSON.
 struct DrawnTick {
   CameraTime t{};
   SheetTile tile;
   nlohmann::json json;
 };
 
-}  // namespace
+DrawnTick drawn_tick(const Moment& moment, const ViewedRecording& recording) {
+  double most = 0;
+  cv::minMaxLoc(moment.counts, nullptr, &most);
+  DrawnTick drawn{.t = moment.t, .tile = sheet_tile(moment), .json = {}};
+  SheetTile& tile = drawn.tile;
+  tile.touch = recording.touch_at(moment.t);
+  tile.second_caption = fmt::format("{}{} events", tile.touch ? std::string(name_of(*tile.touch)) + ", " : "", moment.events);
+  drawn.json = {{"t_us", us_of(moment.t)},
+                {"since_first_event_ms", recording.ms_from_first(moment.t)},
+                {"events", moment.events},
+                {"most_per_pixel", static_cast<std::int64_t>(most)},
+                {"label", tile.touch ? nlohmann::json(name_of(*tile.touch)) : nlohmann::json(nullptr)}};
+  return drawn;
+}
 
-void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const CommonArguments& common) {
-  const TickRange range = recording.ticks_between(request.options, request.from_ms, request.to_ms);
-  std::vector<TickGroup> groups;
-  if (!request.tiles && !request.from_ms && !request.to_ms) groups = around_onsets(range, recording);
-  const bool shows_onsets = !groups.empty();
-  if (!shows_onsets) groups.push_back(evenly_spaced(range, request.tiles.value_or(usual_tiles)));
-
-  // Intervals may follow each other so closely that a tick is shown twice, or ticks stand in another order: each is rendered
-  // once.
-  std::set<CameraTime> wanted;
-  for (const TickGroup& group : groups) wanted.insert(group.ticks.begin(), group.ticks.end());
-  const std::vector<CameraTime> times(wanted.begin(), wanted.end());
-  const ProgressCallback progress = progress_line(common);
-  std::vector<DrawnTick> drawn;
-  BrightnessMeter meter;
-  for_moments(recording.reader(), recording.stream_id(), request.options, times, MomentDetail::all, [&](const Moment& moment) {
-    tell(progress, drawn.size() + 1, times.size(), recording.name());
-    meter.add(moment);
-    double most = 0;
-    cv::minMaxLoc(moment.counts, nullptr, &most);
-    SheetTile tile = sheet_tile(moment);
-    tile.touch = recording.touch_at(moment.t);
-    tile.second_caption = fmt::format("{}{} events", tile.touch ? std::string(name_of(*tile.touch)) + ", " : "", moment.events);
-    nlohmann::json json = {{"t_us", us_of(moment.t)},
-                           {"since_first_event_ms", recording.ms_from_first(moment.t)},
-                           {"events", moment.events},
-                           {"most_per_pixel", static_cast<std::int64_t>(most)},
-                           {"label", tile.touch ? nlohmann::json(name_of(*tile.touch)) : nlohmann::json(nullptr)}};
-    drawn.push_back({moment.t, std::move(tile), std::move(json)});
-  });
-
+/// The tiles of every group, and the same as JSON.
+std::pair<std::vector<SheetGroup>, nlohmann::json> tiles_of(const std::vector<TickGroup>& groups,
+                                                            const std::vector<DrawnTick>& drawn,
+                                                            const ViewedRecording& recording) {
   nlohmann::json tiles = nlohmann::json::array();
   std::vector<SheetGroup> sheet;
   for (const TickGroup& group : groups) {
@@ -114,38 +100,70 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
       tiles.push_back(found->json);
     }
   }
+  return {std::move(sheet), std::move(tiles)};
+}
 
-  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
-  const nlohmann::json settings = request.options;
-  SheetOptions layout{.header = {}, .columns = columns, .brightness = meter.result(), .banner = {}};
-  layout.header.push_back(fmt::format("{}: the last {:g} ms before each moment", recording.title(),
-                                      static_cast<double>(request.options.history.count()) / 1000));
-  layout.header.push_back(fmt::format("{}: {} events in {:.1f} ms", recording.camera(), recording.events(),
-                                      recording.ms_from_first(recording.last())));
-  layout.header.push_back(fmt::format("heatmaps {}x{}, denoise {}, resize {}", size.width, size.height,
-                                      settings.at("denoise").get<std::string>(), settings.at("resize").get<std::string>()));
-  std::string times_line = shows_onsets ? "times from the first event, and from the onset" : "times from the first event";
-  if (shows_onsets && recording.intervals().size() > groups.size())
-    times_line += fmt::format("; {} of {} intervals are shown", groups.size(), recording.intervals().size());
-  layout.header.push_back(times_line);
-  layout.banner = {.height = RateStrip::height, .draw = [&](cv::Mat& picture, const cv::Rect& place) {
-                     const RateStrip strip(recording.first(), recording.last(), recording.first(), place);
-                     strip.draw(picture, recording.curve(), recording.intervals());
-                     strip.draw_marks(picture, times);
-                   }};
+/// The lines over the tiles. @param onsets  shown, 0 where the ticks are evenly spaced
+std::vector<std::string> header_of(const ViewedRecording& recording, const HeatmapOptions& options, std::size_t onsets) {
+  const SensorSize size = heatmap_size(recording.sensor(), options.factor);
+  const nlohmann::json settings = options;
+  std::string times = onsets > 0 ? "times from the first event, and from the onset" : "times from the first event";
+  if (onsets > 0 && recording.intervals().size() > onsets)
+    times += fmt::format("; {} of {} intervals are shown", onsets, recording.intervals().size());
+  return {fmt::format("{}: the last {:g} ms before each moment", recording.title(),
+                      static_cast<double>(options.history.count()) / 1000),
+          fmt::format("{}: {} events in {:.1f} ms", recording.camera(), recording.events(),
+                      recording.ms_from_first(recording.last())),
+          fmt::format("heatmaps {}x{}, denoise {}, resize {}", size.width, size.height, settings.at("denoise").get<std::string>(),
+                      settings.at("resize").get<std::string>()),
+          times};
+}
+
+}  // namespace
+
+void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const CommonArguments& common) {
+  const TickRange range = recording.ticks_between(request.options, request.from_ms, request.to_ms);
+  std::vector<TickGroup> groups;
+  if (!request.tiles && !request.from_ms && !request.to_ms) groups = around_onsets(range, recording);
+  const std::size_t onsets = groups.size();
+  if (onsets == 0) groups.push_back(evenly_spaced(range, request.tiles.value_or(usual_tiles)));
+
+  // Groups of close intervals can share ticks, or have them in another order: each tick is rendered once.
+  std::set<CameraTime> wanted;
+  for (const TickGroup& group : groups) wanted.insert(group.ticks.begin(), group.ticks.end());
+  const std::vector<CameraTime> times(wanted.begin(), wanted.end());
+  const ProgressCallback progress = progress_line(common);
+  std::vector<DrawnTick> drawn;
+  BrightnessMeter meter;
+  for_moments(recording.reader(), recording.stream_id(), request.options, times, MomentDetail::all, [&](const Moment& moment) {
+    tell(progress, drawn.size() + 1, times.size(), recording.name());
+    meter.add(moment);
+    drawn.push_back(drawn_tick(moment, recording));
+  });
+
+  const auto [sheet, tiles] = tiles_of(groups, drawn, recording);
+  const SheetOptions layout{.header = header_of(recording, request.options, onsets),
+                            .columns = columns,
+                            .brightness = meter.result(),
+                            .banner = {.height = RateStrip::height, .draw = [&](cv::Mat& picture, const cv::Rect& place) {
+                                         const RateStrip strip(recording.first(), recording.last(), recording.first(), place);
+                                         strip.draw(picture, recording.curve(), recording.intervals());
+                                         strip.draw_marks(picture, times);
+                                       }}};
   write_png(request.out, contact_sheet(sheet, layout));
 
+  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
   nlohmann::json result = recording.json();
   result.update({{"out", request.out.string()},
                  {"form", "sheet"},
                  {"heatmap", {{"width", size.width}, {"height", size.height}}},
-                 {"settings", settings},
+                 {"settings", request.options},
                  {"brightest", {{"events_per_pixel", layout.brightness.counts}, {"heatmap", layout.brightness.heatmap}}},
                  {"tiles", tiles}});
   print_result(
       common, result,
       fmt::format("{}: {} moment{} of {}{}\n", request.out.string(), tiles.size(), tiles.size() == 1 ? "" : "s", recording.name(),
-                  shows_onsets ? fmt::format(" around {} onset{}", groups.size(), groups.size() == 1 ? "" : "s") : ""));
+                  onsets > 0 ? fmt::format(" around {} onset{}", onsets, onsets == 1 ? "" : "s") : ""));
 }
 
 }  // namespace tactile

@@ -8,11 +8,11 @@
 
 #include "command.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/ticks.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/labels/labels.hpp"
-#include "tactile/report/event_curve.hpp"
-#include "tactile/windows/sample.hpp"
+#include "tactile/pictures/event_curve.hpp"
 
 namespace tactile {
 
@@ -29,7 +29,7 @@ class ViewedRecording {
   SensorSize sensor() const { return sensor_; }
   const std::string& name() const { return name_; }  ///< "fan/01", or the file's
   std::string title() const { return name_ + (simulated_ ? " (simulated)" : ""); }
-  std::string camera() const;     ///< its name where the recording tells it, and the sensor's size
+  std::string camera() const;     ///< its name where the recording has it, and the sensor's size
   std::string file_stem() const;  ///< for what is made of it: "fan-01"
   bool simulated() const { return simulated_; }
   CameraTime first() const { return first_; }
@@ -47,7 +47,7 @@ class ViewedRecording {
   /// @throws Error  if there are none, naming the option that is wrong
   TickRange ticks_between(const HeatmapOptions& options, std::optional<double> from_ms, std::optional<double> to_ms) const;
 
-  nlohmann::json json() const;  ///< what every result of a view says of it
+  nlohmann::json json() const;  ///< the part of every result about the recording
 
  private:
   std::optional<RunFolder> run_;

@@ -63,7 +63,7 @@ nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
           {"errors", summary.errors}};
 }
 
-/// @param differing  what is other than in the dataset that was there
+/// @param differing  what differs from the previous dataset
 std::string text_of(const DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing) {
   std::vector<std::vector<std::string>> rows;
   for (const WindowedRun& run : summary.runs) {
@@ -76,13 +76,13 @@ std::string text_of(const DatasetSummary& summary, const std::string& file, cons
   text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
   if (summary.was_damaged) {
-    text += "The dataset that was there could not be read; its heatmaps are gone with it.\n";
+    text += "The previous dataset could not be read. It is replaced, and its heatmaps are lost.\n";
   } else if (summary.outcome == DatasetSummary::Outcome::replaced) {
-    text += fmt::format("The dataset that was there had another manifest ({}); its heatmaps are gone with it.\n",
+    text += fmt::format("The previous dataset had another manifest ({}). It is replaced, and its heatmaps are lost.\n",
                         differing.empty() ? "other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   }
   if (summary.outcome == DatasetSummary::Outcome::moved)
-    text += "It is the one that was there, heatmaps included; where its runs lie now was noted.\n";
+    text += "It is the previous dataset, with its heatmaps. The folders of its runs were updated.\n";
   return text;
 }
 
@@ -94,17 +94,15 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
   std::string verdict = fmt::format("{}: differs from the runs and labels below {}", file, args.data);
   if (verified) {
     verdict = fmt::format(
-        "{}: every sample, interval and event is what the runs and labels below {} give, and no event in a window of one run is "
-        "in "
-        "another, whatever the split; ",
+        "{}: every sample, interval and event agrees with the runs and labels below {}, and no event in a window of one run is "
+        "in another, for any split; ",
         file, args.data);
     verdict += check.pairs_at_one_time == 0
                    ? "no two recordings overlap in camera time"
                    : fmt::format("recordings compared where they overlap in camera time: {} pairs, events equal by chance: {}",
                                  check.pairs_at_one_time, check.equal_by_chance);
-    verdict += check.histories.empty()
-                   ? "; no history is stored"
-                   : fmt::format("; every value of {} is as it was written", fmt::join(check.histories, ", "));
+    verdict += check.histories.empty() ? "; no history is stored"
+                                       : fmt::format("; every value of {} is unchanged", fmt::join(check.histories, ", "));
   }
   print_result(common,
                {{"dataset", file},

@@ -62,24 +62,24 @@ TEST(CommandLine, HelpKeepsWithin80Columns) {
 TEST(CommandLine, SaysInOneSentenceWhatIsWrongAndWhatIsRight) {
   const std::vector<std::tuple<std::string, int, std::string>> cases{
       {"doctor --thrads 1", 109,
-       "--thrads: is no option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
+       "--thrads: is not an option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
       {"doctor --thrads=1", 109,
-       "--thrads: is no option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
+       "--thrads: is not an option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
       {"view a.aedat4 --ot a.png", 109,
-       "--ot: is no option of 'tactile view'; the nearest is '--out', and 'tactile view --help' lists all"},
-      {"--json doctor", 109, "--json: stands ahead of the command; expected 'tactile doctor --json'"},
+       "--ot: is not an option of 'tactile view'; the nearest is '--out', and 'tactile view --help' lists all"},
+      {"--json doctor", 109, "--json: precedes the command; expected 'tactile doctor --json'"},
       {"simulate data more", 109, "'more': is one argument too many; expected 'tactile simulate [OPTIONS] [DATA]'"},
       {"doctor --threads 0", 105, "--threads: 0 is out of range; expected 1 to 1024"},
-      {"doctor --threads 1.5", 105, "--threads: 1.5 is no whole number; expected 1 to 1024"},
-      {"windows --guard-ms nan", 105, "--guard-ms: 'nan' is no number; expected 0 to 1000000"},
+      {"doctor --threads 1.5", 105, "--threads: 1.5 is not a whole number; expected 1 to 1024"},
+      {"windows --guard-ms nan", 105, "--guard-ms: 'nan' is not a number; expected 0 to 1000000"},
       {"serve sim --port 70000", 105, "--port: 70000 is out of range; expected 0 to 65535"},
       {"simulate --preset big", 105, "--preset: 'big' is unknown; expected paper, quick or tiny"},
       {"doctor --config no.json", 105, "--config: there is no no.json; expected a file that can be read"},
       {"convert a.csv", 106, "OUT: is missing; expected 'tactile convert [OPTIONS] IN OUT'"},
       {"record --duration", 114, "--duration: has no value; expected --duration S, 0.001 to 1000000000"},
       {"simulate --seed 1 --seed 2", 114, "--seed: is given 2 times; expected it once"},
-      {"doctor --json=perhaps", 104, "--json: takes no value; expected it alone"},
-      {"serve a --port 1 --unix b", 108, "--port: does not go with --unix; expected one of the two"}};
+      {"doctor --json=perhaps", 104, "--json: takes no value; expected none"},
+      {"serve a --port 1 --unix b", 108, "--port: cannot be used with --unix; expected one of the two"}};
   const test::TemporaryFolder folder;
   write_whole(folder / "a.aedat4", "");
   for (const auto& [arguments, exit_code, sentence] : cases) {
@@ -150,7 +150,7 @@ TEST(CommandLine, CtrlCNeverKillsItBareHoweverEarlyItComes) {
     const bool is_the_end = std::string(arguments).starts_with("record") || std::string(arguments).starts_with("serve");
     for (int i = 0; i < 6; ++i) {
       test::RunningCommand command(arguments, folder.path());
-      ASSERT_TRUE(test::comes_true([&] { return command.minds(SIGINT) || command.has_ended(); }));
+      ASSERT_TRUE(test::comes_true([&] { return command.blocks_or_catches(SIGINT) || command.has_ended(); }));
       std::this_thread::sleep_for(std::chrono::milliseconds(i == 0 ? 0 : random() % 300));
       command.signal(SIGINT);
       const auto result = command.wait();

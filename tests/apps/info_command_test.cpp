@@ -192,7 +192,7 @@ TEST(InfoCommand, DoesNotAllocateForASensorOfAbsurdSize) {
   const test::CommandResult result =
       test::run_shell("ulimit -v 4000000; '" + std::string(test::tactile_binary) + "' info --check huge.aedat4", folder.path());
   EXPECT_EQ(result.exit_code, 2) << result.err;
-  EXPECT_NE(result.err.find("32767x32767 is no sane sensor size"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("32767x32767 is not a valid sensor size"), std::string::npos) << result.err;
 }
 
 class InfoOfARun : public testing::Test {
@@ -302,7 +302,7 @@ TEST_F(InfoOfARun, FailsTheCheckWhereARunIsMisnamed) {
   fs::rename(folder / "data/fan/03", folder / "data/fan/3");
   const auto checked = run_tactile("info --check --json data", folder.path());
   EXPECT_EQ(checked.exit_code, 2);
-  EXPECT_NE(checked.err.find("data/fan/3: is left out, since a run's name is two digits from 01 on; rename it to 03"),
+  EXPECT_NE(checked.err.find("data/fan/3: is left out, because a run's name is two digits from 01 on; rename it to 03"),
             std::string::npos)
       << checked.err;
   EXPECT_EQ(nlohmann::json::parse(checked.out).at("misnamed").size(), 1U);

@@ -30,7 +30,7 @@ TEST_F(RepairCommand, MakesASickRecordingPassTheCheck) {
   EXPECT_EQ(run("info --check cut.aedat4").exit_code, 2);
   const test::CommandResult result = run("repair cut.aedat4 whole.aedat4");
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("behind the last whole packet"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("after the last whole packet"), std::string::npos) << result.out;
   const test::CommandResult check = run("info --check whole.aedat4");
   EXPECT_EQ(check.exit_code, 0) << check.err;
 }

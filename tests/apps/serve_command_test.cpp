@@ -19,7 +19,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/network/dv_stream_client.hpp"
+#include "tactile/transport/dv/dv_stream_client.hpp"
 
 namespace tactile::test {
 namespace {
@@ -37,7 +37,7 @@ std::string words(std::initializer_list<std::string> arguments) {
 }
 
 NetworkAddress events_address(const RunningCommand& serving) {
-  const std::string line = serving.logged_behind("serving events of ");
+  const std::string line = serving.logged_after("serving events of ");
   return network_address(line.substr(line.rfind(" on ") + 4));
 }
 
@@ -114,7 +114,7 @@ TEST(ServeCommand, ServesEveryCompression) {
 TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--imu-port", "0", "--triggers-port", "0", "--speed", "0"}));
   const auto address_of = [&](const std::string& type) {
-    const std::string line = serving.logged_behind("serving " + type + " of ");
+    const std::string line = serving.logged_after("serving " + type + " of ");
     return network_address(line.substr(line.rfind(" on ") + 4));
   };
   DvStreamClient events(address_of("events"), long_enough), imu(address_of("imu"), long_enough),
@@ -270,7 +270,7 @@ TEST(ServeCommand, SaysWhatARecordingLacks) {
   const CommandResult result = run_tactile("serve cut.aedat4 --port 0 --no-wait --speed 0", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("cut.aedat4: "), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("behind the last whole packet are lost"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("after the last whole packet are lost"), std::string::npos) << result.err;
 }
 
 TEST(ServeCommand, RefusesWhatItCannotServeInOneLine) {

@@ -7,7 +7,7 @@
 #include "events/made_recording.hpp"
 #include "support/comes_true.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/network/dv_stream_client.hpp"
+#include "tactile/transport/dv/dv_stream_client.hpp"
 
 namespace tactile::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
-#include "tactile/network/dv_stream_server.hpp"
+#include "tactile/transport/dv/dv_stream_server.hpp"
 
 namespace tactile {
 namespace {
@@ -64,7 +64,7 @@ TEST_F(FindSources, TellsTheVendorsCamerasApartAndHowToReachThem) {
   EXPECT_TRUE(begins(2, "DVXplorer DXA00003, firmware 8: ")) << found[2].description;
   EXPECT_TRUE(begins(3, "DAVIS346, firmware 4: ")) << found[3].description;
   for (const std::size_t i : {1U, 3U}) {
-    EXPECT_NE(found[i].description.find("libcaer does not know it; run scripts/dv-bridge"), std::string::npos);
+    EXPECT_NE(found[i].description.find("libcaer does not support it; run scripts/dv-bridge"), std::string::npos);
   }
   for (const std::size_t i : {0U, 2U}) {
     EXPECT_NE(found[i].description.find(is_built_with_libcaer() ? "cannot be opened" : "no libcaer; run scripts/dv-bridge"),

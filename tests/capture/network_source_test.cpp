@@ -13,7 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/events/simulated_recording.hpp"
-#include "tactile/network/dv_stream_server.hpp"
+#include "tactile/transport/dv/dv_stream_server.hpp"
 
 namespace tactile {
 namespace {

@@ -401,7 +401,7 @@ TEST_F(RunRecorderTest, TellsOnceOfAStreamThatEndsWhileEventsGoOn) {
   EXPECT_TRUE(test::comes_true([&] { return recorder.state().ended.empty() && !told.empty(); }));
   EXPECT_EQ(recorder.state().ended, "");
   recorder.end("interrupted");
-  EXPECT_EQ(told, std::vector<std::string>{"made:imu: has ended, and the run goes on without it"});
+  EXPECT_EQ(told, std::vector<std::string>{"made:imu: has ended, and the run continues without it"});
   const nlohmann::json sources = read_json(run.info()).at("sources");
   EXPECT_TRUE(sources.at(0).at("ended").is_null());
   EXPECT_TRUE(sources.at(1).at("ended").is_number_integer());

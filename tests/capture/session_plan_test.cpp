@@ -71,7 +71,7 @@ TEST_F(SessionPlanFile, NamesTheKeyAndWhatIsExpected) {
   EXPECT_EQ(complaint_of(R"("duration": "x")"), file + ": 'duration' is \"x\"; expected seconds above 0");
   EXPECT_EQ(complaint_of(R"("session": 5)"), file + ": 'session' is 5; expected a text");
   EXPECT_EQ(complaint_of(R"("stop_on": [])"), file + ": 'stop_on' is []; expected a text");
-  EXPECT_TRUE(complaint_of(R"("start_on": "a b")").starts_with(file + ": 'start_on': 'a b' names no bit of the robot; expected"));
+  EXPECT_TRUE(complaint_of(R"("start_on": "a b")").starts_with(file + ": 'start_on': 'a b' is not a bit of the robot; expected"));
 }
 
 TEST(CompleteRuns, CountsThoseThatSayTheyAre) {

@@ -8,12 +8,12 @@
 #include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/truth.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/simulation/simulate.hpp"
-#include "tactile/simulation/truth.hpp"
 #include "tactile/video/video_times.hpp"
 
 namespace tactile {

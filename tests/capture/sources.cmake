@@ -7,7 +7,7 @@ add_stage_tests(capture_sources
   SOURCES
     camera_source_test.cpp camera_streams_test.cpp file_source_test.cpp find_sources_test.cpp network_source_test.cpp
     simulator_source_test.cpp ${TRANSLATION_TESTS}
-  LINKS tactile::capture tactile::network tactile::simulation)
+  LINKS tactile::capture tactile::transport_dv tactile::simulation)
 if(TARGET libcaer::caer)
   target_link_libraries(capture_sources_tests PRIVATE libcaer::caer)
 endif()

@@ -131,7 +131,7 @@ TEST_F(ImportedRun, HasTheImuInTheCamerasUnits) {
   EXPECT_FLOAT_EQ(contents.imu.at(3).angular_rate_dps[2], 3);
 }
 
-TEST_F(ImportedRun, SaysInRunJsonWhereItComesFrom) {
+TEST_F(ImportedRun, NamesItsBagInRunJson) {
   const nlohmann::json info = read_json(run / "run.json");
   EXPECT_EQ(info.at("object"), "fan");
   EXPECT_EQ(info.at("run"), "01");
@@ -194,16 +194,16 @@ TEST(ImportBag, SortsMessagesThatOverlap) {
   EXPECT_EQ(summary.drops.late_events, 0U);
 }
 
-TEST(ImportBag, WantsAChoiceAmongSeveralEventTopics) {
-  const std::string said = refusal_of("two-cameras");
-  EXPECT_NE(said.find("/left/events, /right/events; expected a choice by --events-topic"), std::string::npos) << said;
+TEST(ImportBag, RequiresAChoiceAmongSeveralEventTopics) {
+  const std::string message = refusal_of("two-cameras");
+  EXPECT_NE(message.find("/left/events, /right/events; expected a choice by --events-topic"), std::string::npos) << message;
   const test::TemporaryFolder folder;
   EXPECT_EQ(import_bag(bags / "two-cameras.bag", folder / "fan/01", {.events_topic = "/right/events"}).events, 50U);
   EXPECT_NE(refusal_of("two-cameras", {.events_topic = "/up/events"}).find("has no topic /up/events with events"),
             std::string::npos);
 }
 
-TEST(ImportBag, LeavesOutATopicThatIsNotWanted) {
+TEST(ImportBag, OmitsADeselectedTopic) {
   const test::TemporaryFolder folder;
   import_bag(bags / "run.bag", folder / "fan/01", {.joints_topic = "none", .video_topic = "none", .imu_topic = "none"});
   EXPECT_FALSE(fs::exists(folder / "fan/01/video.mp4"));
@@ -212,8 +212,8 @@ TEST(ImportBag, LeavesOutATopicThatIsNotWanted) {
   EXPECT_NE(refusal_of("run", {.events_topic = "none"}).find("--events-topic"), std::string::npos);
 }
 
-TEST(ImportBag, SaysWhatABagCannotGive) {
-  EXPECT_NE(refusal_of("no-events").find("no topic holds events"), std::string::npos);
+TEST(ImportBag, ReportsWhatABagLacks) {
+  EXPECT_NE(refusal_of("no-events").find("no topic has events"), std::string::npos);
   EXPECT_NE(refusal_of("evt3").find("encoded as 'evt3'; expected libcaer, libcaer_cmp or mono"), std::string::npos);
 }
 
@@ -231,7 +231,7 @@ TEST(ImportBag, NamesADefinitionThatItDoesNotKnow) {
   }
 }
 
-TEST(ImportBag, TakesACutBagUpToTheCutAndSaysSo) {
+TEST(ImportBag, ReadsACutBagUpToTheCutAndReportsIt) {
   const test::TemporaryFolder folder;
   const std::string bytes = read_text(bags / "run.bag");
   // The records of its chunk alone, as a bag without chunks has them: the chunk follows magic and bag header, 13 + 4096 bytes.
@@ -247,7 +247,7 @@ TEST(ImportBag, TakesACutBagUpToTheCutAndSaysSo) {
   EXPECT_EQ(info.at("bag").at("problems").at("truncated_bytes"), summary.problems.truncated_bytes);
 }
 
-/// What refusing a bag of these bytes says.
+/// The error for a bag of these bytes.
 std::string refusal_of_bytes(const std::string& bytes, const BagImportOptions& options = {}) {
   const test::TemporaryFolder folder;
   write_whole(folder / "made.bag", bytes);
@@ -260,9 +260,9 @@ std::string refusal_of_bytes(const std::string& bytes, const BagImportOptions& o
   return {};
 }
 
-TEST(ImportBag, SaysThatADamagedBagIsOneWhereNothingIsFound) {
-  const std::string said = refusal_of_bytes(read_text(bags / "run.bag").substr(0, 4'200));
-  EXPECT_NE(said.find("bytes cut off"), std::string::npos) << said;
+TEST(ImportBag, ReportsADamagedBagWithoutAnyMessage) {
+  const std::string message = refusal_of_bytes(read_text(bags / "run.bag").substr(0, 4'200));
+  EXPECT_NE(message.find("bytes cut off"), std::string::npos) << message;
 }
 
 /// The plain bag with every image's encoding replaced by another of its length.
@@ -280,8 +280,9 @@ TEST(ImportBag, RefusesImagesOfAnUnknownEncodingOnlyIfAskedByName) {
   write_whole(folder / "made.bag", bytes);
   EXPECT_EQ(import_bag(folder / "made.bag", folder / "fan/01").warnings.size(), 1U);
   EXPECT_FALSE(fs::exists(folder / "fan/01/video.mp4"));
-  const std::string said = refusal_of_bytes(bytes, {.video_topic = "/camera/image_raw"});
-  EXPECT_NE(said.find("topic /camera/image_raw has images encoded as 'mine', which is not known"), std::string::npos) << said;
+  const std::string message = refusal_of_bytes(bytes, {.video_topic = "/camera/image_raw"});
+  EXPECT_NE(message.find("topic /camera/image_raw has images encoded as 'mine', which is not known"), std::string::npos)
+      << message;
 }
 
 TEST(ImportBag, CountsMessagesOfAnotherSensorApart) {

@@ -50,7 +50,7 @@ TEST(Convert, KeepsEveryElementFromAnyCompressionToAnyOther) {
   }
 }
 
-TEST(Convert, KeepsTheInputsCompressionUnlessToldOtherwise) {
+TEST(Convert, KeepsTheInputsCompressionByDefault) {
   const test::TemporaryFolder folder;
   convert_recording(vendor_files / "dv-zstd.aedat4", folder / "out.aedat4");
   EXPECT_EQ(RecordingReader(folder / "out.aedat4").compression(), Compression::zstd);
@@ -93,7 +93,7 @@ TEST(Convert, LaysCutsEndToEndWithoutLosingAnEvent) {
             read_text(folder / "all.csv"));
 }
 
-TEST(Convert, RefusesACutThatLeavesNothing) {
+TEST(Convert, RefusesACutWithoutElements) {
   const test::TemporaryFolder folder;
   for (const char* out : {"out.aedat4", "out.csv"}) {
     EXPECT_THROW(convert_recording(vendor_files / "dv-lz4.aedat4", folder / out, {.to = camera_time(5)}), Error);
@@ -169,7 +169,7 @@ TEST(Convert, NamesTheCameraOfACsv) {
   EXPECT_EQ(RecordingReader(folder / "b.aedat4").streams().front().source, "DVXplorer_DXA00042");
 }
 
-TEST(Convert, RefusesEventsOutsideTheGivenSensorAndLeavesNothing) {
+TEST(Convert, RefusesEventsOutsideTheGivenSensorAndWritesNothing) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,0,0,1\n1,320,0,1\n");
   try {
@@ -182,7 +182,7 @@ TEST(Convert, RefusesEventsOutsideTheGivenSensorAndLeavesNothing) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST(Convert, CannotTellTheSizeOfACsvWithoutEvents) {
+TEST(Convert, CannotDeriveTheSizeOfACsvWithoutEvents) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n");
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4"), Error);
@@ -300,7 +300,7 @@ TEST(Convert, CropsFramesWhereverTheyLieOnTheSensor) {
   EXPECT_EQ(out.frames[0].pixels, (std::vector<std::uint8_t>{15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 32}));
 }
 
-TEST(Convert, RefusesACropThatReachesOutOrLeavesNothing) {
+TEST(Convert, RefusesACropOutsideTheSensorOrWithoutEvents) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,10,10,1\n10,20,20,0\n");
   const auto crop = [&](const PixelRegion& region) {
@@ -365,7 +365,7 @@ std::string refusal_of(const fs::path& in, const fs::path& out, const ConvertOpt
   return {};
 }
 
-TEST(Convert, CutsByTheEventsWhateverTheDataTableSays) {
+TEST(Convert, CutsByTheEventsNotByTheDataTable) {
   const test::TemporaryFolder folder;
   test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 1'000, 100, {64, 48}), {64, 48});
   std::string bytes = read_text(folder / "in.aedat4");
@@ -378,7 +378,7 @@ TEST(Convert, CutsByTheEventsWhateverTheDataTableSays) {
   EXPECT_EQ(cut.streams.at(0).elements, 199U);
 }
 
-TEST(Convert, WantsASensorSizeOnlyWhereTheOutputDoes) {
+TEST(Convert, RequiresASensorSizeOnlyIfTheOutputDoes) {
   const test::TemporaryFolder folder;
   const Stream sizeless = test::stream_of(0, StreamType::events, "EVTS", "A");
   {
@@ -386,7 +386,7 @@ TEST(Convert, WantsASensorSizeOnlyWhereTheOutputDoes) {
     writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
     writer.close();
   }
-  EXPECT_NE(refusal_of(folder / "in.h5", folder / "out.aedat4").find("in.h5: does not say its sensor's size"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "in.h5", folder / "out.aedat4").find("in.h5: has no sensor size"), std::string::npos);
   const ConvertSummary summary = convert_recording(folder / "in.h5", folder / "out.aedat4", {.size = SensorSize{64, 48}});
   EXPECT_EQ(summary.streams.at(0).elements, 30U);
 }
@@ -398,9 +398,10 @@ TEST(Convert, ExportsTimesThatStepBackButMakesNoRecordingOfThem) {
                   std::int64_t{1'000});
   EXPECT_EQ(convert_recording(folder / "in.aedat4", folder / "out.csv").steps_back, 1U);
   for (const char* out : {"out.aedat4", "out.h5"}) {
-    const std::string said = refusal_of(folder / "in.aedat4", folder / out);
-    EXPECT_TRUE(said.starts_with((folder / "in.aedat4").string() + ": stream 0 goes back in time, from 1300 to 1000 us")) << said;
-    EXPECT_NE(said.find("CSV and NPZ keep events as they are"), std::string::npos) << said;
+    const std::string message = refusal_of(folder / "in.aedat4", folder / out);
+    EXPECT_TRUE(message.starts_with((folder / "in.aedat4").string() + ": stream 0 goes back in time, from 1300 to 1000 us"))
+        << message;
+    EXPECT_NE(message.find("CSV and NPZ keep events as they are"), std::string::npos) << message;
     const ConvertSummary cut = convert_recording(folder / "in.aedat4", folder / out, {.from = camera_time(1'301)});
     EXPECT_EQ(cut.streams.at(0).elements, 295U);
     fs::remove(folder / out);
@@ -409,7 +410,7 @@ TEST(Convert, ExportsTimesThatStepBackButMakesNoRecordingOfThem) {
   EXPECT_EQ(files_in(folder.path()), 2U);
 }
 
-TEST(Convert, SaysWhatADamagedInputLost) {
+TEST(Convert, ReportsWhatADamagedInputLost) {
   const test::TemporaryFolder folder;
   test::write_plain_recording(folder / "in.aedat4", test::steady_events(300, 0, 100, {64, 48}), {64, 48});
   fs::resize_file(folder / "in.aedat4", test::packets_of(folder / "in.aedat4").back().payload_offset + 5);

@@ -30,7 +30,7 @@ std::string python(const test::TemporaryFolder& folder, const std::string& lines
   return result.out;
 }
 
-/// What refusing a file says.
+/// The error for a file.
 std::string refusal_of(const fs::path& file, const ConvertOptions& options = {}) {
   const test::TemporaryFolder folder;
   try {
@@ -123,7 +123,7 @@ TEST(Hdf5Recording, KeepsSeveralStreamsApart) {
   events.clear();
   for_all_events(back, 4, keep);
   EXPECT_EQ(events, right);
-  EXPECT_LT(back.packets()[1].first, camera_time(20'000));  // streams lie beside each other, not one behind the other
+  EXPECT_LT(back.packets()[1].first, camera_time(20'000));  // the streams are interleaved
   EXPECT_EQ(convert_recording(folder / "two.h5", folder / "b.csv", {.streams = {"B"}}).streams.at(0).elements, 50U);
 }
 
@@ -156,7 +156,7 @@ TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
   EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().size, (SensorSize{320, 240}));
   EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().source, "mine");
   convert_recording(folder / "out.aedat4", folder / "out.h5");
-  EXPECT_NE(refusal_of(folder / "out.h5", {.size = SensorSize{64, 48}}).find("--size left out"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "out.h5", {.size = SensorSize{64, 48}}).find("omit --size"), std::string::npos);
 }
 
 TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
@@ -169,8 +169,8 @@ TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
                change + "\n    for n, v in columns.items(): f.create_dataset('events/' + n, data=v)\n");
     return refusal_of(folder / "bad.h5");
   };
-  const auto expect = [](const std::string& said, const std::string& part) {
-    EXPECT_NE(said.find(part), std::string::npos) << said;
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   expect(refusal("    columns['x'] = np.arange(4)"), "/events/x: has 4 rows, and t_us has 5");
   expect(refusal("    del columns['on']"), "/events/on: is missing");
@@ -184,8 +184,8 @@ TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
   expect(refusal("    columns['t_us'] = np.array([0, 5, 4, 6, 7])"), "/events/t_us: time goes back in row 2, from 5 to 4 us");
   expect(refusal("    columns['t_us'] = np.array([0, 1, 2, 3, 2**63 + 5], dtype='uint64')"), "/events/t_us: row 4 is beyond");
   expect(refusal("    f.attrs['sensor_width'] = 0"), "0x48 pixels");
-  expect(refusal("    columns = {}\n    f['other'] = 1"), "holds no recording but other");
-  expect(refusal("    columns = {}\n    f['events'] = np.zeros(3, dtype=[('t', 'i8'), ('x', 'u2')])"), "/events: is no group");
+  expect(refusal("    columns = {}\n    f['other'] = 1"), "contains no recording, only other");
+  expect(refusal("    columns = {}\n    f['events'] = np.zeros(3, dtype=[('t', 'i8'), ('x', 'u2')])"), "/events: is not a group");
   write_whole(folder / "bad.h5", "no HDF5 at all");
   expect(refusal_of(folder / "bad.h5"), "cannot be opened");
 }
@@ -201,7 +201,7 @@ TEST(Hdf5Recording, NeverAllocatesForWhatAFileMerelyClaims) {
       "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n"
       "    for n in ('t_us', 'x', 'y', 'on'):\n"
       "        f.create_dataset('events/' + n, shape=(5,), maxshape=(None,), dtype='i8', chunks=(2**28,), compression='gzip')\n");
-  EXPECT_NE(refusal_of(folder / "huge.h5").find("claims more values than its file can hold"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "huge.h5").find("claims more values than its file can contain"), std::string::npos);
   EXPECT_NE(refusal_of(folder / "chunk.h5").find("chunks of more than 64 MiB"), std::string::npos);
 }
 
@@ -261,7 +261,7 @@ TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {
          "        if not attributes: f.create_group('runs')\n"
          "with h5py.File('linked.h5', 'w') as f: f['events'] = h5py.ExternalLink('other.h5', '/events')\n");
   for (const char* name : {"dataset.h5", "dataset.events.h5"})
-    EXPECT_NE(refusal_of(folder / name).find("belongs to a dataset"), std::string::npos);
+    EXPECT_NE(refusal_of(folder / name).find("is the events file of a dataset"), std::string::npos);
   EXPECT_NE(refusal_of(folder / "linked.h5").find("lies in another file"), std::string::npos);
 }
 
@@ -293,8 +293,8 @@ TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
          "with h5py.File('theirs.h5', 'w') as f:\n"
          "    for n in ('t_us', 'x', 'y', 'on'):\n"
          "        f.create_dataset('events/' + n, data=np.zeros(1000, dtype='i8'), chunks=(100,), compression='lzf')\n");
-  const std::string said = refusal_of(folder / "theirs.h5", {.size = SensorSize{64, 48}});
-  EXPECT_NE(said.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << said;
+  const std::string message = refusal_of(folder / "theirs.h5", {.size = SensorSize{64, 48}});
+  EXPECT_NE(message.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << message;
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ Contents contents_of(const fs::path& file) {
   return contents_of(bag);
 }
 
-/// The bag with `value` written little-endian over what follows the first `name=` behind `from`.
+/// The bag with `value` written little-endian over the bytes after the first `name=` after `from`.
 std::string patched(std::string bytes, const std::string& name, std::uint32_t value, std::size_t from = 0) {
   const std::size_t at = bytes.find(name + "=", from);
   EXPECT_NE(at, std::string::npos);
@@ -71,7 +71,7 @@ TEST(RosBagReader, GivesTheSameMessagesFromEveryCompression) {
   }
 }
 
-TEST(RosBagReader, BeginsAnewWhenRewound) {
+TEST(RosBagReader, StartsAgainWhenRewound) {
   RosBagReader bag(bags / "run-lz4.bag");
   for (int i = 0; i < 10; ++i) bag.next();
   bag.rewind();
@@ -83,7 +83,7 @@ TEST(RosBagReader, ReadsABagWithoutItsIndex) {
   std::string bytes = read_text(bags / "mono.bag");
   const std::size_t index = bytes.find("op=\x07", bytes.find("op=\x04"));
   ASSERT_NE(index, std::string::npos);
-  bytes.resize(index);  // amid the first record behind the chunks
+  bytes.resize(index);  // inside the first record after the chunks
   const Contents cut = contents_of_bytes(bytes);
   EXPECT_EQ(cut.digest, contents_of(bags / "mono.bag").digest);
   EXPECT_GT(cut.problems.truncated_bytes, 0U);
@@ -93,7 +93,7 @@ TEST(RosBagReader, ReadsACutBagUpToTheCutWhereverThatIs) {
   const std::string whole = read_text(bags / "no-events.bag");
   const std::size_t chunk_end = whole.find("op=\x04");  // its one chunk is followed by that chunk's index
   for (std::size_t size = 13; size < whole.size(); size += 7) {
-    if (size + 60 > chunk_end && size < chunk_end) continue;  // amid the header in front of it
+    if (size + 60 > chunk_end && size < chunk_end) continue;  // inside the header before it
     const Contents cut = contents_of_bytes(whole.substr(0, size));
     EXPECT_LE(cut.messages.size(), 1U) << size;
     EXPECT_GE(cut.messages.size(), size > chunk_end ? 1U : 0U) << size;
@@ -136,7 +136,7 @@ TEST(RosBagReader, PassesOverAChunkThatDoesNotDecompress) {
   }
 }
 
-TEST(RosBagReader, CountsMessagesOfConnectionsThatNobodyNamed) {
+TEST(RosBagReader, CountsMessagesOfUndeclaredConnections) {
   const std::string whole = read_text(bags / "no-events.bag");
   const std::size_t message = whole.find("op=\x02");
   const Contents contents = contents_of_bytes(patched(whole, "conn", 99, message - 60));

@@ -155,7 +155,7 @@ TEST(DecodeToolPoses, TakesBaseToToolAloneAndCountsWhatIsNoPose) {
   EXPECT_TRUE(poses.empty());
 }
 
-TEST(RotationVector, IsAxisTimesAngleTheShortWay) {
+TEST(RotationVector, IsAxisTimesTheSmallerAngle) {
   const auto expect = [](const std::array<double, 4>& turn, const std::array<double, 3>& vector) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(rotation_vector(turn).at(i), vector.at(i), 1e-12) << i;
   };
@@ -180,7 +180,7 @@ std::string image(const std::string& encoding, std::uint32_t step, const std::st
   return header(3, 5'000) + u32(2) + u32(width) + text(encoding) + '\0' + u32(step) + text(data);
 }
 
-TEST(DecodeImage, GivesGreyOrBgrWhateverTheOrder) {
+TEST(DecodeImage, GivesGreyOrBgrForEveryChannelOrder) {
   RosImage decoded;
   ASSERT_TRUE(decode_image(bytes_of(image("rgb8", 7, "RGBrgb-RGBrgb-")), decoded));  // a byte of padding in each row
   EXPECT_EQ(us_of(decoded.t), 3'000'005);

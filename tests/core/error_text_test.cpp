@@ -45,8 +45,8 @@ TEST(SentenceOf, NamesThePathAndTheReasonOfAFileSystemsError) {
 TEST(SentenceOf, PutsMemoryAndJsonIntoPlainWords) {
   for (const std::string& sentence : {sentence_of(std::bad_alloc()), sentence_of(std::bad_array_new_length()),
                                       sentence_of(std::length_error("vector::_M_default_append"))})
-    EXPECT_EQ(sentence, "memory does not suffice; expected more of it, fewer --threads, or a smaller recording");
-  EXPECT_TRUE(sentence_of(std::bad_alloc(), "fan/03").starts_with("fan/03: memory does not suffice"));
+    EXPECT_EQ(sentence, "not enough memory; expected more memory, fewer --threads, or a smaller recording");
+  EXPECT_TRUE(sentence_of(std::bad_alloc(), "fan/03").starts_with("fan/03: not enough memory"));
   EXPECT_EQ(sentence_of(Error("fan/03/robot.csv: no row"), "fan/03"), "fan/03/robot.csv: no row") << "it names the file itself";
   const nlohmann::json list = nlohmann::json::array({1});
   EXPECT_EQ(sentence_after([&] { list.value("key", 1); }),

@@ -88,7 +88,7 @@ TEST(Json, NamesTheLineAndWhatBelongsThere) {
   for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
            {"{\n \"a\": 1,\n b: 2}", "line 3 is no JSON at 'b'; expected a name in double quotes there"},
            {"{\"a\": 1,}", "line 1 is no JSON at '}'; expected a name in double quotes there"},
-           {"{\"a\" 1}", "line 1 is no JSON at '1'; expected ':' behind the name there"},
+           {"{\"a\" 1}", "line 1 is no JSON at '1'; expected ':' after the name there"},
            {"{\"a\": 1\n \"b\": 2}", "line 2 is no JSON at '\"b\"'; expected ',' or '}' there"},
            {"[1 2]", "line 1 is no JSON at '2'; expected ',' or ']' there"},
            {"{\"name\":\nfan}", "line 2 is no JSON at 'fan'; expected a value"},
@@ -96,8 +96,8 @@ TEST(Json, NamesTheLineAndWhatBelongsThere) {
            {"[1,", "line 1 is no JSON at the end of the file; expected a value"},
            {"", "line 1 is no JSON at the end of the file; expected a value"},
            {"[1e999]", "a number is too large; expected numbers between -1.8e308 and 1.8e308"},
-           {"1 2", "line 1 is no JSON at '2'; expected nothing behind the one value there"},
-           {"{\"a\": \"b\n}", "line 1 is no JSON: a text is not ended"}}) {
+           {"1 2", "line 1 is no JSON at '2'; expected nothing after the value there"},
+           {"{\"a\": \"b\n}", "line 1 is no JSON: a text is not closed"}}) {
     std::ofstream(folder / "bad.json") << text;
     try {
       read_json(folder / "bad.json");

@@ -33,8 +33,8 @@ class LookForRuns : public testing::Test {
   }
 
   test::TemporaryFolder data;
-  const std::string object_rule = " left out, since an object's name is lower-case letters, digits and inner hyphens; ";
-  const std::string run_rule = ": is left out, since a run's name is two digits from 01 on; ";
+  const std::string object_rule = " left out, because an object's name is lower-case letters, digits and inner hyphens; ";
+  const std::string run_rule = ": is left out, because a run's name is two digits from 01 on; ";
 };
 
 TEST_F(LookForRuns, NamesWhatAMisnamedFolderNeeds) {
@@ -79,7 +79,7 @@ TEST_F(LookForRuns, PassesOverHiddenFoldersDiscardedRunsAndThoseWithoutARecordin
 
 TEST_F(LookForRuns, TellsOfARecordingThatLiesAFolderTooHigh) {
   make({"fan/01", "Take", "07"});
-  const std::string rule = ": is left out, since it holds a recording where an object's runs belong; move it to ";
+  const std::string rule = ": is left out, because it has a recording where an object's runs belong; move it to ";
   EXPECT_EQ(found().misnamed, (std::vector<std::string>{sentence("Take", rule + (data / "take/01").string()),
                                                         sentence("07", rule + (data / "<object>/01").string())}));
 }

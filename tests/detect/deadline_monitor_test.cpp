@@ -66,7 +66,7 @@ TEST(DeadlineMonitor, MissesWhatIsSkippedOrMoreThanATickLate) {
   monitor.add(times, 0);  // to the microsecond in time
   times.queued = microseconds{1841};
   monitor.add(times, 0);
-  EXPECT_EQ(monitor.counts().told, 10U);
+  EXPECT_EQ(monitor.counts().reported, 10U);
   EXPECT_EQ(monitor.counts().skipped, 2U);
   EXPECT_EQ(monitor.counts().late, 1U);
   EXPECT_DOUBLE_EQ(monitor.counts().missed_share(), 3.0 / 12);

@@ -12,8 +12,6 @@
 #include <sstream>
 
 #include "evaluation/trained_model.hpp"
-#include "network/dv_stream_bytes.hpp"
-#include "network/scripted_server.hpp"
 #include "robot/fake_controller.hpp"
 #include "support/comes_true.hpp"
 #include "support/error_of.hpp"
@@ -27,6 +25,8 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
+#include "transport/dv/dv_stream_bytes.hpp"
+#include "transport/scripted_server.hpp"
 
 namespace tactile {
 namespace {
@@ -85,7 +85,7 @@ struct Listener {
   Listener& operator=(const Listener&) = delete;
 };
 
-TEST(DetectCommand, SaysOfARecordingExactlyWhatEvalSaysTickForTick) {
+TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   const fs::path folder = trained().folder.path();
   for (const std::string options : {"", " --confirm 3/4", " --gate", " --gate --confirm 2/3"}) {
     const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + options, folder);
@@ -116,13 +116,13 @@ TEST(DetectCommand, SaysOfARecordingExactlyWhatEvalSaysTickForTick) {
   }
 }
 
-TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLate) {
+TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   const fs::path folder = trained().folder.path();
   ASSERT_EQ(run_tactile("eval --quiet --model small --run fan/02 --out offline", folder).exit_code, 0);
   std::map<std::string, Row> offline;
   for (const Row& row : rows_of(folder / "offline/fan-02.csv")) offline[row.at("t_us")] = row;
   RunningCommand server("serve data/fan/02 --port 0", folder);
-  const std::string address = server.logged_behind(" on ");
+  const std::string address = server.logged_after(" on ");
   const auto live =
       run_tactile("detect --json --model small --reconnect 0 --slack-us 500000 --ticks stream.csv --from " + address, folder);
   ASSERT_EQ(live.exit_code, 0) << live.err;
@@ -148,7 +148,7 @@ TEST(DetectCommand, ToldTicksOfAStreamLieOnTheSameGridAndAgreeWhereNothingCameLa
   }
 }
 
-TEST(DetectCommand, TellsTheRobotAndLowersItsBitsInTheEnd) {
+TEST(DetectCommand, SetsTheRobotsBitsAndClearsThemInTheEnd) {
   const FakeController controller;
   const auto result = run_tactile(
       "detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 --robot "
@@ -201,7 +201,7 @@ const std::string bridge_script =
     "' detect --quiet --model small --from file:data/fan/02 --udp 127.0.0.1:$(sed 's/.*://' bridge.err) >/dev/null || exit 1\n"
     "comes slip bridge.out\n";
 
-TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
+TEST(RosBridge, PrintsTheVerdictsOfReceivedRecords) {
   write_whole(trained().folder / "bridge.sh", bridge_script);
   const auto result = test::run_shell("sh bridge.sh", trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -209,7 +209,7 @@ TEST(RosBridge, PrintsTheVerdictsOfTheRecordsThatItIsSent) {
   EXPECT_NE(result.out.find("\nslip\n"), std::string::npos) << result.out;
 }
 
-TEST(DetectCommand, RecordsWhatItSees) {
+TEST(DetectCommand, RecordsTheRun) {
   const fs::path folder = trained().folder.path();
   const auto result =
       run_tactile("detect --json --model small --from file:data/fan/02 --speed 0 --record --out recorded --object fan", folder);
@@ -221,7 +221,7 @@ TEST(DetectCommand, RecordsWhatItSees) {
   EXPECT_EQ(run_tactile("info --check recorded/fan/01", folder).exit_code, 0);
 }
 
-TEST(DetectCommand, DrawsWhatItToldBesideLabelsAndTruth) {
+TEST(DetectCommand, DrawsVerdictsWithLabelsAndTruth) {
   const fs::path folder = trained().folder.path();
   const auto result = run_tactile("detect --model small --from file:data/fan/02 --speed 0 --plot told.svg", folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -234,10 +234,10 @@ TEST(DetectCommand, DrawsWhatItToldBesideLabelsAndTruth) {
   EXPECT_NE(svg.find("first right verdict"), std::string::npos);
 }
 
-TEST(DetectCommand, EndsInOrderAtCtrlCAndAfterItsTime) {
+TEST(DetectCommand, EndsAtCtrlCAndAfterItsDuration) {
   const fs::path folder = trained().folder.path();
   RunningCommand server("serve data/fan/02 --port 0 --loop", folder);
-  const std::string address = server.logged_behind(" on ");
+  const std::string address = server.logged_after(" on ");
   const auto timed = run_tactile("detect --json --model small --duration 0.5 --from " + address, folder);
   EXPECT_EQ(timed.exit_code, 0) << timed.err;
   EXPECT_EQ(nlohmann::json::parse(timed.out).at("ended"), "duration");
@@ -263,7 +263,7 @@ std::string stream_then(const std::string& end, std::int64_t from_us = 5'000'000
   return bytes + end;
 }
 
-TEST(DetectCommand, NamesGarbageAndSaysWhatItToldUntilThen) {
+TEST(DetectCommand, ReportsGarbageAndTheTicksBeforeIt) {
   std::string impossible = test::packet(0, test::event_payload({}));
   test::put(impossible, 4, 0xFFFF'FFFFU);
   const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
@@ -305,7 +305,7 @@ TEST(DetectCommand, EndsWithAStreamThatCloses) {
   EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
 }
 
-TEST(DetectCommand, SaysThatItGaveUpAStreamThatBroke) {
+TEST(DetectCommand, ReportsThatItGaveUpABrokenStream) {
   const auto within_a_packet = [](test::ScriptedServer::Socket& client) {
     test::send_all(client, test::packet(0, test::event_payload({Event{}})).substr(0, 20));
   };
@@ -318,10 +318,10 @@ TEST(DetectCommand, SaysThatItGaveUpAStreamThatBroke) {
 }
 
 /// A line for each press and slip goes to standard output as they begin: where that is full the source is not waited for.
-TEST(DetectCommand, EndsSoonWhereStandardOutputIsFull) {
+TEST(DetectCommand, EndsSoonIfStandardOutputIsFull) {
   const fs::path folder = trained().folder.path();
   RunningCommand server("serve data/fan/02 --port 0 --loop", folder);
-  const std::string address = server.logged_behind(" on ");
+  const std::string address = server.logged_after(" on ");
   const auto result = run_tactile("detect --model small --from " + address + " >/dev/full", folder);
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("standard output: cannot be written (No space left on device); expected a place with room\n"),
@@ -370,7 +370,7 @@ fs::path with_an_event_ahead(const fs::path& name, microseconds ahead) {
   return folder / name;
 }
 
-TEST(DetectCommand, RefusesARecordingWithATimeAYearAheadAsEvalDoes) {
+TEST(DetectCommand, RejectsARecordingWithATimeAYearAheadLikeEval) {
   const fs::path folder = trained().folder.path();
   const fs::path file = with_an_event_ahead("year.aedat4", 365 * 24h);
   RecordingReader recording(file);
@@ -386,7 +386,7 @@ TEST(DetectCommand, RefusesARecordingWithATimeAYearAheadAsEvalDoes) {
   EXPECT_EQ(nlohmann::json::parse(piece.out).at("ticks").at("told"), 200);
 }
 
-TEST(DetectCommand, TellsThroughASilenceWhatEvalTells) {
+TEST(DetectCommand, AgreesWithEvalThroughASilence) {
   const fs::path folder = trained().folder.path();
   const fs::path file = with_an_event_ahead("minute.aedat4", 60s);
   std::vector<std::pair<std::string, std::string>> offline;
@@ -406,7 +406,7 @@ TEST(DetectCommand, TellsThroughASilenceWhatEvalTells) {
   }
 }
 
-TEST(DetectCommand, NamesAClockOf31BitsThatBeganAgain) {
+TEST(DetectCommand, ReportsAClockOf31BitsThatStartedAgain) {
   // The camera's clock of 31 bits begins again within the stream; there is one connection, so it is named and that is the end.
   constexpr std::int64_t end = std::int64_t{1} << 31;
   Event event;
@@ -430,19 +430,18 @@ TEST(DetectCommand, SaysWhatIsWrong) {
     EXPECT_NE(result.exit_code, 0) << options;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   };
-  expect_error("--from file:data/fan/02 --bit 64", "there is no robot to tell");
-  expect_error("--from file:data/fan/02 --slip-bit 64", "--slip-bit: there is no robot to tell, --robot is missing");
-  expect_error("--from file:data/fan/02 --latch",
-               "--latch: there is no robot to tell, --robot is missing; expected --robot HOST");
-  expect_error("--from file:data/fan/02 --clear-ms 5", "--clear-ms: there is no robot to tell, --robot is missing");
+  expect_error("--from file:data/fan/02 --bit 64", "--bit: --robot is missing");
+  expect_error("--from file:data/fan/02 --slip-bit 64", "--slip-bit: --robot is missing");
+  expect_error("--from file:data/fan/02 --latch", "--latch: --robot is missing; expected --robot HOST");
+  expect_error("--from file:data/fan/02 --clear-ms 5", "--clear-ms: --robot is missing");
   expect_error("--from file:data/fan/02 --latch --clear-ms 5 --robot 127.0.0.1", "expected one of the two");
   expect_error("--from file:data/fan/02 --tick-us 3000", "expected a tick such as 2500 or 4000");
   expect_error("--from file:data/fan/02 --tick-us 41000", "expected 40000 at most");
   expect_error("--from sim:cup", "'cup' is no object that can be simulated; expected one of 3d-printed-object");
-  expect_error("--from file:data/fan/02 --object fan", "--object: --record is missing; expected --record beside it");
-  expect_error("--from file:data/fan/02 --robot 127.0.0.1", "there is no bit to tell it");
+  expect_error("--from file:data/fan/02 --object fan", "--object: --record is missing; expected --record, too");
+  expect_error("--from file:data/fan/02 --robot 127.0.0.1", "no bit is given");
   expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 63", "64 to 127");
-  expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 70 --slip-bit 70", "stands for two things");
+  expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 70 --slip-bit 70", "is given twice");
   expect_error("--from file:data/fan/02 --udp nowhere", "expected HOST:PORT");
   expect_error("--from file:data/fan/02 --confirm 1/2", "more than half");
   expect_error("--from file:nothing", "nothing");

@@ -14,7 +14,7 @@
 #include "tactile/core/host_clock.hpp"
 #include "tactile/detect/recorded_copy.hpp"
 #include "tactile/events/recording_writer.hpp"
-#include "tactile/network/dv_stream_server.hpp"
+#include "tactile/transport/dv/dv_stream_server.hpp"
 
 namespace tactile {
 namespace {
@@ -62,7 +62,7 @@ class MadeSource final : public CameraSource {
 struct Faults {
   std::mutex guard;
   std::vector<DetectionFault> all;
-  TellFault tell() {
+  ReportFault tell() {
     return [this](const DetectionFault& fault) {
       const std::scoped_lock lock(guard);
       all.push_back(fault);
@@ -97,7 +97,7 @@ class EventFeedBothWays : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(ReceivedBy, EventFeedBothWays, testing::Values(true, false),
                          [](const auto& instance) { return instance.param ? "AThreadOfItsOwn" : "WhoeverTakes"; });
 
-TEST_P(EventFeedBothWays, BringsWhatASourceSendsAndEndsWithIt) {
+TEST_P(EventFeedBothWays, ReceivesAllPacketsAndEndsWithTheSource) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2, 3}), queue,
@@ -108,7 +108,7 @@ TEST_P(EventFeedBothWays, BringsWhatASourceSendsAndEndsWithIt) {
   EXPECT_EQ(faults.kinds(), "");
 }
 
-TEST_P(EventFeedBothWays, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
+TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   constexpr std::int64_t end = std::int64_t{1} << 31;
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
@@ -143,7 +143,7 @@ TEST_P(EventFeedBothWays, OpensAnewAStreamWhoseClockOf31BitsBeganAgain) {
   EXPECT_EQ(feed.reopened(), 1U);
 }
 
-TEST_P(EventFeedBothWays, DoesNotOpenAgainWhatHasEnded) {
+TEST_P(EventFeedBothWays, DoesNotReopenASourceThatHasEnded) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeedOptions options;
@@ -162,7 +162,7 @@ TEST_P(EventFeedBothWays, DoesNotOpenAgainWhatHasEnded) {
   EXPECT_FALSE(feed.gave_up_after());
 }
 
-TEST_P(EventFeedBothWays, SaysWhyASourceIsGoneThatCannotBeOpenedAgain) {
+TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
   PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: garbage; expected events"), queue,
@@ -192,7 +192,7 @@ TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
   EXPECT_GE(*feed.gave_up_after(), 120ms);
 }
 
-TEST(EventFeed, CountsWhatFindsNoRoom) {
+TEST(EventFeed, CountsPacketsWithoutRoom) {
   PacketQueue queue(1);  // one packet at a time
   std::vector<std::int64_t> times;
   for (std::int64_t t = 0; t < 50; ++t) times.push_back(t);
@@ -203,7 +203,7 @@ TEST(EventFeed, CountsWhatFindsNoRoom) {
   EXPECT_GT(feed.lost_events(), 0U);
 }
 
-TEST(EventFeed, WaitsForRoomWhereItShall) {
+TEST(EventFeed, WaitsForRoomOnRequest) {
   PacketQueue queue(1);
   std::vector<std::int64_t> times;
   for (std::int64_t t = 0; t < 50; ++t) times.push_back(t);
@@ -213,7 +213,7 @@ TEST(EventFeed, WaitsForRoomWhereItShall) {
   EXPECT_EQ(feed.lost_events(), 0U);
 }
 
-TEST(EventFeed, LetsWhoeverTakesRestAheadOfWaiting) {
+TEST(EventFeed, RestsBeforeItWaits) {
   PacketQueue queue(std::size_t{1} << 20);
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}), queue, {.receives_ahead = false});
   feed.start();
@@ -225,7 +225,7 @@ TEST(EventFeed, LetsWhoeverTakesRestAheadOfWaiting) {
   EXPECT_GE(packet.front().arrived, begun + 20ms) << "for lack of anything better, when it was received";
 }
 
-TEST(EventFeed, KnowsWhenPacketsArrivedHoweverLateTheyAreTaken) {
+TEST(EventFeed, KnowsArrivalTimesEvenIfPacketsAreTakenLate) {
   NetworkAddress any_port;
   any_port.host = "127.0.0.1";
   DvStreamServer server(any_port, event_stream_declaration({50, 50}, "MADE"));
@@ -240,7 +240,7 @@ TEST(EventFeed, KnowsWhenPacketsArrivedHoweverLateTheyAreTaken) {
   });
   PacketQueue queue(std::size_t{1} << 20);
   std::unique_ptr<CameraSource> source = open_camera_source(server.address().text());
-  EXPECT_TRUE(source->tells_arrivals());
+  EXPECT_TRUE(source->reports_arrivals());
   EventFeed feed(std::move(source), queue, {.receives_ahead = false});
   feed.start();
   PacketQueue::Packet packet;
@@ -255,7 +255,7 @@ TEST(EventFeed, KnowsWhenPacketsArrivedHoweverLateTheyAreTaken) {
   sending.join();
 }
 
-TEST(RecordedCopy, EndsWhereTheCamerasClockBeginsAnew) {
+TEST(RecordedCopy, EndsWhenTheCamerasClockStartsAgain) {
   MadeSource source({});
   RecordedCopy copy(source, false);
   CameraPacket packet;

@@ -9,7 +9,7 @@
 namespace tactile {
 namespace {
 
-TEST(AwakeProcessors, SayWhyTheyMaySleepWhereTheyMay) {
+TEST(AwakeProcessors, ReportWhyTheyMaySleep) {
   const bool permitted = ::access("/dev/cpu_dma_latency", W_OK) == 0;
   const AwakeProcessors first, second;  // several may ask for it at the same time
   EXPECT_EQ(first.refused().empty(), permitted) << first.refused();

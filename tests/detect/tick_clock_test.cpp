@@ -22,7 +22,7 @@ TEST(TickClock, BeginsOnceTheHistoryLiesWithinTheStream) {
   EXPECT_EQ(tick->t, camera_time(42'000)) << "an event at the tick closes it";
   EXPECT_TRUE(tick->by_events);
   EXPECT_EQ(tick->closed, host_time(base + 10));
-  clock.told(*tick);
+  clock.reported(*tick);
   EXPECT_FALSE(clock.next(host_time(base + 10)));
 }
 
@@ -35,7 +35,7 @@ TEST(TickClock, ClosesBySlackInSilenceAndNotBefore) {
   EXPECT_EQ(tick->t, camera_time(40'000));
   EXPECT_FALSE(tick->by_events);
   EXPECT_EQ(clock.next_by_host(), tick->closed);
-  clock.told(*tick);
+  clock.reported(*tick);
   ASSERT_TRUE(clock.next_by_host());
   EXPECT_NEAR(static_cast<double>((*clock.next_by_host() - tick->closed).count()), 2'000, 1);
 }
@@ -63,15 +63,15 @@ TEST(TickClock, SkipsToTheNewestAndSaysHowManyItLeftOut) {
   ASSERT_TRUE(newest);
   EXPECT_EQ(newest->t, camera_time(50'000));
   EXPECT_EQ(newest->skipped, 5U);
-  clock.told(*newest);
+  clock.reported(*newest);
   EXPECT_FALSE(clock.next(host_time(base + 51'000)));
-  EXPECT_EQ(clock.last_told(), camera_time(50'000));
+  EXPECT_EQ(clock.last_reported(), camera_time(50'000));
 }
 
 TEST(TickClock, KnowsWhichEventsAreTooLate) {
   TickClock clock(usual);
   clock.arrived(camera_time(0), camera_time(42'500), host_time(base));
-  clock.told(*clock.newest(host_time(base)));
+  clock.reported(*clock.newest(host_time(base)));
   std::vector<Event> events(3);
   events[0].t = camera_time(41'990);
   events[1].t = camera_time(41'999);
@@ -93,7 +93,7 @@ TEST(TickClock, AnswersEachEventsTickByTheHostAYearLong) {
     if (i > 1) {
       EXPECT_EQ(tick->skipped + 1, static_cast<std::uint64_t>(day / 2'000));
     }
-    clock.told(*tick);
+    clock.reported(*tick);
   }
   // And silence goes on: the newest tick by the host is some seconds behind after a day, never ahead.
   const auto later = clock.newest(host_time(base + 366 * day));
@@ -110,7 +110,7 @@ TEST(TickClock, EndsWhereTheClockEnds) {
   std::vector<CameraTime> ticks;
   while (const auto tick = clock.next(host_time(base))) {
     ticks.push_back(tick->t);
-    clock.told(*tick);
+    clock.reported(*tick);
     ASSERT_LE(ticks.size(), 5U);
   }
   const std::int64_t last = highest - highest % 2'000;
@@ -140,7 +140,7 @@ TEST(TickClock, BeginsAtTheLowestTimeThereIs) {
 TEST(TickClock, ForgetsAStreamThatBeganAnew) {
   TickClock clock(usual);
   clock.arrived(camera_time(9'000'000), camera_time(9'060'000), host_time(base));
-  clock.told(*clock.newest(host_time(base)));
+  clock.reported(*clock.newest(host_time(base)));
   clock.restart();
   EXPECT_FALSE(clock.next(host_time(base + 1'000'000)));
   std::vector<Event> earlier(1);
@@ -159,7 +159,7 @@ TEST(TickClock, GoesOnAcrossTheEndsOf31And32Bits) {
       while (const auto tick = clock.next(host_time(base + t))) {
         told.push_back(tick->t);
         EXPECT_TRUE(tick->by_events);
-        clock.told(*tick);
+        clock.reported(*tick);
       }
     }
     ASSERT_GT(told.size(), 15U);

@@ -10,12 +10,12 @@
 namespace tactile {
 namespace {
 
-ToldTick made_tick() {
-  ToldTick tick;
+ReportedTick made_tick() {
+  ReportedTick tick;
   tick.verdict = {.t = camera_time(-123'456'000),
                   .events = 70'000,
                   .probabilities = {0.25F, 0.5F, 0.125F},
-                  .said = Touch::press,
+                  .predicted = Touch::press,
                   .verdict = Touch::slip,
                   .gated = false};
   tick.due = {.t = tick.verdict.t, .skipped = 3, .closed = HostTime{microseconds{1'000}}, .by_events = false};
@@ -54,7 +54,7 @@ TEST(UdpRecords, AreAsTheTableInFormatHasThem) {
 }
 
 TEST(UdpRecords, HoldCountsThatDoNotFit) {
-  ToldTick tick = made_tick();
+  ReportedTick tick = made_tick();
   tick.verdict.events = std::uint64_t{1} << 40;
   tick.due.skipped = std::uint64_t{1} << 40;
   const VerdictRecord record = verdict_record(tick, HostTime{microseconds{500}});

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs every example of a Markdown page, in its order, in one empty folder.
+"""Runs all examples of a Markdown page in their order, in one folder.
 
     run_examples.py PAGE BINARY TEST_DATA
 
-An example is a line of a ```sh block. It must end with 0, or with N where the line ends in "# exits with N". The folder holds what a new
-user has at hand: `tactile` on the path, and `recordings/` with a few small recordings.
+An example is a line of a ```sh block. It must exit with 0, or with N if the line ends in "# exits with N". `tactile` is on the path, and the
+folder has `recordings/` with a few small recordings.
 """
 
 import os
@@ -16,6 +16,7 @@ import tempfile
 
 
 def examples(page):
+    """(line number, command, expected exit status) of each example."""
     inside = False
     for number, line in enumerate(open(page, encoding="utf-8"), 1):
         line = line.rstrip("\n")
@@ -38,7 +39,7 @@ def main():
             result = subprocess.run(["bash", "-c", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
                                     capture_output=True, text=True)
             if result.returncode != expected:
-                print(f"{page}:{number}: '{line}' ended with {result.returncode}, expected {expected}\n{result.stdout}{result.stderr}")
+                print(f"{page}:{number}: '{line}' exits with {result.returncode}, expected {expected}\n{result.stdout}{result.stderr}")
                 return 1
             print(f"ok  {line}")
             count += 1

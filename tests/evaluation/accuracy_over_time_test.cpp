@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "evaluation/verdict_row.hpp"
+#include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {

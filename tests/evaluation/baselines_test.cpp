@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluation/verdict_row.hpp"
+#include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 

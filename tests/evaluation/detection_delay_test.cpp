@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "evaluation/verdict_row.hpp"
+#include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {

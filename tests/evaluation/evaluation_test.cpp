@@ -206,6 +206,16 @@ TEST(Evaluation, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one, three);
 }
 
+TEST(Evaluation, IsReadBackAsItIsWritten) {
+  const Trained trained;
+  const Dataset dataset(trained.file);
+  const EvaluationOptions options{.confirmation = {2, 3}, .gate = true, .threads = 1};
+  const nlohmann::json json = evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), options);
+  ASSERT_FALSE(json.at("gate").is_null());
+  ASSERT_TRUE(json.contains("accuracy_true"));
+  EXPECT_EQ(nlohmann::json(JsonView(json, "eval.json").get<Evaluation>()), json);
+}
+
 TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {
   const Trained trained;
   const Dataset dataset(trained.file);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluation/verdict_row.hpp"
+#include "support/verdict_row.hpp"
 
 namespace tactile {
 namespace {

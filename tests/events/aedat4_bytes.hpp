@@ -3,6 +3,7 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -165,7 +166,7 @@ inline std::string table_of(const std::vector<TableEntry>& entries) {
   const std::size_t offsets = table.size();
   table.resize(offsets + 4 * entries.size());
   const std::size_t vtable = table.size();
-  for (const std::uint16_t field : {14, 44, 4, 36, 12, 20, 28}) append(table, field);
+  for (const std::uint16_t field : std::to_array<std::uint16_t>({14, 44, 4, 36, 12, 20, 28})) append(table, field);
   while (table.size() % 8 != 4) table += '\0';
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const std::size_t at = table.size();
@@ -182,7 +183,7 @@ inline std::string table_of(const std::vector<TableEntry>& entries) {
   return prefixed(table);
 }
 
-/// `bytes` with a table behind them that the header points at.
+/// `bytes`, followed by a table that the header points to.
 inline std::string with_table(std::string bytes, const std::string& table) {
   put(bytes, position_at, static_cast<std::int64_t>(bytes.size()));
   return bytes + table;

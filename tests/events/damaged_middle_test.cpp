@@ -77,7 +77,7 @@ TEST_P(DamagedMiddle, LosesThePacketWhoseHeaderIsOverwrittenAndNoOther) {
     const std::string sound = bytes;
     put(bytes, places[hit].at, std::uint64_t{0xdeadbeefdeadbeef});
     RecordingReader recording = reader();
-    if (has_table()) {  // which says where it is and how long
+    if (has_table()) {  // its place and length are known
       EXPECT_EQ(recording.problems().skipped_bytes, 8U) << hit;
       EXPECT_EQ(test::contents_of(recording).events, all) << hit;
     } else if (hit + 1 == packets) {
@@ -115,7 +115,7 @@ TEST_P(DamagedMiddle, GivesAPacketItsSizeBack) {
   }
 }
 
-TEST_P(DamagedMiddle, GoesOnBehindASectorOfZerosOrOfNoise) {
+TEST_P(DamagedMiddle, ResumesAfterASectorOfZerosOrOfNoise) {
   std::uint32_t state = 1;
   for (const bool zeros : {true, false}) {
     for (std::size_t begin = places[3].at; begin < places[5].at; begin += 97) {
@@ -134,7 +134,7 @@ TEST_P(DamagedMiddle, GoesOnBehindASectorOfZerosOrOfNoise) {
       }
       EXPECT_EQ(recording.problems().truncated_bytes, 0U) << begin;
       EXPECT_LT(recording.problems().empty_packets, 64U) << begin;
-      if (compression() != 0) {  // events that are stored as they are look like events, whatever their bytes
+      if (compression() != 0) {  // uncompressed events look like events with any bytes
         EXPECT_GT(recording.problems().skipped_bytes + recording.problems().broken_packets, 0U) << begin;
       }
       bytes = sound;
@@ -142,7 +142,7 @@ TEST_P(DamagedMiddle, GoesOnBehindASectorOfZerosOrOfNoise) {
   }
 }
 
-TEST_P(DamagedMiddle, GoesOnWhereBytesWereLostOrPutIn) {
+TEST_P(DamagedMiddle, ResumesWhereBytesWereLostOrInserted) {
   const std::string sound = bytes;
   bytes.erase(places[4].at + 3, places[4].size);  // the rest of its contents, and the next header, follow where none is expected
   if (has_table()) put(bytes, test::position_at, static_cast<std::int64_t>(data_end - places[4].size));
@@ -193,7 +193,7 @@ TEST_P(DamagedMiddle, IsFoundAgainWhereTheHeaderWasNotPatchedEither) {
   EXPECT_EQ(recording.problems().truncated_bytes, 0U);
 }
 
-TEST_P(DamagedMiddle, IsToldByInfoAndRepairAndGoneAfterwards) {
+TEST_P(DamagedMiddle, IsReportedByInfoAndRepairAndGoneAfterwards) {
   put(bytes, places[5].at, std::uint64_t{0xdeadbeefdeadbeef});
   const auto in = test::write_bytes(folder / "in.aedat4", bytes), out = folder / "out.aedat4";
   const RecordingHealth health = examine_recording(in);

@@ -16,7 +16,7 @@ using test::event;
 
 constexpr SensorSize size{640, 480};
 
-/// Event by event, as its header says.
+/// Event by event, as the header defines it.
 EventsCheck plainly(std::span<const Event> events) {
   EventsCheck check;
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -67,13 +67,14 @@ TEST(EventChecks, FindOneFlawWhereverItIs) {
             events[i] = event(1'000'000 + n / 2, n * 101 % 640, 479 - n, n % 2);
           }
           if (count > 0) flaws[flaw](events[from + at]);
-          // What stands in front and behind is none of its concern.
+          // The events before and after must have no effect.
           if (from > 0) events[from - 1] = event(latest, -1, -1, 7);
           events.push_back(event(earliest, -1, -1, 7));
           const auto looked_at = std::span<const Event>(events).subspan(from, count);
-          const EventsCheck check = check_events(looked_at, size), wanted = plainly(looked_at);
-          ASSERT_EQ(check.inside, wanted.inside) << "flaw " << flaw << " at " << at << " of " << count << " from " << from;
-          ASSERT_EQ(check.ascending, wanted.ascending) << "flaw " << flaw << " at " << at << " of " << count << " from " << from;
+          const EventsCheck check = check_events(looked_at, size), expected = plainly(looked_at);
+          ASSERT_EQ(check.inside, expected.inside) << "flaw " << flaw << " at " << at << " of " << count << " from " << from;
+          ASSERT_EQ(check.ascending, expected.ascending)
+              << "flaw " << flaw << " at " << at << " of " << count << " from " << from;
         }
       }
     }

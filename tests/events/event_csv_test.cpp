@@ -93,7 +93,7 @@ TEST(EventCsvReader, ReadsTimesAtTheEndsOfTheClock) {
 
 TEST(EventCsvReader, NamesTheLineTheFaultAndTheRemedy) {
   const std::string head = "t_us,x,y,on\n1,2,3,1\n";
-  EXPECT_EQ(error_of("1,2,3,1\n"), "1: '1,2,3,1' is no header; expected 't_us,x,y,on'");
+  EXPECT_EQ(error_of("1,2,3,1\n"), "1: '1,2,3,1' is not the header; expected 't_us,x,y,on'");
   EXPECT_EQ(error_of(head + "2,3,1\n"), "3: '2,3,1' has 3 fields; expected the four of 't_us,x,y,on'");
   EXPECT_EQ(error_of(head + "2,3,4,1,9\n"), "3: '2,3,4,1,9' has 5 fields; expected the four of 't_us,x,y,on'");
   EXPECT_EQ(error_of(head + "\n"), "3: the line is empty; expected an event, 't_us,x,y,on'");

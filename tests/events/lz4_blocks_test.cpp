@@ -80,7 +80,7 @@ std::string compressed(const std::string& content, bool high) {
   return stored;
 }
 
-/// Memory of exactly this size, so that a sanitizer sees a step beside it.
+/// Memory of exactly this size, so that a sanitizer detects an access outside it.
 class Room {
  public:
   explicit Room(std::size_t size, std::size_t before = 0)
@@ -178,7 +178,7 @@ TEST(Lz4Blocks, ThatAreBrokenAreRefused) {
   EXPECT_FALSE(
       decode(std::string("\x1F"
                          "a\x01\x00\xFF\xFF",
-                         6)));  // likewise, after its first parts
+                         6)));  // the same, after its first parts
   EXPECT_EQ(decode(std::string("\x10"
                                "a\x01\x00\x10"
                                "b",
@@ -199,10 +199,10 @@ TEST(Lz4Blocks, ThatWereDamagedTouchNothingBesideTheirRoom) {
     const std::vector<char> exact(stored.begin(), stored.end());
     const std::size_t size = random() % 1'500;
     Room room(size), again(size), other(3'000), theirs(size);
-    Lz4Block block = room.block(stored), beside = again.block(stored);
-    block.stored = beside.stored = std::as_bytes(std::span(exact));
+    Lz4Block block = room.block(stored), same = again.block(stored);
+    block.stored = same.stored = std::as_bytes(std::span(exact));
     const auto alone = decode_lz4_block(block);
-    const auto two = decode_lz4_blocks(beside, other.block(whole));
+    const auto two = decode_lz4_blocks(same, other.block(whole));
     ASSERT_TRUE(room.is_untouched_behind() && again.is_untouched_behind() && other.is_untouched_behind());
     ASSERT_EQ(alone.has_value(), two.has_value());
     const int by_library = LZ4_decompress_safe(exact.data(), reinterpret_cast<char*>(theirs.before()),
@@ -211,7 +211,7 @@ TEST(Lz4Blocks, ThatWereDamagedTouchNothingBesideTheirRoom) {
     if (!alone) continue;
     ASSERT_EQ((*two)[0], *alone);
     ASSERT_EQ(room.text(*alone), again.text(*alone));
-    if (by_library < 0) continue;  // it refuses some that go on too near to their end
+    if (by_library < 0) continue;  // it refuses some whose match ends too near to the end
     ASSERT_EQ(static_cast<std::size_t>(by_library), *alone);
     ASSERT_EQ(room.text(*alone), theirs.text(*alone));
   }
@@ -258,7 +258,7 @@ TEST(Lz4Blocks, OfFramesMayBeShortUncompressedLinkedOrNot) {
     std::string all(4, '\0');  // a packet's own length, which is looked at where it has to grow
     if (round % 8 != 0) pieces.push_back(all);
     if (pieces.empty()) all.clear();
-    for (unsigned i = pieces.empty() ? 0 : random() % 6; i > 0; --i) {
+    for (std::uint64_t i = pieces.empty() ? 0 : random() % 6; i > 0; --i) {
       const std::size_t size = random() % 2 == 0 ? random() % 300 : random() % 200'000;
       pieces.push_back(random() % 4 == 0   ? noise(random, size)
                        : random() % 4 == 0 ? std::string(size, 'x')

@@ -43,7 +43,7 @@ inline Stream stream_of(std::int32_t id, StreamType type, const std::string& ide
   return stream;
 }
 
-/// Uncompressed, so that a test can damage it byte by byte: events at 16 bytes each behind the 32 that every such packet begins
+/// Uncompressed, so that a test can damage it byte by byte: events of 16 bytes each, after the 32 that every such packet begins
 /// with.
 inline void write_plain_recording(const std::filesystem::path& file, std::span<const Event> events, SensorSize size) {
   RecordingWriter writer(file, {event_stream_declaration(size, "DVXplorer_DXM00001")}, {.compression = Compression::none});
@@ -70,7 +70,7 @@ inline std::vector<PacketRecord> packets_of(const std::filesystem::path& file) {
 /// Where the vendor's header layout has the data table's position.
 inline constexpr std::uint64_t table_position_offset = 54;
 
-/// The file as a kill would have left it: no table, and not one byte behind its last whole packet.
+/// The file as after a kill: no table, and no byte after its last whole packet.
 inline void cut_off_table(const std::filesystem::path& file) {
   const PacketRecord last = packets_of(file).back();
   std::filesystem::resize_file(file, last.payload_offset + last.payload_size);

@@ -18,7 +18,7 @@ constexpr SensorSize size{64, 48};
 constexpr std::uint64_t first_line = 16, record = 24;  // [B] of the file of checksums
 constexpr std::size_t packets = 30;
 
-/// A recording with checksums beside it, which is left as a kill leaves it: without a data table.
+/// A recording with checksums, as after a kill: without a data table.
 class PacketChecksumsOf : public testing::Test {
  protected:
   void SetUp() override { write(Compression::none); }
@@ -62,7 +62,7 @@ TEST_F(PacketChecksumsOf, CoverEachPacketOfARecordingThatIsWritten) {
   EXPECT_FALSE(examine_recording(killed).checksums) << "they were not asked for";
 }
 
-TEST_F(PacketChecksumsOf, FindAFlippedBitThatNothingElseShows) {
+TEST_F(PacketChecksumsOf, FindAFlippedBitThatOtherChecksMiss) {
   const auto there = test::packets_of(killed);
   flip(killed, test::event_offset(there.at(7), 50) + 13, 0);  // an event's polarity
   EXPECT_TRUE(examine_recording(killed).healthy());
@@ -117,7 +117,7 @@ TEST_F(PacketChecksumsOf, ReportWhatIsNotCoveredAndIgnoreWhatIsNotThere) {
   EXPECT_FALSE(examine_recording(killed, {.checksums = true}).checksums);
 }
 
-TEST_F(PacketChecksumsOf, KnowNothingWhereTheirOwnBitsFlipped) {
+TEST_F(PacketChecksumsOf, CoverNothingWhereTheirOwnBitsFlipped) {
   for (std::uint64_t at = first_line + 10 * record; at < first_line + 11 * record; ++at) {
     flip(checksums_beside(killed), at, static_cast<int>(at % 8));
     const ChecksumHealth health = checked(killed);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t begin = 1234;
 
-/// The table's contents; also that they come in pieces, as many bytes as was said.
+/// The table's contents. Also checks the pieces and the announced number of bytes.
 std::vector<std::byte> contents_of(const PacketTable& table) {
   std::vector<std::byte> contents;
   table.write_contents([&](std::span<const std::byte> piece) {
@@ -38,16 +38,16 @@ std::vector<PacketRecord> decoded(std::span<const std::byte> contents) {
   return records;
 }
 
-void expect_equal(const std::vector<PacketRecord>& got, const std::vector<PacketRecord>& wanted) {
-  ASSERT_EQ(got.size(), wanted.size());
+void expect_equal(const std::vector<PacketRecord>& got, const std::vector<PacketRecord>& expected) {
+  ASSERT_EQ(got.size(), expected.size());
   for (std::size_t i = 0; i < got.size(); ++i) {
     SCOPED_TRACE(i);
-    ASSERT_EQ(got[i].stream_id, wanted[i].stream_id);
-    ASSERT_EQ(got[i].payload_offset, wanted[i].payload_offset);
-    ASSERT_EQ(got[i].payload_size, wanted[i].payload_size);
-    ASSERT_EQ(got[i].elements, wanted[i].elements);
-    ASSERT_EQ(got[i].first, wanted[i].first);
-    ASSERT_EQ(got[i].last, wanted[i].last);
+    ASSERT_EQ(got[i].stream_id, expected[i].stream_id);
+    ASSERT_EQ(got[i].payload_offset, expected[i].payload_offset);
+    ASSERT_EQ(got[i].payload_size, expected[i].payload_size);
+    ASSERT_EQ(got[i].elements, expected[i].elements);
+    ASSERT_EQ(got[i].first, expected[i].first);
+    ASSERT_EQ(got[i].last, expected[i].last);
   }
 }
 
@@ -58,7 +58,7 @@ PacketTable table_of(const std::vector<PacketRecord>& records) {
   return table;
 }
 
-/// Their places one behind the other.
+/// Sets consecutive places.
 void place(std::vector<PacketRecord>& records) {
   std::uint64_t end = begin;
   for (PacketRecord& record : records) {
@@ -67,7 +67,7 @@ void place(std::vector<PacketRecord>& records) {
   }
 }
 
-TEST(PacketTableContents, AreWhatWasAddedWhateverItWas) {
+TEST(PacketTableContents, AreWhatWasAdded) {
   Random random(1);
   constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min(), highest = std::numeric_limits<std::int64_t>::max();
   const std::array<std::int64_t, 8> odd_times{lowest, lowest + 1, -1, 0, 1, std::int64_t{1} << 32, highest - 1, highest};
@@ -110,7 +110,7 @@ TEST(PacketTableContents, CompressPieceByPieceToOneSoundFrame) {
       SCOPED_TRACE(name_of(compression));
       PacketCompressor compressor;
       std::vector<std::byte> stored;
-      for (int i = 0; i < 2; ++i) {  // what one frame leaves behind does not matter to the next
+      for (int i = 0; i < 2; ++i) {  // a frame does not affect the next one
         stored.clear();
         compressor.compress_pieces(
             compression, table.content_size(), [&](const ByteSink& sink) { table.write_contents(sink); },
@@ -133,7 +133,7 @@ TEST(PacketTableMemory, IsAFewBytesAPacketAndNeverMoves) {
   std::int64_t t = 1'700'000'000'000'000;
   test::largest_memory_request = 0;
   constexpr std::size_t count = 100'000;
-  for (std::size_t i = 0; i < count; ++i) {  // events of a sensor that sees more and less, and an IMU beside it
+  for (std::size_t i = 0; i < count; ++i) {  // events of a sensor with varying rates, and an IMU
     table.add({.stream_id = 0,
                .payload_size = static_cast<std::uint32_t>(8000 + random.below(4000)),
                .elements = static_cast<std::int64_t>(1500 + random.below(1000)),

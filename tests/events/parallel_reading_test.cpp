@@ -90,7 +90,7 @@ TEST_F(ParallelReading, EndsWellInTheMiddle) {
   }
 }
 
-TEST_F(ParallelReading, SaysWhenTheFileBecomesShorterMeanwhile) {
+TEST_F(ParallelReading, ReportsAFileThatBecomesShorterMeanwhile) {
   for (const auto compression : {Compression::none, Compression::lz4, Compression::zstd}) {
     for (const unsigned threads : {1U, 3U}) {
       const fs::path file = write(compression);

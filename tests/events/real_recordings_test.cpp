@@ -165,7 +165,7 @@ TEST_P(RealRecording, HoldsWhatIsKnownOfIt) {
     ++by_type.at(static_cast<std::size_t>(type));
     if (type != StreamType::events) continue;
     sizes.push_back(packet.elements);
-    const auto events = recording.read_events(packet);  // the table tells the truth
+    const auto events = recording.read_events(packet);  // the table is correct
     EXPECT_EQ(static_cast<std::int64_t>(events.size()), packet.elements);
     EXPECT_EQ(events.front().t, packet.first);
     EXPECT_EQ(events.back().t, packet.last);

@@ -86,7 +86,7 @@ TEST_F(DamagedRecording, KeepsEveryWholePacketWhereverItIsCut) {
         EXPECT_EQ(recording.problems().truncated_bytes, cut - end);
         EXPECT_EQ(recording.problems().table.empty(), !closed) << recording.problems().table;
         EXPECT_EQ(recording.problems().broken_packets, 0U);
-        for (std::size_t i = 0; i < kept; ++i) {  // a scan finds out what the table says
+        for (std::size_t i = 0; i < kept; ++i) {  // a scan finds the same as the table
           const PacketRecord& scanned = recording.packets()[i];
           const PacketRecord& listed = original.packets()[i];
           ASSERT_EQ(scanned.payload_offset, listed.payload_offset);
@@ -413,7 +413,7 @@ TEST_F(DamagedRecording, RefusesContentsThatWouldTakeMoreThanTheLimit) {
   const auto events = row_of_events(100, 3);
   const std::string zeros(std::size_t{300} << 20, '\0');
   std::string claims_much = test::zstd(event_payload(events));
-  // Magic, a descriptor that says "single segment, 8 bytes of content size", 2^40, one raw block.
+  // Magic, a descriptor for "single segment, 8 bytes of content size", 2^40, one raw block.
   claims_much = std::string("\x28\xB5\x2F\xFD\xE0", 5);
   append(claims_much, std::uint64_t{1} << 40);
   claims_much += std::string(
@@ -465,12 +465,12 @@ TEST_F(DamagedRecording, SkipsPacketsThatDoNotDecompress) {
   const std::string good = test::lz4(event_payload(events));
   std::string cut = good.substr(0, good.size() - 6);
   std::string cut_in_header = good.substr(0, 5);
-  std::string behind = good + "more";
+  std::string followed = good + "more";
   std::string raw = event_payload(events);
   std::string checked = test::lz4(event_payload(events), {.checksums = true});
   checked[checked.size() / 2] = static_cast<char>(checked[checked.size() / 2] ^ 0x55);
   std::string bytes = file_start(1, one_camera);
-  for (const std::string& bad : {cut, cut_in_header, behind, raw, checked, test::lz4("")}) bytes += packet(0, bad);
+  for (const std::string& bad : {cut, cut_in_header, followed, raw, checked, test::lz4("")}) bytes += packet(0, bad);
   RecordingReader recording = reader_of(bytes + packet(0, good));
   EXPECT_EQ(recording.problems().broken_packets, 6U);
   EXPECT_EQ(test::contents_of(recording).events, events);
@@ -535,7 +535,7 @@ TEST_F(DamagedRecording, ReadsEventsAlignedToTheRootOffset) {
 }
 
 TEST_F(DamagedRecording, ReadsTablesAlignedToTheRootOffset) {
-  // One sample of two fields, whose time lies 52 bytes behind the start of the prefix: a multiple of 8 from the root offset on.
+  // One sample of two fields, whose time lies 52 bytes after the start of the prefix: a multiple of 8 from the root offset on.
   std::string imu(64, '\0');
   put(imu, 4, std::uint32_t{16});
   imu.replace(8, 4, "IMUS");
@@ -681,7 +681,7 @@ TEST_F(DamagedRecording, TakesOneDamagedTimeForNoOverflow) {
               if (p == 2 && i == hit) continue;
               EXPECT_EQ(read[i].t, expected[p][i].t) << p << ", " << i << " where " << hit << " is off by " << off;
             }
-            // A packet's last time that is too early may be an overflow until the next packet tells.
+            // A packet's last time that is too early may be an overflow; the next packet decides.
             if (p == 2 && !(off < 0 && hit == 9)) {
               EXPECT_EQ(us_of(read[hit].t), us_of(packets[2][hit].t)) << hit << " is off by " << off;
             }
@@ -699,7 +699,7 @@ TEST_F(DamagedRecording, TakesOneDamagedTimeForNoOverflow) {
   }
 }
 
-TEST_F(DamagedRecording, TakesADamagedTimeBehindAnOverflowForNoOther) {
+TEST_F(DamagedRecording, DoesNotTakeADamagedTimeAfterAnOverflowForAnother) {
   const std::int64_t base = 1'600'000'000'000'000;
   for (const std::int64_t off : {wrap, -wrap}) {
     for (const bool table : {false, true}) {
@@ -733,7 +733,7 @@ TEST_F(DamagedRecording, LeavesEveryOtherStepBack) {
       EXPECT_EQ(recording.problems().unwrapped_packets, 0U);
     }
   }
-  // The two that are put right lie just inside.
+  // The two corrected ones lie just inside.
   for (const std::int64_t step : {-(wrap / 2) - 1, -wrap}) {
     const auto all = contents_of(recording_of({{event(t, 1, 1, 1)}, {event(t + step, 2, 2, 0)}}, false)).events;
     EXPECT_EQ(us_of(all[1].t) - us_of(all[0].t), step + wrap);
@@ -885,7 +885,7 @@ TEST_F(DamagedRecording, NamesWhatAForeignFileIs) {
 // --- several cameras
 // -------------------------------------------------------------------------------------------------------------------
 
-TEST_F(DamagedRecording, OfTwoCamerasWantsAChoice) {
+TEST_F(DamagedRecording, OfTwoCamerasRequiresAChoice) {
   const auto left = row_of_events(100, 5);
   const auto right = row_of_events(101, 7);
   const std::string xml =
@@ -913,14 +913,14 @@ TEST_F(DamagedRecording, OfTwoCamerasWantsAChoice) {
   EXPECT_THROW(recording.read_events(elsewhere), Error);
 }
 
-TEST_F(DamagedRecording, OfTwoStreamsWithOneSourceWantsTheId) {
+TEST_F(DamagedRecording, OfTwoStreamsWithOneSourceRequiresTheId) {
   const std::string xml = xml_of(event_node(0, 640, 480, "DVXplorer_L") + event_node(1, 640, 480, "DVXplorer_L"));
   RecordingReader recording = reader_of(file_start(0, xml));
   EXPECT_THROW(event_stream(recording, "DVXplorer_L"), Error);
   EXPECT_EQ(event_stream(recording, "1").id, 1);
 }
 
-TEST_F(DamagedRecording, WithoutEventsSaysSo) {
+TEST_F(DamagedRecording, WithoutEventsReportsIt) {
   RecordingReader recording = reader_of(file_start(0, xml_of(test::plain_node(2, "IMUS"))));
   try {
     event_stream(recording);
@@ -937,10 +937,10 @@ TEST_F(DamagedRecording, IsReadOnlyWhereTheTimesOverlap) {
   std::string bytes = vendor_bytes("dv-lz4");
   RecordingReader sound = reader_of(bytes);
   // Break every packet but the fifth event packet: whoever reads one more, notices.
-  const PacketRecord wanted = sound.packets()[4];
-  ASSERT_EQ(wanted.stream_id, 0);
+  const PacketRecord chosen = sound.packets()[4];
+  ASSERT_EQ(chosen.stream_id, 0);
   for (const PacketRecord& other : sound.packets()) {
-    if (other.payload_offset != wanted.payload_offset) bytes.replace(other.payload_offset, 16, 16, 'x');
+    if (other.payload_offset != chosen.payload_offset) bytes.replace(other.payload_offset, 16, 16, 'x');
   }
   RecordingReader recording = reader_of(bytes);
   ASSERT_EQ(recording.index(), PacketIndex::table) << recording.problems().table;
@@ -949,7 +949,7 @@ TEST_F(DamagedRecording, IsReadOnlyWhereTheTimesOverlap) {
   const CameraTime end = sound.packets()[5].first;
   for_events_between(recording, 0, begin, end, [&](auto events) { read.insert(read.end(), events.begin(), events.end()); });
   EXPECT_EQ(recording.problems().broken_packets, 0U);
-  const auto expected = sound.read_events(wanted);
+  const auto expected = sound.read_events(chosen);
   std::vector<Event> inside;
   std::copy_if(expected.begin(), expected.end(), std::back_inserter(inside),
                [&](const Event& e) { return e.t >= begin && e.t < end; });

@@ -44,7 +44,7 @@ EventHealth health_of(const std::vector<Event>& events, std::optional<SensorSize
   return meter.health();
 }
 
-TEST(StampMeter, TellsStepsBackInsideAPacketFromThoseBetweenPackets) {
+TEST(StampMeter, DistinguishesStepsBackInsidePacketsFromThoseBetweenPackets) {
   const StampHealth stamps = stamps_of({{10, 20, 15, 15, 30}, {29, 31}, {31, 40, 39, 38}});
   EXPECT_EQ(stamps.elements, 11U);
   EXPECT_EQ(stamps.steps_back_in_packets, 3U);
@@ -115,7 +115,7 @@ TEST(EventMeter, FindsTheReadOutPeriodOfAnUnsteadyClock) {
   EXPECT_NEAR(health_of(events).readout_period_us.value(), 1'000.0, 2.0);
 }
 
-TEST(EventMeter, FindsTheReadOutPeriodBesideReadOutsThatABusySceneStretches) {
+TEST(EventMeter, FindsTheReadOutPeriodDespiteReadOutsThatABusySceneStretches) {
   std::vector<Event> events;
   std::int64_t t = 0;
   for (int i = 0; i < 1'000; ++i) events.push_back(event_at(t += i % 4 == 0 ? 200 : 300 + i % 200));
@@ -270,7 +270,7 @@ TEST_F(HealthOfADamagedRecording, IsSickWhereItIsTruncated) {
   EXPECT_EQ(health.streams.front().stamps.elements, 2'900U);
 }
 
-TEST_F(HealthOfADamagedRecording, IsMerelyNotedWhereItWasNeverClosed) {
+TEST_F(HealthOfADamagedRecording, IsOnlyANoteIfItWasNeverClosed) {
   test::cut_off_table(file);
   const RecordingHealth health = examine();
   EXPECT_TRUE(health.healthy()) << listed(health.reasons);
@@ -318,7 +318,7 @@ TEST_F(HealthOfADamagedRecording, IsSickWhereItsTableHasOtherTimesThanThePackets
   test::overwrite(file, at, first + 50);
   const RecordingHealth health = examine();
   EXPECT_EQ(health.index, PacketIndex::table) << health.problems.table;
-  EXPECT_TRUE(mentions(health.reasons, "at odds with the elements of 1 packet")) << listed(health.reasons);
+  EXPECT_TRUE(mentions(health.reasons, "disagrees with the elements of 1 packet")) << listed(health.reasons);
 }
 
 TEST(ExamineRecording, FindsARecordingWithoutEventsSick) {

@@ -237,7 +237,7 @@ TEST(RecordingHeader, RefusesStreamsThatOthersCouldNotRead) {
   refused({other_stream(3, StreamType::other, "boxes")});
 }
 
-TEST(RecordingHeader, WantsANewFileOfTheRightName) {
+TEST(RecordingHeader, RequiresANewFileOfTheRightName) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(RecordingWriter(folder / "a.aedat", {mini}), Error);
   EXPECT_THROW(RecordingWriter(folder / "aedat4", {mini}), Error);
@@ -347,7 +347,7 @@ TEST(RecordingPackets, HoldTimesAtTheEndsOfInt64) {
   EXPECT_EQ(test::contents_of(recording).events, events);
 }
 
-TEST(RecordingPackets, TakeNothingOfASpanThatIsNotSound) {
+TEST(RecordingPackets, TakeNothingOfAnInvalidSpan) {
   const test::TemporaryFolder folder;
   const auto file = folder / "a.aedat4";
   RecordingWriter writer(file, {mini, other_stream(1, StreamType::imu, "imu"), other_stream(2, StreamType::triggers, "triggers"),
@@ -536,7 +536,7 @@ TEST(KilledRecording, HoldsEveryFlushedPacketAndAnExactPrefix) {
     most = std::max(most, read);
     ::munmap(shared, 4096);
   }
-  EXPECT_GT(most, 9'000) << "no kill came late enough to say anything";
+  EXPECT_GT(most, 9'000) << "no kill came late enough for a test";
 }
 
 TEST(KilledRecording, OnAFullDiskGivesBackTheRoomOfAPartOfAPacket) {
@@ -570,7 +570,7 @@ TEST(KilledRecording, OnAFullDiskGivesBackTheRoomOfAPartOfAPacket) {
   EXPECT_EQ(read, 1000);
 }
 
-TEST(KilledRecording, OnAFullDiskSaysSoAndKeepsItsWholePackets) {
+TEST(KilledRecording, OnAFullDiskReportsItAndKeepsItsWholePackets) {
   const test::TemporaryFolder folder;
   const auto file = folder / "full.aedat4";
   const pid_t child = ::fork();

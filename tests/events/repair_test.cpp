@@ -104,7 +104,7 @@ TEST_F(Repair, KeepsEveryWholePacketWhereverTheRecordingWasCut) {
   }
 }
 
-TEST_F(Repair, SaysHowManyBytesWereCutOff) {
+TEST_F(Repair, ReportsHowManyBytesWereCutOff) {
   test::write_plain_recording(in, test::steady_events(3'000, 0, 100, {64, 48}), {64, 48});
   const PacketRecord last = test::packets_of(in).back();
   fs::resize_file(in, last.payload_offset + 100);
@@ -235,7 +235,7 @@ TEST_F(Repair, RefusesARecordingWithoutAWholePacketAndLeavesNothing) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST_F(Repair, NeverWritesOverItsInputThroughWhateverName) {
+TEST_F(Repair, NeverReplacesItsInputUnderAnyName) {
   take("dv-lz4.aedat4");
   const std::string before = read_text(in);
   fs::create_hard_link(in, folder / "hard.aedat4");
@@ -247,7 +247,7 @@ TEST_F(Repair, NeverWritesOverItsInputThroughWhateverName) {
   EXPECT_EQ(read_text(in), before);
 }
 
-TEST_F(Repair, ReplacesAnotherFileOnlyWhenToldTo) {
+TEST_F(Repair, ReplacesAnotherFileOnlyOnRequest) {
   take("dv-lz4.aedat4");
   write_whole(out, "precious");
   EXPECT_THROW(repair_recording(in, out), Error);
@@ -256,7 +256,7 @@ TEST_F(Repair, ReplacesAnotherFileOnlyWhenToldTo) {
   EXPECT_TRUE(examine_recording(out).healthy());
 }
 
-TEST_F(Repair, WritesNothingButAedat4) {
+TEST_F(Repair, WritesOnlyAedat4) {
   take("dv-lz4.aedat4");
   EXPECT_THROW(repair_recording(in, folder / "out.csv"), Error);
   EXPECT_THROW(repair_recording(in, folder / "out"), Error);

@@ -11,7 +11,7 @@
 namespace tactile {
 namespace {
 
-TEST(SimulatedRecording, IsKnownByItsCameraOrBecauseItSaysSo) {
+TEST(SimulatedRecording, IsKnownByItsCameraOrItsAttribute) {
   const auto knows = [](const std::string& source) {
     const Stream stream = event_stream_declaration({640, 480}, source);
     return is_simulated({&stream, 1});
@@ -27,7 +27,7 @@ TEST(SimulatedRecording, IsKnownByItsCameraOrBecauseItSaysSo) {
   EXPECT_FALSE(is_simulated({&stream, 1}));
 }
 
-TEST(SimulatedRecording, OfARunIsKnownByWhateverIsThere) {
+TEST(SimulatedRecording, OfARunIsKnownByRunJsonTruthOrCamera) {
   const test::TemporaryFolder folder;
   const auto run_of = [&](const std::string& name, const std::string& camera) {
     std::filesystem::create_directories(folder / name / "01");
@@ -41,7 +41,7 @@ TEST(SimulatedRecording, OfARunIsKnownByWhateverIsThere) {
   EXPECT_FALSE(is_simulated(real));
   RunInfo info{.object = "real", .run = "01", .session = {}, .simulated = false, .complete = true, .width = 640, .height = 480};
   write_run_info(simulated, info);
-  EXPECT_TRUE(is_simulated(simulated)) << "whatever run.json says, no camera saw it";
+  EXPECT_TRUE(is_simulated(simulated)) << "its camera counts, even against run.json";
   info.simulated = true;
   write_run_info(real, info);
   EXPECT_TRUE(is_simulated(real));

@@ -1,9 +1,9 @@
-#include <unistd.h>
-
 #include <filesystem>
-#include <string>
+#include <optional>
 
+#include "abort_unless.hpp"
 #include "bytes_as_file.hpp"
+#include "support/temporary_folder.hpp"
 #include "tactile/conversion/bag_import.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
@@ -14,15 +14,13 @@
 namespace {
 
 using namespace tactile;
+using test::abort_unless;
 namespace fs = std::filesystem;
 
-void demand(bool holds) {
-  if (!holds) std::abort();
-}
-
-/// Whatever the bag was, our own readers take the run, and find in it what the summary says.
+/// The imported run can be read, and has the contents that the summary counts.
 void read_back(const BagImportSummary& summary) {
-  demand(read_run_info(summary.run).complete == (summary.problems.truncated_bytes == 0 && summary.problems.broken_chunks == 0));
+  abort_unless(read_run_info(summary.run).complete ==
+               (summary.problems.truncated_bytes == 0 && summary.problems.broken_chunks == 0));
   RecordingReader recording(summary.run.events(), 1);
   std::uint64_t events = 0, imu_samples = 0;
   CameraTime newest = CameraTime::min();
@@ -30,30 +28,30 @@ void read_back(const BagImportSummary& summary) {
     if (recording.stream(packet.stream_id).type == StreamType::imu) imu_samples += recording.read_imu(packet).size();
     if (recording.stream(packet.stream_id).type != StreamType::events) continue;
     for (const Event& event : recording.read_events(packet)) {
-      demand(event.t >= newest && event.x < summary.size.width && event.y < summary.size.height);
+      abort_unless(event.t >= newest && event.x < summary.size.width && event.y < summary.size.height);
       newest = event.t;
       ++events;
     }
   }
-  demand(events == summary.events && imu_samples == summary.imu_samples && newest == summary.last);
-  demand(recording.problems().broken_packets == 0 && recording.problems().out_of_range_events == 0);
+  abort_unless(events == summary.events && imu_samples == summary.imu_samples && newest == summary.last);
+  abort_unless(recording.problems().broken_packets == 0 && recording.problems().out_of_range_events == 0);
   if (summary.robot_states > 0) read_robot_log(summary.run.robot());
-  if (summary.frames > 0) demand(read_video_times(summary.run.video_times()).size() == summary.frames);
+  if (summary.frames > 0) abort_unless(read_video_times(summary.run.video_times()).size() == summary.frames);
 }
 
 }  // namespace
 
-/// A bag becomes a run that can be read, or an Error says why it does not and nothing of it is left.
+/// For any input, a run is imported that can be read, or there is an Error and no file is left.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const fs::path folder = fs::temp_directory_path() / ("bag_import_fuzz_" + std::to_string(getpid()));
+  static const test::TemporaryFolder folder;
   const test::BytesAsFile bag(data, size);
   std::optional<BagImportSummary> summary;
   try {
-    summary = import_bag(bag.path(), folder / "fan" / "01");
+    summary = import_bag(bag.path(), folder / "fan/01");
   } catch (const Error&) {
-    demand(!fs::exists(folder / "fan") || fs::is_empty(folder / "fan"));
+    abort_unless(!fs::exists(folder / "fan") || fs::is_empty(folder / "fan"));
   }
   if (summary) read_back(*summary);
-  fs::remove_all(folder);
+  fs::remove_all(folder / "fan");
   return 0;
 }

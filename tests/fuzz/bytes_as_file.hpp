@@ -10,7 +10,7 @@
 
 namespace tactile::test {
 
-/// The fuzzer's bytes as a file in memory.
+/// The input of the fuzzer as a file in memory.
 class BytesAsFile {
  public:
   BytesAsFile(const std::uint8_t* data, std::size_t size) : file_(memfd_create("fuzz", MFD_CLOEXEC)) {

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "abort_unless.hpp"
 #include "bytes_as_file.hpp"
 #include "command.hpp"
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 
-/// Whatever --config holds, a command with an option of each kind runs with values in range, or an error says why not.
+/// For any file of --config, a command with an option of each kind runs with values in range, or there is an error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactile;
   const test::BytesAsFile file(data, size);
@@ -24,8 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::string> held_out;
   std::optional<double> speed;
   Command command = add_command(app, "windows", "", [&](const CommonArguments& common) {
-    const bool in_range = window_ms > 0 && guard_us >= -5 && guard_us <= 5 && common.threads >= 1 && common.threads <= 1024;
-    if (!in_range) std::abort();
+    test::abort_unless(window_ms > 0 && guard_us >= -5 && guard_us <= 5 && common.threads >= 1 && common.threads <= 1024);
   });
   command.add_option("--window-ms", window_ms).check(in_range(1e-3, 1e6));
   command.add_option("--guard-us", guard_us).check(in_range(-5, 5));

@@ -1,8 +1,8 @@
 #include <array>
-#include <cstdlib>
 #include <tuple>
 
 #include "bytes_as_file.hpp"
+#include "checked_labels.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/labels/exchange/audacity.hpp"
 #include "tactile/labels/exchange/elan.hpp"
@@ -15,8 +15,8 @@ namespace {
 
 using namespace tactile;
 
-/// A press and a slip of a recording of three seconds.
-Labels labels_there() {
+/// Labels before the import: a press and a slip in three seconds.
+Labels old_labels() {
   Labels labels;
   for (const auto& [id, touch, start_us] :
        {std::tuple("press-1", Touch::press, 929'637), std::tuple("slip-1", Touch::slip, 1'484'400)}) {
@@ -32,28 +32,24 @@ Labels labels_there() {
   return labels;
 }
 
-void check(const Labels& labels) {
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-    if (labels.intervals[i].end.at < labels.intervals[i].start.at || labels.intervals[i].id.empty()) std::abort();
-    if (i > 0 && labels.intervals[i].start.at < labels.intervals[i - 1].end.at) std::abort();
-  }
-  for (const LabelFlag& flag : labels.flags) {
-    if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) std::abort();
-  }
+void check_edited(const Labels& labels) {
+  test::check(labels);
+  for (const LabelledInterval& interval : labels.intervals)
+    test::abort_unless(interval.end.at >= interval.start.at && !interval.id.empty());
 }
 
 void edit(const ImportedLabels& imported) {
-  const Labels old = labels_there();
+  const Labels old = old_labels();
   EditCounts counts;
   const Labels edited =
       with_edits(old, imported, imported.times.value_or(FileTimes{}), camera_time(0), camera_time(3'000'000), counts);
-  check(edited);
-  check(keep_human_edits(old, edited));
+  check_edited(edited);
+  check_edited(keep_human_edits(old, edited));
 }
 
 }  // namespace
 
-/// Whatever the bytes, and whichever tool they pass for: labels that come of them are in order, do not overlap, and can be kept.
+/// For any input, read as the file of each tool: edited labels are in order and do not overlap, or there is an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const test::BytesAsFile file(data, size);
   const std::array<std::vector<ImportedLabels> (*)(const std::filesystem::path&), 4> readers{

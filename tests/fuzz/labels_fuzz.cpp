@@ -1,19 +1,14 @@
 #include "bytes_as_file.hpp"
+#include "checked_labels.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/labels/labels.hpp"
 
-/// Whatever the bytes, intervals that are read do not overlap, flags name one that is there, and clocks can be asked.
+/// For any input, labels that are read are consistent and their clocks convert times, or there is an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactile;
   const test::BytesAsFile file(data, size);
   try {
     const Labels labels = read_labels(file.path());
-    for (std::size_t i = 1; i < labels.intervals.size(); ++i) {
-      if (labels.intervals[i].start.at < labels.intervals[i - 1].end.at) std::abort();
-    }
-    for (const LabelFlag& flag : labels.flags) {
-      if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) std::abort();
-    }
+    test::check(labels);
     std::vector<FittedClock> clocks = labels.robot_clocks;
     if (labels.video_clock) clocks.push_back(*labels.video_clock);
     for (const FittedClock& clock : clocks) {

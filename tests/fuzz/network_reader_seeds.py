@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes seeds for network_reader_fuzz: each stream of a recording as a server would send it, its first packets alone.
+"""Makes seeds for network_reader_fuzz: the first packets of each stream of a recording, as a server sends them.
 
     network_reader_seeds.py OUT FILE.aedat4…
 """
@@ -11,7 +11,7 @@ import sys
 
 
 def header_of_one_stream(header, stream):
-    """The recording's header with the other streams' nodes blanked out, so that no offset in it moves."""
+    """The header of the recording with blanks instead of the nodes of other streams. No offset changes."""
     xml_at = header.index(b"<dv")
     xml = header[xml_at:].split(b"\0")[0]
     kept = xml

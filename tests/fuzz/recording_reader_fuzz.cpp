@@ -1,25 +1,18 @@
-#include <fcntl.h>
-#include <fmt/core.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <string>
 
+#include "bytes_as_file.hpp"
+#include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/repair.hpp"
 
-/// Whatever the bytes, the reader either reads them or says in an Error why it cannot.
+/// For any input, the reader and the repair read it, or there is an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactile;
-  const int file = memfd_create("recording", MFD_CLOEXEC);
-  if (file < 0 || write(file, data, size) != static_cast<ssize_t>(size)) return 0;
+  static const test::TemporaryFolder folder;
+  const test::BytesAsFile file(data, size);
   try {
-    const std::string path = "/proc/self/fd/" + std::to_string(file);
-    RecordingReader recording(path, size % 4 == 0 ? 2 : 1);
+    RecordingReader recording(file.path(), size % 4 == 0 ? 2 : 1);
     for (const PacketRecord& packet : recording.packets()) {
       switch (recording.stream(packet.stream_id).type) {
         case StreamType::events:
@@ -39,12 +32,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
     }
     if (size % 8 == 0) {
-      const std::filesystem::path out = std::filesystem::temp_directory_path() / fmt::format("repaired_{}.aedat4", getpid());
-      repair_recording(path, out, true);
-      std::filesystem::remove(out);
+      repair_recording(file.path(), folder / "repaired.aedat4", true);
+      std::filesystem::remove(folder / "repaired.aedat4");
     }
   } catch (const Error&) {
   }
-  close(file);
   return 0;
 }

@@ -1,3 +1,4 @@
+#include "abort_unless.hpp"
 #include "bytes_as_file.hpp"
 #include "tactile/conversion/ros_bag.hpp"
 #include "tactile/conversion/ros_messages.hpp"
@@ -6,15 +7,14 @@
 namespace {
 
 using namespace tactile;
+using test::abort_unless;
 
-/// Whatever the bytes, what is decoded lies inside the sensor, and rotations are rotations.
+/// Decoded events are inside the sensor, and the angles of rotations are at most pi.
 void decode(std::span<const std::byte> message) {
   RosEvents events;
   const auto check = [&] {
-    for (const Event& event : events.events) {
-      if (event.x < 0 || event.y < 0 || event.x >= events.size.width || event.y >= events.size.height || event.on > 1)
-        std::abort();
-    }
+    for (const Event& event : events.events)
+      abort_unless(event.x >= 0 && event.y >= 0 && event.x < events.size.width && event.y < events.size.height && event.on <= 1);
   };
   if (decode_event_array(message, events)) check();
   if (decode_event_packet(message, events) == PacketDecoding::whole) check();
@@ -24,9 +24,7 @@ void decode(std::span<const std::byte> message) {
   std::uint64_t unusable = 0;
   decode_tool_poses(message, poses, unusable);
   for (const ToolPose& pose : poses) {
-    for (const double along : rotation_vector(pose.turn)) {
-      if (!(along > -3.15 && along < 3.15)) std::abort();
-    }
+    for (const double component : rotation_vector(pose.turn)) abort_unless(component > -3.15 && component < 3.15);
   }
   RosImage image;
   decode_image(message, image);
@@ -36,7 +34,7 @@ void decode(std::span<const std::byte> message) {
 
 }  // namespace
 
-/// The container, and every decoder over every message whatever its type: a definition's name is easily forged.
+/// For any input, the bag is read or there is an Error. Every decoder gets every message, because a bag can name any type for it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   decode(std::as_bytes(std::span(data, size)));
   const test::BytesAsFile file(data, size);
@@ -45,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::uint64_t before = 0;
     while (const auto message = bag.next()) {
       decode(message->data);
-      if (bag.bytes_read() < before || bag.bytes_read() > bag.file_size()) std::abort();
+      abort_unless(bag.bytes_read() >= before && bag.bytes_read() <= bag.file_size());
       before = bag.bytes_read();
     }
     bag.rewind();

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "abort_unless.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/robot/rtde_protocol.hpp"
 
@@ -13,8 +13,8 @@ namespace {
 
 using namespace tactile;
 
-/// Takes a package apart as a client and as a controller would, with the recipe that the stream itself agreed on.
-void take_apart(const RtdePackage& package, RtdeRecipe& recipe, std::vector<RtdeNumber>& numbers) {
+/// Decodes a package as a client and as a controller do, with the recipe of the stream.
+void decode(const RtdePackage& package, RtdeRecipe& recipe, std::vector<RtdeNumber>& numbers) {
   switch (package.type) {
     case RtdePackageType::protocol_version:
       if (package.payload.size() == 2) {
@@ -46,16 +46,17 @@ void take_apart(const RtdePackage& package, RtdeRecipe& recipe, std::vector<Rtde
       break;
     case RtdePackageType::data:
       if (!read_rtde_data(recipe, package.payload, numbers)) break;
-      // What was read has a number for every column, and is written as the same size again.
-      if (numbers.size() != columns_of(recipe).size()) std::abort();
-      if (rtde_data_package(recipe, numbers).size() != package.payload.size() + 3) std::abort();
+      // There is a number for every column, and the package that is written from them has the same size.
+      test::abort_unless(numbers.size() == columns_of(recipe).size());
+      test::abort_unless(rtde_data_package(recipe, numbers).size() == package.payload.size() + 3);
       break;
   }
 }
 
 }  // namespace
 
-/// Whatever the bytes and however they are cut, they are packages or an Error says why not. The first byte chooses the pieces.
+/// For any stream in pieces of any size, packages are read, or there is an Error. The first byte is the size of the pieces, 0 for
+/// one piece.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::size_t piece = data[0] == 0 ? size : data[0];
@@ -68,8 +69,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       reassembly.append(stream.subspan(begin, std::min(piece, stream.size() - begin)));
       while (const auto package = reassembly.next()) {
         try {
-          take_apart(*package, recipe, numbers);
-        } catch (const Error&) {  // the packages behind it are whole all the same
+          decode(*package, recipe, numbers);
+        } catch (const Error&) {  // the packages after it can still be read
         }
       }
     }

@@ -53,7 +53,7 @@ void expect_true_bytes(const CellGrid& grid, std::uint32_t largest, Random& rand
   EXPECT_EQ(bytes, plain_bytes);
   EXPECT_EQ(std::vector(with_many.begin(), with_many.begin() + static_cast<std::ptrdiff_t>(count)),
             std::vector(plain_with_many.begin(), plain_with_many.begin() + static_cast<std::ptrdiff_t>(plain_count)));
-  // Both ways told which blocks have less than they once had: nothing changes when it is done again.
+  // Both versions marked the blocks that have lost events: a repetition changes nothing.
   std::fill(bytes.begin(), bytes.end(), std::uint8_t{0});
   byte_blocks(cells, scales, grid.cells.width, std::span(bytes).first(size), with_many);
   EXPECT_EQ(bytes, plain_bytes);
@@ -121,7 +121,7 @@ TEST(ByteBlocks, HoldAllPixelsOfTheLargestCellsAtOneCount) {
 
 TEST(CellCounts, TakeABlockForWhatItWasUntilItIsSeenToBeLess) {
   using Indexes = std::vector<std::uint32_t>;
-  // Blocks beyond the first 64, of which each is told apart.
+  // Blocks beyond the first 64, each different.
   CellCounts<std::uint8_t> cells({.sensor = {200, 120}, .cells = {40, 24}, .step = 5, .first = 0, .read = 5});
   ASSERT_EQ(cells.blocks().size(), 72U);
   const auto indexes = [&](bool of_high) {

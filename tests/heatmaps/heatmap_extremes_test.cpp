@@ -1,4 +1,4 @@
-// What a heatmap must be right for, however unlikely, beside equations 2 to 5 in long double.
+// Unlikely inputs for which a heatmap must be correct, compared with equations 2 to 5 in long double.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Random windows that slide along random events, beside the plain formula of each window alone.
+// Random windows that slide along random events, compared with the plain formula for each window.
 
 #include <gtest/gtest.h>
 

@@ -43,7 +43,7 @@ TEST(Heatmap, OfOneEventIsATwentyFifthOfItsMaximumInOneCell) {
   }
 }
 
-TEST(Heatmap, OfTwoCountsIsWhatTheEquationSays) {
+TEST(Heatmap, OfTwoCountsFollowsTheEquation) {
   // Pixels with 1 and 3 events: b = 2, D(1) = 1/(1+e^-1) = 0.731, D(3) = 3/(1+e) = 0.807.
   const std::vector<Hits> two{{.x = 2, .y = 2, .count = 1}, {.x = 7, .y = 2, .count = 3}};
   const auto by = [&](Denoise denoise) {

@@ -116,7 +116,7 @@ TEST_F(HeatmapsCommand, RefusesInWordsWhatItCannotRender) {
   EXPECT_EQ(run_tactile("heatmaps --factor 0.3", folder.path()).exit_code, 1);
 }
 
-TEST_F(HeatmapsCommand, SaysHowToMakeAMissingDataset) {
+TEST_F(HeatmapsCommand, NamesTheCommandForAMissingDataset) {
   fs::create_directories(folder / "empty");
   const auto result = run_tactile("heatmaps empty --th 40", folder.path());
   EXPECT_EQ(result.exit_code, 1);
@@ -185,7 +185,7 @@ assert h.shape == (270, 6, 8) and h.dtype.str == "|u1" and h[:].max() > 0
 assert dict((k, h.attrs[k]) for k in ("history_us", "tick_us", "denoise", "resize", "factor")) == {
     "history_us": 40000, "tick_us": 2000, "denoise": b"mean", "resize": b"area", "factor": 0.2}
 assert f.get("/heatmaps/th_040", getlink=True).filename == "dataset.th_040.h5"
-# The first sample again, from the events beside it.
+# The first sample again, from the file of events.
 import numpy as np
 t, run = f["/samples/t_us"][0], f["/samples/run"][0]
 n, k = f["/runs/first_event"][run], f["/runs/events"][run]
@@ -235,7 +235,7 @@ TEST_F(HeatmapsCommand, LeavesNoHalfFolderOfPicturesWhereItIsEnded) {
   EXPECT_GT(ended, 0);
 }
 
-TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNothingThatIsThere) {
+TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNoExistingFile) {
   const fs::path file = folder / "data/dataset.h5";
   const std::string histories = "2,4,6,8,10,12,14,16,18,20,30,40,50";
   const auto begin = std::chrono::steady_clock::now();

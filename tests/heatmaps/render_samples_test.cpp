@@ -94,7 +94,8 @@ TEST_F(RenderSamples, RefusesAHistoryThatIsNotStoredAndSamplesThatLieAtNoTick) {
   const Dataset dataset(file());
   const std::string message = message_of([&] { render_samples(dataset, {.history = 52ms}, std::vector<std::uint32_t>{0}); });
   EXPECT_NE(message.find("history of 52000 us; expected at most the 50000 us"), std::string::npos) << message;
-  EXPECT_NE(message_of([&] { check_renders(dataset, {.history = 30ms, .tick = 3ms}); }).find("lies at none"), std::string::npos);
+  EXPECT_NE(message_of([&] { check_renders(dataset, {.history = 30ms, .tick = 3ms}); }).find("is not at a tick"),
+            std::string::npos);
   EXPECT_NO_THROW(check_renders(dataset, {.history = 3ms, .tick = 1ms}));
   EXPECT_THROW(render_samples(dataset, {.history = 41ms}, std::vector<std::uint32_t>{0}), Error);
   EXPECT_THROW(render_samples(dataset, {}, std::vector<std::uint32_t>{270}), Error);
@@ -109,13 +110,13 @@ TEST_F(RenderSamples, StoresWhatItRendersOfSeveralHistoriesAtOnce) {
   const auto first = store_heatmaps(Dataset(file()), std::span(histories).first(1), 2);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_FALSE(first[0].kept);
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   const auto stored = store_heatmaps(Dataset(file()), histories, 2, [&](const Progress& progress) {
-    EXPECT_GT(progress.done, told);
-    told = progress.done;
+    EXPECT_GT(progress.done, reported);
+    reported = progress.done;
   });
   const Dataset dataset(file());
-  EXPECT_EQ(told, dataset.samples().size());
+  EXPECT_EQ(reported, dataset.samples().size());
   ASSERT_EQ(stored.size(), histories.size());
   ASSERT_EQ(dataset.heatmaps().size(), 3U);
   for (std::size_t i = 0; i < histories.size(); ++i) {
@@ -153,7 +154,7 @@ TEST_F(RenderSamples, StoresNoHistoryIfOneIsRefusedOrTheStepIsEnded) {
     EXPECT_EQ(entry.path().filename().string().find("th_0"), std::string::npos) << entry.path();
 }
 
-TEST_F(RenderSamples, RendersAHistoryAnewWhoseFileIsGone) {
+TEST_F(RenderSamples, RendersAHistoryAgainIfItsFileIsGone) {
   const std::vector<HeatmapOptions> plain(1);
   store_heatmaps(Dataset(file()), plain);
   std::filesystem::remove(folder / "dataset.th_040.h5");
@@ -199,7 +200,7 @@ TEST(ForEveryTick, GivesTheSameFromARecording) {
   EXPECT_EQ(from_memory, from_file);
 }
 
-TEST(ForEveryTick, HasNoneWhereTheRunIsShorterThanTheHistory) {
+TEST(ForEveryTick, HasNoneIfTheRunIsShorterThanTheHistory) {
   const auto never = [](CameraTime, std::span<const std::uint8_t>, std::uint64_t) { FAIL(); };
   EXPECT_EQ(for_every_tick({}, {4, 3}, {.factor = 1}, never).count, 0);
   EXPECT_EQ(for_every_tick(test::random_events({.length_us = 39'000}), {40, 30}, {}, never).count, 0);

@@ -25,17 +25,17 @@ std::vector<std::uint32_t> all_of(const SlidingCounts& counts) {
 
 /// The counts that occur, how many pixels have any, and the largest.
 void expect_histogram_of(const SlidingCounts& counts) {
-  std::set<std::uint32_t> occur, told;
+  std::set<std::uint32_t> occur, listed;
   std::uint32_t active = 0;
   for (const std::uint32_t count : all_of(counts)) {
     active += count > 0 ? 1 : 0;
     if (count > 0) occur.insert(count);
   }
   counts.histogram().for_each_count([&](std::uint32_t count) {
-    ASSERT_TRUE(told.empty() || count > *told.rbegin());
-    told.insert(count);
+    ASSERT_TRUE(listed.empty() || count > *listed.rbegin());
+    listed.insert(count);
   });
-  ASSERT_EQ(told, occur);
+  ASSERT_EQ(listed, occur);
   ASSERT_EQ(counts.histogram().active_pixels(), active);
   ASSERT_EQ(counts.histogram().largest(), occur.empty() ? 0 : *occur.rbegin());
 }

@@ -1,46 +1,39 @@
-#!/usr/bin/env python3
-"""compare_robot_logs.py OURS.csv THEIRS.csv: the same robot logged by tactile and by ur-rtde must be the same, package for package.
+"""Compares two logs of one robot: robot.csv of tactile, and the log of ur-rtde.
 
-ur-rtde writes six decimals, on a period of its own: it repeats and skips packages, and a row may begin with one package and end with
-a later one. So each of its values must be that of our row of the same timestamp, of the one before it, or of the 25 behind it. Ends
-with 1 if one is not.
+ur-rtde writes six decimals and has a period of its own: it repeats and skips packages, and a row may begin with one package and end
+with a later one. Therefore each of its values must equal that of the row of tactile with the same timestamp, of the row before it, or
+of one of the LATER_ROWS rows after it.
 """
+
 import csv
-import sys
 
 LATER_ROWS = 25
 
 
 def rows_of(path):
     with open(path, newline="") as file:
-        return [row for row in csv.DictReader(line for line in file if line.strip())]
+        rows = list(csv.DictReader(line for line in file if line.strip()))
+    if not rows:
+        raise ValueError(f"{path}: no rows; expected a robot log")
+    return rows
 
 
-def main():
-    if len(sys.argv) != 3:
-        sys.exit("usage: compare_robot_logs.py OURS.csv THEIRS.csv")
-    ours, theirs = rows_of(sys.argv[1]), rows_of(sys.argv[2])
-    if not ours or not theirs:
-        sys.exit("compare_robot_logs.py: a log without rows")
+def differences(our_file, their_file):
+    """A line for each value of ur-rtde that tactile has not logged. Raises ValueError if the logs have no time or no column in common."""
+    ours, theirs = rows_of(our_file), rows_of(their_file)
     columns = [name for name in theirs[0] if name in ours[0] and name != "timestamp"]
-    at = {f"{float(row['timestamp']):.6f}": i for i, row in enumerate(ours)}
+    index_at = {f"{float(row['timestamp']):.6f}": i for i, row in enumerate(ours)}
     first, last = float(ours[0]["timestamp"]), float(ours[-1]["timestamp"])
-    compared, wrong = 0, 0
-    for row in theirs:
-        time = float(row["timestamp"])
-        if not first < time < last:
-            continue
-        i = at.get(f"{time:.6f}")
+    compared = [row for row in theirs if first < float(row["timestamp"]) < last]
+    if not compared or not columns:
+        raise ValueError(f"{their_file}: no time or no column in common with {our_file}")
+    found = []
+    for row in compared:
+        i = index_at.get(f"{float(row['timestamp']):.6f}")
         near = [] if i is None else ours[max(0, i - 1):i + 1 + LATER_ROWS]
-        compared += 1
         for name in columns:
             if not any(abs(float(row[name]) - float(other[name])) <= 1e-6 for other in near):
-                wrong += 1
-                here = near[min(1, len(near) - 1)][name] if near else "no such row"
-                print(f"{row['timestamp']} s, {name}: {row[name]} there, {here} here", file=sys.stderr)
-    print(f"{compared} rows, {len(columns)} columns compared, {wrong} values differ")
-    sys.exit(1 if wrong or compared == 0 or not columns else 0)
-
-
-if __name__ == "__main__":
-    main()
+                our_value = near[min(1, len(near) - 1)][name] if near else "no row"
+                found.append(f"{row['timestamp']} s, {name}: {row[name]} by ur-rtde, {our_value} by tactile")
+    print(f"    {len(compared)} rows, {len(columns)} columns compared, {len(found)} values differ", flush=True)
+    return found

@@ -1,4 +1,4 @@
-"""What a recording holds, as each library reads it, in one form that compares."""
+"""The contents of a recording in one form, whichever library reads them."""
 
 import hashlib
 
@@ -10,8 +10,8 @@ EVENT = np.dtype([("t", "<i8"), ("x", "<i4"), ("y", "<i4"), ("on", "u1")])
 class Contents:
     """Events in file order; IMU samples as rows of t and ten numbers; triggers as rows of t and type; frames as (t, pixels)."""
 
-    def __init__(self):
-        self.events = np.empty(0, EVENT)
+    def __init__(self, events=None):
+        self.events = np.empty(0, EVENT) if events is None else events
         self.imu = np.empty((0, 11))
         self.triggers = np.empty((0, 2), np.int64)
         self.frames = []
@@ -19,7 +19,7 @@ class Contents:
         self.size = None
 
     def digest(self):
-        """As the reference recordings' truth has it: 13 bytes an event, int64 t, int16 x, int16 y, uint8 on."""
+        """SHA-256 of the events as truth.json of the recordings defines it: per event int64 t, int16 x, int16 y, uint8 on."""
         packed = np.empty(len(self.events), np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("on", "u1")]))
         for name in packed.dtype.names:
             packed[name] = self.events[name]
@@ -73,8 +73,8 @@ def read_dv(path):
     return contents
 
 
-# The `aedat` package gives triggers numbers of its own, in the order of the format's types.
 def read_aedat(path):
+    """The package numbers the types of triggers itself, in the order of the format."""
     import aedat
     decoder = aedat.Decoder(str(path))
     contents = Contents()
@@ -111,7 +111,7 @@ def read_faery(path):
 
 
 def read_csv(path):
-    """A CSV of ours, read without any of our code."""
+    """A CSV file of tactile."""
     contents = Contents()
     rows = np.loadtxt(path, dtype=np.int64, delimiter=",", skiprows=1, ndmin=2)
     contents.events = events_from(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
@@ -143,7 +143,7 @@ def read_hdf5(path):
 
 
 def difference(expected, found, parts=("events", "imu", "triggers", "frames")):
-    """What differs first, in words; empty where everything named is equal."""
+    """The first difference in words; empty if all named parts are equal."""
     for part in parts:
         a, b = getattr(expected, part), getattr(found, part)
         if len(a) != len(b):

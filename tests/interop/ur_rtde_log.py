@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""ur_rtde_log.py HOST SECONDS OUT.csv: logs a UR controller with the ur-rtde package, as its users do.
+"""Logs a UR controller with the package ur-rtde.
 
-ur-rtde takes no port: the controller must listen on HOST:30004, and no other port is asked for. Ends with 1 if the controller
-closes the connection meanwhile.
+    ur_rtde_log.py HOST SECONDS OUT.csv
+
+The controller must listen on HOST:30004, the only port that ur-rtde knows. Ends with 1 if the controller closes the connection earlier.
 """
 import sys
 import time

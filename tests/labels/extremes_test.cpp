@@ -59,7 +59,7 @@ TEST(Extremes, WithoutPressThereIsNoneAndTheSlipIsRight) {
   EXPECT_EQ(count(labels, Touch::press), 0U);
 }
 
-TEST(Extremes, OfNoiseAloneFindsNothingAndSaysSo) {
+TEST(Extremes, OfNoiseAloneFindsNothingAndFlagsThat) {
   AlteredRun made;
   // What the first half second has, over and over, with the hot pixels that it has.
   const CameraTime until = after(made.truly("press").start, -100ms);
@@ -136,7 +136,7 @@ TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
   EXPECT_TRUE(flags_say(labels, "press and slip are told apart by their order alone")) << told_by(labels);
 }
 
-TEST(Extremes, ARobotLogThatBeginsAfterThePressStillTellsTheLift) {
+TEST(Extremes, ARobotLogThatBeginsAfterThePressStillShowsTheLift) {
   AlteredRun made;
   const RobotTime first = made.in_robot_time(after(made.truly("press").end, 50ms));
   made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t < first; }); });
@@ -161,22 +161,22 @@ ClockRelation start_anew(AlteredRun& made, RobotTime reset) {
           .reference_us = up_since.count()};
 }
 
-TEST(Extremes, ARobotsClockThatStartsAnewBeforeTheLift) {
+TEST(Extremes, ARobotsClockThatRestartsBeforeTheLift) {
   AlteredRun made;
   made.truth.robot_clock = start_anew(made, made.in_robot_time(before(*made.truth.lift_start, 150ms)));
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   expect_lift_as_true(labels, made);
-  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 time within its log")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock restarts 1 time within its log")) << told_by(labels);
 }
 
-TEST(Extremes, ARobotsClockThatStartsAnewAfterTheLift) {
+TEST(Extremes, ARobotsClockThatRestartsAfterTheLift) {
   AlteredRun made;
   start_anew(made, made.in_robot_time(after(made.truly("slip").end, 200ms)));
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   expect_lift_as_true(labels, made);
-  EXPECT_TRUE(flags_say(labels, "the robot's clock starts anew 1 time within its log")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the robot's clock restarts 1 time within its log")) << told_by(labels);
 }
 
 TEST(Extremes, EachPieceOfARobotsClockIsRelatedWhereTheArmMovesInIt) {
@@ -339,14 +339,14 @@ TEST(Extremes, ASaturatedReadoutLeavesOnsetsTrue) {
   expect_as_true(labels, made.truth);
 }
 
-TEST(Extremes, BlindingFlickerHidesEverythingAndThatIsSaid) {
+TEST(Extremes, FlickerThatHidesEverythingIsFlagged) {
   const AlteredRun made = scene("blinding-flicker");
   const Labels labels = made.labels();
   EXPECT_TRUE(flags_say(labels, "no press found")) << told_by(labels);
   EXPECT_TRUE(flags_say(labels, "no slip found") || flags_say(labels, "without a slip")) << told_by(labels);
 }
 
-TEST(Extremes, DeadQuietIsAnError) {
+TEST(Extremes, ARecordingWithoutEventsIsAnError) {
   const AlteredRun made = scene("dead-quiet");
   EXPECT_NE(test::error_of([&] { made.labels(); }).find("holds no event; expected a recording of a run"), std::string::npos);
 }

@@ -34,7 +34,7 @@ Labels labels_of(std::vector<LabelledInterval> intervals) {
   return labels;
 }
 
-TEST(HumanEdits, WithoutThemTheFreshLabelsAreAllThereIs) {
+TEST(HumanEdits, WithoutThemTheNewLabelsStay) {
   Labels old = labels_of({interval_of("press-1", Touch::press, 100, 200)});
   old.flags = {{.interval_index = {}, .reason = "old", .confirmed = false}};
   Labels fresh = labels_of({interval_of("press-1", Touch::press, 110, 210), interval_of("slip-1", Touch::slip, 300, 400)});
@@ -47,7 +47,7 @@ TEST(HumanEdits, WithoutThemTheFreshLabelsAreAllThereIs) {
   EXPECT_TRUE(labels.interval_is_flagged(1));
 }
 
-TEST(HumanEdits, APersonsIntervalStaysAndTakesTheEvidenceOfTheFreshOne) {
+TEST(HumanEdits, APersonsIntervalStaysAndTakesTheEvidenceOfTheNewOne) {
   const Labels old = labels_of({persons("press-1", Touch::press, 150, 250), interval_of("slip-1", Touch::slip, 300, 400)});
   Labels fresh = labels_of({interval_of("press-1", Touch::press, 110, 210), interval_of("slip-1", Touch::slip, 310, 410)});
   fresh.robot_clocks.resize(1);
@@ -79,7 +79,7 @@ TEST(HumanEdits, AConfirmedIntervalStaysAsItWasSeen) {
   EXPECT_EQ(labels.intervals[0].evidence.events, in_run(103));
 }
 
-TEST(HumanEdits, WhatAPersonRejectedIsNotFoundAgain) {
+TEST(HumanEdits, ARejectedIntervalIsNotFoundAgain) {
   Labels old;
   old.rejected = {{Touch::press, in_run(100), in_run(200)}};
   EXPECT_TRUE(has_human_edits(old));
@@ -95,7 +95,7 @@ TEST(HumanEdits, WhatAPersonRejectedIsNotFoundAgain) {
   ASSERT_EQ(labels.rejected.size(), 1U);
 }
 
-TEST(HumanEdits, AFreshOneOfAPersonsIdGetsAnother) {
+TEST(HumanEdits, ANewOneOfAPersonsIdGetsAnother) {
   const Labels old = labels_of({persons("press-1", Touch::press, 500, 600)});
   const Labels labels = kept(labels_of({interval_of("press-1", Touch::press, 100, 200)}), old);
   ASSERT_EQ(labels.intervals.size(), 2U);
@@ -103,7 +103,7 @@ TEST(HumanEdits, AFreshOneOfAPersonsIdGetsAnother) {
   EXPECT_EQ(labels.intervals[1].id, "press-1");
 }
 
-TEST(HumanEdits, ALaterStartEndsAnEarlierFreshOne) {
+TEST(HumanEdits, ALaterStartEndsAnEarlierNewOne) {
   const Labels labels =
       kept(labels_of({interval_of("press-1", Touch::press, 100, 320)}), labels_of({persons("slip-1", Touch::slip, 300, 400)}));
   ASSERT_EQ(labels.intervals.size(), 2U);
@@ -111,7 +111,7 @@ TEST(HumanEdits, ALaterStartEndsAnEarlierFreshOne) {
   EXPECT_TRUE(labels.flags.empty());
 }
 
-TEST(HumanEdits, AFreshOneThatBeginsInAPersonsIsCutAndSaidSo) {
+TEST(HumanEdits, ANewOneThatBeginsInAPersonsIsCutAndFlagged) {
   const Labels labels =
       kept(labels_of({interval_of("slip-1", Touch::slip, 290, 400)}), labels_of({persons("press-1", Touch::press, 100, 300)}));
   ASSERT_EQ(labels.intervals.size(), 2U);
@@ -120,7 +120,7 @@ TEST(HumanEdits, AFreshOneThatBeginsInAPersonsIsCutAndSaidSo) {
   EXPECT_NE(labels.flags.at(0).reason.find("press-1"), std::string::npos);
 }
 
-TEST(HumanEdits, AFreshOneMostlyInAPersonsOfAnotherClassIsDropped) {
+TEST(HumanEdits, ANewOneMostlyInAPersonsOfAnotherClassIsDropped) {
   const Labels labels =
       kept(labels_of({interval_of("slip-1", Touch::slip, 250, 340)}), labels_of({persons("press-1", Touch::press, 100, 300)}));
   ASSERT_EQ(labels.intervals.size(), 1U);
@@ -128,7 +128,7 @@ TEST(HumanEdits, AFreshOneMostlyInAPersonsOfAnotherClassIsDropped) {
   EXPECT_EQ(labels.intervals[0].evidence.events, std::nullopt);
 }
 
-TEST(HumanEdits, AConfirmedFlagStaysConfirmedIfItStandsAgain) {
+TEST(HumanEdits, AConfirmedFlagStaysConfirmedIfItIsFoundAgain) {
   Labels old = labels_of({interval_of("press-1", Touch::press, 100, 200)});
   old.flags = {{.interval_index = 0, .reason = "weak", .confirmed = true},
                {.interval_index = {}, .reason = "no robot log", .confirmed = true}};

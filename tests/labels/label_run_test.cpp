@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "labels/made_run.hpp"
+#include "alignment/made_run.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -71,7 +71,7 @@ TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
               1e-3 * static_cast<double>(labels.robot_clocks[0].uncertainty().count()));
 }
 
-TEST(LabelRun, TellsTheSlipByTheLiftWhenThePressIsTheLongerOne) {
+TEST(LabelRun, FindsTheSlipByTheLiftWhenThePressIsTheLongerOne) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{500'000, 1'100'000}, {1'502'000, 1'800'000}}},
                                                  made_lift(1'500'000, 250'000, 0.06, 77)));
@@ -80,7 +80,7 @@ TEST(LabelRun, TellsTheSlipByTheLiftWhenThePressIsTheLongerOne) {
   EXPECT_EQ(labels.intervals[1].touch, Touch::slip);
 }
 
-TEST(LabelRun, WithoutRobotLogGoesByTheOrderAndSaysSo) {
+TEST(LabelRun, WithoutRobotLogUsesTheOrderAndFlagsThat) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, {}));
   ASSERT_EQ(labels.intervals.size(), 2U);
@@ -89,7 +89,7 @@ TEST(LabelRun, WithoutRobotLogGoesByTheOrderAndSaysSo) {
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
-TEST(LabelRun, OfNoiseAloneFindsNothingAndSaysSo) {
+TEST(LabelRun, OfNoiseAloneFindsNothingAndFlagsThat) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), {}, lift));
   EXPECT_TRUE(labels.intervals.empty());
@@ -107,7 +107,7 @@ TEST(LabelRun, OfAnArmThatNeverRisesHasNoSlip) {
                           [](const std::string& remark) { return remark == "no slip, and the robot log has no lift"; }));
 }
 
-TEST(LabelRun, SaysThatMotionsAreThoseOfTheTarget) {
+TEST(LabelRun, RemarksThatMotionsAreThoseOfTheTarget) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
   std::string text = read_text(run.robot());
@@ -152,10 +152,10 @@ TEST(LabelRun, FlagsAGapInTheRobotLog) {
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, torn));
   EXPECT_EQ(labels.intervals.size(), 2U);
   EXPECT_TRUE(says(labels, "the robot log has 1 gap, the longest of 2"));
-  EXPECT_TRUE(says(labels, " s behind its first row (at "));
+  EXPECT_TRUE(says(labels, " s after its first row (at "));
 }
 
-TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {
+TEST(LabelRun, FlagsARobotsClockThatRestarts) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
   // Five rows of another clock ahead of the others, which are still there whole.
@@ -166,8 +166,8 @@ TEST(LabelRun, FlagsARobotsClockThatStartsAnew) {
   std::filesystem::remove(run.robot());
   write_whole(run.robot(), text);
   const Labels labels = label_run(run);
-  EXPECT_TRUE(says(labels, "starts anew 1 time within its log"));
-  ASSERT_EQ(labels.robot_clocks.size(), 1U) << "nothing tells of the five rows' clock";
+  EXPECT_TRUE(says(labels, "restarts 1 time within its log"));
+  ASSERT_EQ(labels.robot_clocks.size(), 1U) << "nothing shows the five rows' clock";
   EXPECT_EQ(labels.robot_clocks[0].relation.reference_us, us_of(lift.states.front().t));
   EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
   EXPECT_GE(labels.robot_clocks[0].offset_high_us, -123'456'789);

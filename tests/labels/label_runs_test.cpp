@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "labels/made_run.hpp"
+#include "alignment/made_run.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -44,7 +44,7 @@ TEST(LabelRuns, WritesTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
-TEST(LabelRuns, LeavesAloneWhatHasNotChanged) {
+TEST(LabelRuns, KeepsTheLabelsOfUnchangedRuns) {
   const TemporaryFolder data;
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   EXPECT_FALSE(label_runs(runs)[0].unchanged);
@@ -73,7 +73,7 @@ TEST(LabelRuns, LabelsARunAgainIfOneOfItsSessionChanged) {
   EXPECT_FALSE(label_runs({runs[1]})[0].unchanged);
 }
 
-TEST(LabelRuns, SharesTheClockOfASessionAlsoWithARunThatHasNothingToTellIt) {
+TEST(LabelRuns, SharesTheClockOfASessionWithARunWithoutAnchors) {
   const TemporaryFolder data;
   std::vector<RunFolder> runs = write_two_runs(data, "morning");
   test::write_made_events(runs[1].events(), {.bursts = {{800'000, 1'000'000}}});
@@ -87,7 +87,7 @@ TEST(LabelRuns, SharesTheClockOfASessionAlsoWithARunThatHasNothingToTellIt) {
   EXPECT_FALSE(std::filesystem::exists(runs[0].labels())) << "only what was asked for is labelled";
 }
 
-TEST(LabelRuns, FitsARunApartWhoseControllerWasStartedAnewWithinTheSession) {
+TEST(LabelRuns, FitsARunApartWhoseControllerRestartedWithinTheSession) {
   const TemporaryFolder data;
   std::vector<RunFolder> runs = write_two_runs(data, "morning");
   runs.push_back(test::write_made_run(data.path(), press_and_slip, made_lift(1'500'000, 500'000, 0.06, 987'654'321), "03"));
@@ -104,7 +104,7 @@ TEST(LabelRuns, FitsARunApartWhoseControllerWasStartedAnewWithinTheSession) {
   }
 }
 
-TEST(LabelRuns, GoesOnWithTheOthersWhenOneCannotBeRead) {
+TEST(LabelRuns, LabelsTheOthersWhenOneCannotBeRead) {
   const TemporaryFolder data;
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   std::filesystem::remove(runs[0].events());
@@ -115,7 +115,7 @@ TEST(LabelRuns, GoesOnWithTheOthersWhenOneCannotBeRead) {
   EXPECT_TRUE(std::filesystem::exists(runs[1].labels()));
 }
 
-TEST(LabelRuns, KeepsWhatAPersonDid) {
+TEST(LabelRuns, KeepsAPersonsEdits) {
   const TemporaryFolder data;
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   label_runs(runs);
@@ -133,7 +133,7 @@ TEST(LabelRuns, KeepsWhatAPersonDid) {
   EXPECT_NE(label_runs(runs, other)[0].labels.intervals.at(0).start.at, moved);
 }
 
-TEST(LabelRuns, MakesAgainWhatIsMissingBesideTheLabels) {
+TEST(LabelRuns, MakesMissingCompanionsAgain) {
   const TemporaryFolder data;
   const std::vector<RunFolder> runs = write_two_runs(data, "");
   std::atomic<int> made = 0;

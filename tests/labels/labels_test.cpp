@@ -28,7 +28,7 @@ FittedClock clock_of(std::int64_t offset_us) {
           .method = "m"};
 }
 
-TEST(Labels, SurviveTheWayThroughTheirFile) {
+TEST(Labels, SurviveTheirFile) {
   const test::TemporaryFolder folder;
   Labels labels;
   labels.intervals = {interval(Touch::press, 1'000, 2'000), interval(Touch::slip, 3'000, 4'000)};
@@ -60,7 +60,7 @@ TEST(Labels, SurviveTheWayThroughTheirFile) {
   EXPECT_EQ(read.provenance, labels.provenance);
 }
 
-TEST(Labels, KeepAClockForEachPieceOfALogWhoseControllerStartedAnew) {
+TEST(Labels, KeepAClockForEachPieceOfALogWhoseControllerRestarted) {
   const test::TemporaryFolder folder;
   Labels labels;
   labels.robot_clocks = {clock_of(5), clock_of(50)};
@@ -76,7 +76,7 @@ TEST(Labels, KeepAClockForEachPieceOfALogWhoseControllerStartedAnew) {
   EXPECT_EQ(Labels{}.robot_clock_at(camera_time(0)), nullptr);
 }
 
-TEST(Labels, NameTheirIntervalsOnceAndForAll) {
+TEST(Labels, NameTheirIntervalsPermanently) {
   const test::TemporaryFolder folder;
   Labels labels;
   labels.intervals = {interval(Touch::press, 1'000, 2'000), interval(Touch::press, 2'500, 2'600),
@@ -91,7 +91,7 @@ TEST(Labels, NameTheirIntervalsOnceAndForAll) {
   EXPECT_THROW(write_labels(folder / "labels.json", labels), Error);
 }
 
-TEST(Labels, AreFlaggedOnlyWhileNobodyConfirmed) {
+TEST(Labels, AreFlaggedUntilAPersonConfirms) {
   Labels labels;
   labels.intervals = {interval(Touch::press, 1'000, 2'000), interval(Touch::slip, 3'000, 4'000)};
   labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false},

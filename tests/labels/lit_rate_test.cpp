@@ -70,10 +70,10 @@ TEST(LitRate, KeepsWhatABurstLightsAndATenthOfTheNoise) {
   }
   EXPECT_EQ(us_of(lit[0].rate.begin_of(lit[0].burst_begin)), us_of(rate.begin_of(bursts[0].begin)));
   // 3 events of 3072 pixels in each of the 4000 read-outs before it.
-  EXPECT_NEAR(lit[0].set_anew, 1.0 - std::exp(-4000 * 3.0 / 3072), 0.01);
+  EXPECT_NEAR(lit[0].reset_share, 1.0 - std::exp(-4000 * 3.0 / 3072), 0.01);
 }
 
-TEST(LitRate, TellsAReleaseByTheLightThatItGivesBack) {
+TEST(LitRate, FindsAReleaseByTheBrightnessThatItReverses) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");
   RecordingReader recording(folder / "events.aedat4");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "labels/rate_of.hpp"
+#include "labels/lit_rate_of.hpp"
 
 namespace tactile {
 namespace {
@@ -67,7 +67,7 @@ TEST(PressOnset, OfAStartFromRestIsFoundToMilliseconds) {
   EXPECT_GE(found.covered, 90);
 }
 
-TEST(PressOnset, IsThatOfAWeakContactAheadOfTheStrongOne) {
+TEST(PressOnset, IsThatOfAWeakContactBeforeTheStrongOne) {
   const OnsetErrors found = errors_over_seeds(
       0.2, [](double u) { return blow(u, 0.6) + blow(u - 25'000, 20.0); }, 100, press);
   EXPECT_LE(found.error_ms(0.5), 1.0);
@@ -109,18 +109,18 @@ TEST(PressOnset, IsThatOfTheFirstMarkerWhoseOwnNoiseDoesNotHideIt) {
   EXPECT_LT(apart_ms[36], 6.0);
 }
 
-TEST(PressOnset, MayLieAsFarAheadAsPixelsThatNoiseHasSetAnewAreBlind) {
+TEST(PressOnset, MayLieAsEarlyAsPixelsThatNoiseHasResetAreBlind) {
   LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return 0.3 + (t_us < 600'000 ? blow(t_us - onset_us, 10.0) : 0.0); }, 1, 2'030, 3'000, 0.3);
   lit.repeats.assign(5'000, 0);  // none repeats its event: for how long they were blind is not seen
   const UncertainTime fresh = press_onset(lit).time;
-  lit.set_anew = 1.0;
+  lit.reset_share = 1.0;
   const UncertainTime anew = press_onset(lit).time;
   EXPECT_EQ(fresh.at, anew.at);
   EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 25'000, 500);
 }
 
-TEST(SlipOnset, IsTheJumpBehindTheRingingAndNotTheRinging) {
+TEST(SlipOnset, IsTheJumpAfterTheRingingAndNotTheRinging) {
   const auto ringing_then_jump = [](double u) {
     const double since = u + 10'000;  // the arm starts 10 ms ahead
     const double ringing = since < 0 ? 0.0 : 8.0 * std::abs(std::sin(2e-6 * 3.14159265 * 18.0 * since));
@@ -140,7 +140,7 @@ TEST(SlipOnset, WithoutRingingIsTheFirstMotion) {
   EXPECT_GE(found.covered, 90);
 }
 
-TEST(SlipOnset, IsNotAheadOfTheLift) {
+TEST(SlipOnset, IsNotBeforeTheLift) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return 0.3 + blow(t_us - 390'000, 2.0) + blow(t_us - onset_us, 30.0); }, 1, 2'000, 3'000, 0.3);
   const UncertainTime lift{camera_time(1'398'000), camera_time(1'396'000), camera_time(1'402'000)};

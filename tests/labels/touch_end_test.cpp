@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "labels/rate_of.hpp"
+#include "labels/lit_rate_of.hpp"
 
 namespace tactile {
 namespace {
@@ -58,7 +58,7 @@ TEST(PressEnd, IsFoundHoweverThePressSlowsDown) {
   }
 }
 
-TEST(PressEnd, HasAWiderIntervalWhereFewEventsTellOfIt) {
+TEST(PressEnd, HasAWiderIntervalWhereFewEventsShowIt) {
   const Ends many = press_ends(1.0, 100.0, 0.1, 20), few = press_ends(1.0, 3.0, 0.02, 20);
   EXPECT_LT(many.widths_ms[10], few.widths_ms[10]);
   EXPECT_GE(few.covered, 17);
@@ -70,7 +70,7 @@ TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
   EXPECT_FALSE(press_end(lit, exactly(onset_us)).doubt.empty());
 }
 
-TEST(PressEnd, IsThatOfTheMotionAheadOfTheStillHold) {
+TEST(PressEnd, IsThatOfTheMotionBeforeTheStillHold) {
   // 60 ms behind the still hold some tips spring back: more events for an instant than the press ever has.
   const LitRate lit = test::lit_rate_of(
       5'000,
@@ -115,7 +115,7 @@ TEST(SlipEnd, LeavesOpenWhetherALongFaintTailBelongsToIt) {
   EXPECT_LE(tailed.low, time_of(still_us + 30'000));
 }
 
-TEST(SlipEnd, IsNotAheadOfTheArmsStopNorLongBehindIt) {
+TEST(SlipEnd, IsNotBeforeTheArmsStopNorLongAfterIt) {
   const LitRate brief = slip_rate(4'000.0, 0.0, 1), rings = slip_rate(4'000.0, 60.0, 1);
   const auto stop = [](double t_us) { return UncertainTime{time_of(t_us), time_of(t_us - 1'000), time_of(t_us + 1'000)}; };
   const UncertainTime unseen = slip_end(brief, exactly(onset_us), {}, stop(still_us + 60'000)).time;
@@ -128,7 +128,7 @@ TEST(SlipEnd, IsNotAheadOfTheArmsStopNorLongBehindIt) {
   EXPECT_LE(ringing.low, time_of(still_us - 1'000));
 }
 
-TEST(SlipEnd, SaysThatTheRecordingEndsBeforeIt) {
+TEST(SlipEnd, IsDoubtedWhereTheRecordingEndsBeforeIt) {
   const LitRate lit = test::lit_rate_of(
       2'000, [](double t_us) { return t_us < onset_us ? 0.2 : 40.0; }, 1, 1'000, 2'000, 0.2);
   EXPECT_FALSE(slip_end(lit, exactly(onset_us)).doubt.empty());

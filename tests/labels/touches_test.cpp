@@ -51,19 +51,19 @@ TEST(KindsOf, ReachesAsFarAsTheClockMayBeOff) {
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500, 20ms)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
-TEST(KindsOf, TellsAReleaseByWhatItTakesBack) {
+TEST(KindsOf, FindsAReleaseByWhatItReverses) {
   const std::vector<Burst> bursts = {burst(300, 500), burst(900, 1'100), burst(1'500, 1'700), burst(2'200, 2'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(2'190, 2'800)}, {inward, outward, inward, other}),
             (Kinds{BurstKind::press, BurstKind::release, BurstKind::press, BurstKind::slip}));
 }
 
-TEST(KindsOf, LeavesWhatIsShortAndSmallAloneButNotALightPress) {
+TEST(KindsOf, IgnoresWhatIsShortAndSmallButNotALightPress) {
   const std::vector<Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other}),
             (Kinds{BurstKind::brief, BurstKind::press, BurstKind::slip}));
 }
 
-TEST(KindsOf, TakesTipsThatSpringBackInAStandingPressForNoOther) {
+TEST(KindsOf, DoesNotTakeTipsThatSpringBackDuringAPressForAnother) {
   const std::vector<Burst> bursts = {burst(300, 500), burst(700, 765, 20'000), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, outward, other}),
             (Kinds{BurstKind::press, BurstKind::brief, BurstKind::slip}));
@@ -83,7 +83,7 @@ TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {
   EXPECT_EQ(kinds(bursts, Moves{}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
 }
 
-TEST(KindsOf, GoesByTheOrderWhereNobodyKnowsOfALift) {
+TEST(KindsOf, UsesTheOrderWhereNoLiftIsKnown) {
   const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'410, 500)};
   EXPECT_EQ(kinds(bursts, std::nullopt, {inward, other, other}), (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}));
   EXPECT_EQ(kinds({bursts[0]}, std::nullopt, {inward}), (Kinds{BurstKind::press}));

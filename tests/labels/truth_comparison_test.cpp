@@ -37,7 +37,7 @@ TEST(TruthComparison, PairsByClassAndOverlap) {
   EXPECT_TRUE(comparison.spurious.empty());
 }
 
-TEST(TruthComparison, TellsMissedAndSpurious) {
+TEST(TruthComparison, FindsMissedAndSpurious) {
   Labels labels;
   labels.intervals = {found(Touch::slip, 1'020, 2'000)};
   Truth truth;
@@ -80,7 +80,7 @@ FittedClock clock_found(std::int64_t offset_us, std::int64_t low_us, std::int64_
   return clock;
 }
 
-TEST(TruthComparison, BringsTheLiftThroughTheFittedClocks) {
+TEST(TruthComparison, ComparesTheLiftThroughTheFittedClocks) {
   Labels labels;
   labels.robot_clocks = {clock_found(1'030, 1'000, 1'100)};
   labels.video_clock = clock_found(500, 520, 600);

@@ -6,9 +6,9 @@
 
 #include "tactile/core/random.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/truth.hpp"
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/labels/labels.hpp"
-#include "tactile/simulation/truth.hpp"
 
 namespace tactile::test {
 

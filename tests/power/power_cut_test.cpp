@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A shell that replaces what `target` holds, 64 times the letter a in blocks of 1000, by b.
-class PowerCutOf : public testing::Test {
+/// Shell commands that replace the contents of `target`, 64 000 times the letter a, by as many b, in blocks of 1000.
+class PowerCutOfShell : public testing::Test {
  protected:
   void SetUp() override {
     write_whole(folder / "target", old);
@@ -24,21 +24,20 @@ class PowerCutOf : public testing::Test {
   std::optional<test::WrittenJournal> shell(const std::string& script) const {
     auto journal = test::journal_of({"sh", "-e", "-c", script}, folder.path());
     if (journal) {
-      EXPECT_EQ(journal->exit_code, 0) << script;
-      EXPECT_TRUE(journal->unseen.empty()) << *journal->unseen.begin();
-      EXPECT_EQ(test::PowerCut(*journal).whole(), test::image_of(folder.path())) << "the journal lacks something";
+      SCOPED_TRACE(script);
+      test::expect_complete(*journal, test::PowerCut(*journal).whole(), folder.path());
     }
     return journal;
   }
   std::string from_outside() const { return "if='" + (outside / "new").string() + "' bs=1000 2>/dev/null"; }
 
-  /// How often the target held neither the old nor the new, or was not there.
-  static std::size_t harmed(const test::WrittenJournal& journal) {
-    Random dice(test::power_seed());
+  /// Number of power cuts after which `target` is absent, or has neither the old nor the new contents.
+  static std::size_t damaged(const test::WrittenJournal& journal) {
+    Random random(test::power_seed());
     const test::PowerCut cut(journal);
     std::size_t count = 0;
-    for (const std::size_t moment : cut.moments(200, dice)) {
-      const test::FolderImage image = cut.after(moment, &dice);
+    for (const std::size_t moment : cut.moments(200, random)) {
+      const test::FolderImage image = cut.after(moment, &random);
       const auto found = image.find("target");
       count += found == image.end() || (found->second != old && found->second != replaced) ? 1 : 0;
     }
@@ -49,10 +48,7 @@ class PowerCutOf : public testing::Test {
   test::TemporaryFolder folder, outside;
 };
 
-#define REQUIRE_JOURNAL(journal) \
-  if (!(journal)) GTEST_SKIP() << "this machine allows no tracing: no journal can be kept"
-
-TEST_F(PowerCutOf, WhatWasNeverCutIsAsItIs) {
+TEST_F(PowerCutOfShell, TheJournalHasEveryChange) {
   fs::create_directories(folder / "there/below");
   write_whole(folder / "there/below/file", "text");
   const auto journal = shell("mkdir made; dd of=made/one " + from_outside() +
@@ -63,33 +59,33 @@ TEST_F(PowerCutOf, WhatWasNeverCutIsAsItIs) {
   EXPECT_GT(journal->entries.size(), 20U);
 }
 
-TEST_F(PowerCutOf, AFileThatIsSyncedAndThenRenamedIsTheOldOrTheNewOne) {
+TEST_F(PowerCutOfShell, AFileThatIsSyncedAndThenRenamedIsTheOldOneOrTheNewOne) {
   const auto journal = shell("dd of=part conv=fsync " + from_outside() + "; mv part target; sync .");
   REQUIRE_JOURNAL(journal);
-  EXPECT_EQ(harmed(*journal), 0U);
+  EXPECT_EQ(damaged(*journal), 0U);
   const test::PowerCut cut(*journal);
   EXPECT_EQ(cut.after(journal->entries.size(), nullptr).at("target"), replaced);
 }
 
-TEST_F(PowerCutOf, AFileThatIsRenamedButNotSyncedIsHarmed) {
+TEST_F(PowerCutOfShell, AFileThatIsRenamedButNotSyncedIsDamaged) {
   const auto journal = shell("dd of=part " + from_outside() + "; mv part target; sync .");
   REQUIRE_JOURNAL(journal);
-  EXPECT_GT(harmed(*journal), 20U);
+  EXPECT_GT(damaged(*journal), 20U);
 }
 
-TEST_F(PowerCutOf, AFileThatIsWrittenInPlaceIsHarmed) {
+TEST_F(PowerCutOfShell, AFileThatIsWrittenInPlaceIsDamaged) {
   const auto journal = shell("dd of=target conv=fsync " + from_outside());
   REQUIRE_JOURNAL(journal);
-  EXPECT_GT(harmed(*journal), 20U);
+  EXPECT_GT(damaged(*journal), 20U);
 }
 
-TEST_F(PowerCutOf, ARenameIsLostUntilItsFolderIsSynced) {
+TEST_F(PowerCutOfShell, ARenameIsLostUntilItsFolderIsSynced) {
   const auto journal = shell("dd of=part conv=fsync " + from_outside() + "; mv part target");
   REQUIRE_JOURNAL(journal);
   EXPECT_EQ(test::PowerCut(*journal).after(journal->entries.size(), nullptr).at("target"), old);
 }
 
-TEST_F(PowerCutOf, AFileIsLostUntilTheFolderAboveItsFolderIsSynced) {
+TEST_F(PowerCutOfShell, AFileIsLostUntilTheFolderAboveItsFolderIsSynced) {
   const std::string makes = "mkdir made; dd of=made/file conv=fsync " + from_outside() + "; sync made";
   const auto lost = shell(makes);
   REQUIRE_JOURNAL(lost);
@@ -99,15 +95,15 @@ TEST_F(PowerCutOf, AFileIsLostUntilTheFolderAboveItsFolderIsSynced) {
   EXPECT_EQ(test::PowerCut(*kept).after(kept->entries.size(), nullptr).at("made/file"), replaced);
 }
 
-TEST_F(PowerCutOf, WhatIsWrittenAfterASyncIsThereBlockByBlock) {
+TEST_F(PowerCutOfShell, SomeBlocksOfWritesAfterASyncAreThere) {
   const auto journal =
       shell("dd of=growing conv=fsync " + from_outside() + "; sync .; dd of=growing conv=notrunc oflag=append " + from_outside());
   REQUIRE_JOURNAL(journal);
-  Random dice(test::power_seed());
+  Random random(test::power_seed());
   const test::PowerCut cut(*journal);
   std::size_t whole = 0, with_holes = 0, as_synced = 0;
   for (int i = 0; i < 200; ++i) {
-    const std::string content = *cut.after(journal->entries.size(), &dice).at("growing");
+    const std::string content = *cut.after(journal->entries.size(), &random).at("growing");
     EXPECT_TRUE(content.starts_with(replaced)) << "it was synced";
     as_synced += content.size() == replaced.size() ? 1 : 0;
     whole += content == replaced + replaced ? 1 : 0;

@@ -28,7 +28,7 @@ using test::run_tactile;
 constexpr SensorSize size{640, 480};
 const std::string run_path = "data/fan/01/";
 
-/// The packets of a recording as it has them, by the place where each ends.
+/// The bytes of the packets of a recording, by the position of their ends.
 std::map<std::uint64_t, std::string> stored_packets(const fs::path& file) {
   const std::string bytes = read_text(file);
   std::map<std::uint64_t, std::string> packets;
@@ -41,9 +41,20 @@ std::map<std::uint64_t, std::string> stored_packets(const fs::path& file) {
 
 std::size_t rows_in(const std::string& csv) { return static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')); }
 
-/// A recording of some seconds with the robot's log and a film, and what it did to its folder.
-class RecordingCutOff : public testing::Test {
+/// The times of the frames of a film; none before its first fragment.
+std::vector<VideoTime> times_of_frames(const fs::path& film) {
+  try {
+    return test::decoded_times(film);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+}
+
+/// The journal of `record` that records events, robot and video for some seconds.
+class RecordingAfterPowerCut : public testing::Test {
  protected:
+  using Files = std::map<std::string, std::string>;  ///< contents, by name
+
   void SetUp() override {
     fs::create_directories(root());
     {
@@ -53,71 +64,38 @@ class RecordingCutOff : public testing::Test {
     }
     test::write_film(folder / "film.mp4", test::uneven_times(150, 33'333us));
     test::FakeController controller;
-    journal = test::journal_of({test::tactile_binary, "record", "--object", "fan", "--from", "file:../long.aedat4", "--video",
-                                "../film.mp4", "--robot", "127.0.0.1:" + std::to_string(controller.port())},
-                               root());
+    journal = test::journal_of(
+        test::tactile_command("record --object fan --from file:../long.aedat4 --video ../film.mp4 --robot 127.0.0.1:" +
+                              std::to_string(controller.port())),
+        root());
+    if (!journal) return;
+    recorded = stored_packets(run() / "events.aedat4");
+    filmed = test::decoded_times(run() / "video.mp4");
   }
 
   fs::path root() const { return folder / "lab"; }
   fs::path run() const { return root() / "data/fan/01"; }
 
-  test::TemporaryFolder folder;
-  std::optional<test::WrittenJournal> journal;
-};
-
-TEST_F(RecordingCutOff, KeepsWhatWasSynced) {
-  if (!journal) GTEST_SKIP() << "this machine allows no tracing: no journal can be kept";
-  ASSERT_EQ(journal->exit_code, 0);
-  ASSERT_TRUE(journal->unseen.empty()) << *journal->unseen.begin();
-  const test::PowerCut cut(*journal);
-  const test::FolderImage whole = cut.whole();
-  ASSERT_EQ(whole, test::image_of(root())) << "the journal lacks something";
-  const auto recorded = stored_packets(run() / "events.aedat4");
-  const std::vector<VideoTime> filmed = test::decoded_times(run() / "video.mp4");
-  ASSERT_GT(cut.syncs_of(run_path + "events.aedat4", journal->entries.size()), 3U) << "it lasts four seconds";
-
-  const std::uint64_t seed = test::power_seed();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  Random dice(seed);
-  std::size_t complete = 0, repaired = 0, covered = 0, damaged = 0, with_film = 0, with_rows = 0;
-  for (const std::size_t moment : cut.moments(test::power_cuts(60), dice)) {
-    SCOPED_TRACE("cut after entry " + std::to_string(moment) + " of " + std::to_string(journal->entries.size()));
-    const test::FolderImage image = cut.after(moment, &dice);
-    const test::TemporaryFolder place;
-    test::write_image(image, place.path());
-    std::map<std::string, std::string> synced;
+  /// The synced contents of the files of the run, which must be in the image.
+  static Files synced_files(const test::PowerCut& cut, std::size_t moment, const test::FolderImage& image) {
+    Files synced;
     for (const char* name : {"events.aedat4", "robot.csv", "video.mp4", "video.csv"}) {
       const std::optional<std::string> content = cut.synced(run_path + name, moment);
-      // The names of all files are on the disk by the time the recording is synced for the first time.
+      // The names of all files are on the disk when the recording is synced for the first time.
       if (!content || (!synced.contains("events.aedat4") && std::string_view(name) != "events.aedat4")) continue;
       synced[name] = *content;
       const auto found = image.find(run_path + name);
-      ASSERT_NE(found, image.end()) << name << " was synced, and is gone";
-      if (std::string_view(name) == "events.aedat4") continue;  // its header is written again at the end
-      EXPECT_TRUE(found->second->starts_with(*content)) << name << " is not what was synced";
+      EXPECT_NE(found, image.end()) << name << " was synced, but is not there";
+      // The header of the recording is written again at the end.
+      if (found == image.end() || std::string_view(name) == "events.aedat4") continue;
+      EXPECT_TRUE(found->second->starts_with(*content)) << name << " has lost bytes that were synced";
     }
-    if (!image.contains(run_path + "run.json")) {
-      EXPECT_FALSE(synced.contains("events.aedat4"));
-      continue;
-    }
-    const RunFolder left{place / "data/fan/01", "fan", "01"};
-    if (read_run_info(left).complete) {
-      ++complete;
-      EXPECT_EQ(run_tactile("info --check data/fan/01", place.path()).exit_code, 0);
-      for (const auto& [path, content] : whole) EXPECT_EQ(image.at(path), content) << path;
-      continue;
-    }
+    return synced;
+  }
 
-    std::size_t packets_synced = 0;
-    for (const auto& [end, packet] : recorded) packets_synced += end <= synced["events.aedat4"].size() ? 1 : 0;
-    const test::CommandResult repair = run_tactile("repair data/fan/01 data/fan/02", place.path());
-    if (repair.exit_code != 0) {
-      EXPECT_EQ(packets_synced, 0U) << repair.err;
-      EXPECT_EQ(repair.exit_code, 1) << repair.err;
-      continue;
-    }
-    ++repaired;
-    const test::CommandResult info = run_tactile("info --check --json data/fan/01", place.path());
+  /// `info --check` of the run that was cut: synced packets are undamaged, and packets that are reported as damaged are.
+  void expect_checksums_agree(const test::FolderImage& image, const fs::path& place, std::size_t packets_synced) {
+    const test::CommandResult info = run_tactile("info --check --json data/fan/01", place);
     EXPECT_EQ(info.exit_code, 2) << info.err;
     const nlohmann::json checksums = nlohmann::json::parse(info.out).at("recordings").at(0).at("checksums");
     ASSERT_FALSE(checksums.is_null());
@@ -130,53 +108,103 @@ TEST_F(RecordingCutOff, KeepsWhatWasSynced) {
       const auto written = recorded.upper_bound(position);
       ASSERT_NE(written, recorded.end());
       EXPECT_NE(image.at(run_path + "events.aedat4")->substr(position, written->second.size()), written->second)
-          << "a whole packet looks damaged, at byte " << position;
+          << "an undamaged packet is reported as damaged, at byte " << position;
     }
+  }
 
-    const test::CommandResult check = run_tactile("info --check data/fan/02", place.path());
-    EXPECT_EQ(check.exit_code, 0) << check.err;
-    const auto kept = stored_packets(place / "data/fan/02/events.aedat4");
+  /// The repaired recording has all packets of the first `synced_bytes`, and only packets that were recorded, in their order.
+  void expect_packets_kept(const fs::path& recording, std::size_t synced_bytes) const {
+    const auto kept = stored_packets(recording);
     auto next = recorded.begin();
     for (const auto& [end, packet] : kept) {
       next = std::find_if(next, recorded.end(), [&](const auto& each) { return each.second == packet; });
-      ASSERT_NE(next, recorded.end()) << "a packet that was never recorded";
+      ASSERT_NE(next, recorded.end()) << "the repaired run has a packet that was not recorded";
       ++next;
     }
     auto of_kept = kept.begin();
     for (const auto& [end, packet] : recorded) {
-      if (end > synced["events.aedat4"].size()) break;
-      ASSERT_NE(of_kept, kept.end()) << "packets that were synced are lost";
-      ASSERT_EQ((of_kept++)->second, packet) << "the packet before byte " << end;
+      if (end > synced_bytes) break;
+      ASSERT_NE(of_kept, kept.end()) << "a packet that was synced is lost";
+      ASSERT_EQ((of_kept++)->second, packet) << "the packet that ends at byte " << end;
     }
+  }
 
+  /// The repaired run has all synced rows of the robot, and all synced frames with their times.
+  void expect_robot_and_video_kept(const fs::path& place, Files& synced) {
+    const fs::path repaired_run = place / "data/fan/02";
     if (const std::size_t rows = rows_in(synced["robot.csv"]); rows > 2) {
-      EXPECT_GE(read_robot_log(place / "data/fan/02/robot.csv").longest().states.size() + 1, rows);
+      EXPECT_GE(read_robot_log(repaired_run / "robot.csv").longest().states.size() + 1, rows);
       ++with_rows;
     }
     if (const std::size_t rows = rows_in(synced["video.csv"]); rows > 2) {
-      const std::vector<VideoTime> times = read_video_times(place / "data/fan/02/video.csv");
-      EXPECT_GE(times.size() + 1, rows);
-      test::write_image({{"synced.mp4", synced["video.mp4"]}}, place.path());
-      const auto frames = [](const fs::path& film) {
-        try {
-          return test::decoded_times(film);
-        } catch (const std::runtime_error&) {  // no fragment yet
-          return std::vector<VideoTime>();
-        }
-      };
-      const std::vector<VideoTime> expected = frames(place / "synced.mp4"), found = frames(place / "data/fan/02/video.mp4");
+      EXPECT_GE(read_video_times(repaired_run / "video.csv").size() + 1, rows);
+      test::write_image({{"synced.mp4", synced["video.mp4"]}}, place);
+      const std::vector<VideoTime> expected = times_of_frames(place / "synced.mp4"),
+                                   found = times_of_frames(repaired_run / "video.mp4");
       ASSERT_GE(found.size(), expected.size());
       EXPECT_TRUE(std::equal(expected.begin(), expected.end(), filmed.begin()));
       EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
       with_film += expected.empty() ? 0 : 1;
     }
   }
+
+  test::TemporaryFolder folder;
+  std::optional<test::WrittenJournal> journal;
+  std::map<std::uint64_t, std::string> recorded;  ///< packets
+  std::vector<VideoTime> filmed;
+  std::size_t complete = 0, repaired = 0, covered = 0, damaged = 0, with_film = 0, with_rows = 0;
+};
+
+TEST_F(RecordingAfterPowerCut, HasEverythingThatWasSynced) {
+  REQUIRE_JOURNAL(journal);
+  const test::PowerCut cut(*journal);
+  const test::FolderImage whole = cut.whole();
+  test::expect_complete(*journal, whole, root());
+  ASSERT_GT(cut.syncs_of(run_path + "events.aedat4", journal->entries.size()), 3U) << "the recording takes four seconds";
+
+  const std::uint64_t seed = test::power_seed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random random(seed);
+  for (const std::size_t moment : cut.moments(test::power_cuts(60), random)) {
+    SCOPED_TRACE("cut after entry " + std::to_string(moment) + " of " + std::to_string(journal->entries.size()));
+    const test::FolderImage image = cut.after(moment, &random);
+    const test::TemporaryFolder place;
+    test::write_image(image, place.path());
+    Files synced = synced_files(cut, moment, image);
+    if (!image.contains(run_path + "run.json")) {
+      EXPECT_FALSE(synced.contains("events.aedat4"));
+      continue;
+    }
+    if (read_run_info({place / "data/fan/01", "fan", "01"}).complete) {
+      ++complete;
+      EXPECT_EQ(run_tactile("info --check data/fan/01", place.path()).exit_code, 0);
+      for (const auto& [path, content] : whole) EXPECT_EQ(image.at(path), content) << path;
+      continue;
+    }
+
+    const std::size_t synced_bytes = synced["events.aedat4"].size();
+    const auto packets_synced = static_cast<std::size_t>(
+        std::count_if(recorded.begin(), recorded.end(), [&](const auto& packet) { return packet.first <= synced_bytes; }));
+    const test::CommandResult repair = run_tactile("repair data/fan/01 data/fan/02", place.path());
+    if (repair.exit_code != 0) {
+      EXPECT_EQ(packets_synced, 0U) << repair.err;
+      EXPECT_EQ(repair.exit_code, 1) << repair.err;
+      continue;
+    }
+    ++repaired;
+    expect_checksums_agree(image, place.path(), packets_synced);
+    const test::CommandResult check = run_tactile("info --check data/fan/02", place.path());
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    expect_packets_kept(place / "data/fan/02/events.aedat4", synced_bytes);
+    expect_robot_and_video_kept(place.path(), synced);
+    if (HasFatalFailure()) return;
+  }
   EXPECT_GT(complete, 0U);
   EXPECT_GT(repaired, 10U);
-  EXPECT_GT(covered, 100 * repaired / 2) << "most packets have no checksum";
+  EXPECT_GT(covered, 100 * repaired / 2) << "most packets lack a checksum";
   EXPECT_GT(with_rows, 5U);
   EXPECT_GT(with_film, 5U);
-  EXPECT_GT(damaged, 0U) << "no cut left a packet that its checksum knows as damaged";
+  EXPECT_GT(damaged, 0U) << "no cut left a packet with a wrong checksum";
 }
 
 }  // namespace

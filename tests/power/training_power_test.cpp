@@ -7,7 +7,6 @@
 
 #include "model/small_data.hpp"
 #include "power/cuts.hpp"
-#include "support/paths.hpp"
 #include "support/power_cut.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -23,7 +22,7 @@ using test::run_tactile;
 const std::string arguments = "train --epochs 2 --batch 24 --validation 0.2 --save-every 0 --threads 1 --name mine";
 const std::string bundle = "models/mine", kept_state = "models/mine.training/last.safetensors";
 
-/// The files of the model that an image holds, by name; empty where there is no such folder.
+/// The files of the model in an image, by name; empty if the image has no model.
 test::FolderImage bundle_in(const test::FolderImage& image) {
   test::FolderImage files;
   for (const auto& [path, content] : image) {
@@ -32,25 +31,20 @@ test::FolderImage bundle_in(const test::FolderImage& image) {
   return files;
 }
 
-TEST(TrainingCutOff, LeavesAModelThatIsWholeOrNoneAndIsResumed) {
+TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
   const test::TemporaryFolder folder;
   const fs::path lab = folder / "lab";
   test::make_runs(lab / "data", {"fan", "usb-hub"}, 2);
   write_dataset(lab / "data", lab / "data/dataset.h5", {}, 1);
   ASSERT_EQ(run_tactile("heatmaps --th 40", lab).exit_code, 0);
-  std::vector<std::string> words{test::tactile_binary};
-  std::istringstream arguments_in(arguments);
-  for (std::string word; arguments_in >> word;) words.push_back(word);
-  const auto journal = test::journal_of(words, lab);
-  if (!journal) GTEST_SKIP() << "this machine allows no tracing: no journal can be kept";
-  ASSERT_EQ(journal->exit_code, 0);
-  ASSERT_TRUE(journal->unseen.empty()) << *journal->unseen.begin();
+  const auto journal = test::journal_of(test::tactile_command(arguments), lab);
+  REQUIRE_JOURNAL(journal);
   const test::PowerCut cut(*journal);
   const test::FolderImage whole = cut.whole();
-  ASSERT_EQ(whole, test::image_of(lab)) << "the journal lacks something";
+  test::expect_complete(*journal, whole, lab);
   ASSERT_FALSE(bundle_in(whole).empty());
 
-  // Every state that was kept whole.
+  // Every state of the training that was complete on the disk at some moment.
   std::set<std::string> states;
   for (std::size_t entry = 0; entry < journal->entries.size(); ++entry) {
     if (journal->entries[entry].kind != test::JournalEntry::Kind::sync_ends) continue;
@@ -61,41 +55,42 @@ TEST(TrainingCutOff, LeavesAModelThatIsWholeOrNoneAndIsResumed) {
 
   const std::uint64_t seed = test::power_seed();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  Random dice(seed);
+  Random random(seed);
   const std::size_t cuts = test::power_cuts(80);
   std::size_t with_model = 0, with_state = 0, number = 0;
-  for (const std::size_t moment : cut.moments(cuts, dice)) {
+  for (const std::size_t moment : cut.moments(cuts, random)) {
     SCOPED_TRACE("cut after entry " + std::to_string(moment) + " of " + std::to_string(journal->entries.size()));
-    const test::FolderImage image = cut.after(moment, &dice);
+    const test::FolderImage image = cut.after(moment, &random);
     const test::FolderImage model = bundle_in(image);
-    EXPECT_TRUE(model.empty() || model == bundle_in(whole)) << "a model that is not whole";
-    EXPECT_FALSE(model.empty() && image.contains(bundle)) << "a model without files";
+    EXPECT_TRUE(model.empty() || model == bundle_in(whole)) << "an incomplete model";
+    EXPECT_FALSE(model.empty() && image.contains(bundle)) << "a model folder without files";
     with_model += model.empty() ? 0 : 1;
     const auto state = image.find(kept_state);
     if (state != image.end()) {
-      EXPECT_TRUE(states.contains(*state->second)) << "a state that is not whole";
+      EXPECT_TRUE(states.contains(*state->second)) << "an incomplete state of the training";
       ++with_state;
     }
-    if (number++ % std::max<std::size_t>(1, cuts / 5) != 0) continue;  // a training takes its time
+    if (number++ % std::max<std::size_t>(1, cuts / 5) != 0) continue;  // a training takes some time
     const test::TemporaryFolder place;
     test::write_image(image, place.path());
-    const auto again = run_tactile(arguments + " --resume", place.path());
-    EXPECT_EQ(again.exit_code, 0) << again.err;
+    const auto resumed = run_tactile(arguments + " --resume", place.path());
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
     EXPECT_EQ(bundle_in(test::image_of(place.path())).at(bundle + "/weights.safetensors"),
               whole.at(bundle + "/weights.safetensors"));
   }
   EXPECT_GT(with_model, 0U);
   EXPECT_GT(with_state, 5U);
-  EXPECT_EQ(bundle_in(cut.after(journal->entries.size(), nullptr)), bundle_in(whole)) << "it ended, and is not on the disk";
+  EXPECT_EQ(bundle_in(cut.after(journal->entries.size(), nullptr)), bundle_in(whole))
+      << "the command has ended, but its model is not on the disk";
 
-  const test::WrittenJournal careless = test::without_syncs(*journal);
-  const test::PowerCut careless_cut(careless);
-  std::size_t harmed = 0;
+  const test::WrittenJournal unsynced = test::without_syncs(*journal);
+  const test::PowerCut unsynced_cut(unsynced);
+  std::size_t damaged = 0;
   for (int i = 0; i < 80; ++i) {
-    const test::FolderImage model = bundle_in(careless_cut.after(careless.entries.size(), &dice));
-    harmed += !model.empty() && model != bundle_in(whole) ? 1 : 0;
+    const test::FolderImage model = bundle_in(unsynced_cut.after(unsynced.entries.size(), &random));
+    damaged += !model.empty() && model != bundle_in(whole) ? 1 : 0;
   }
-  EXPECT_GT(harmed, 0U) << "without syncs a model should have suffered";
+  EXPECT_GT(damaged, 0U) << "without syncs some models are damaged";
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(FullRun, IsRefusedByFileAndMember) {
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1, -2]})"),
             "said.json: 'events' holds what is no whole number from 0");
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1]})"),
-            "said.json: not one count of events for each verdict; expected what a model says in runs");
+            "said.json: the numbers of verdicts and event counts differ; expected a full run of a model");
 }
 
 }  // namespace

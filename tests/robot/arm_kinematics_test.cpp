@@ -59,7 +59,7 @@ TEST(RotationVector, ComesBackFromItsMatrix) {
   }
 }
 
-TEST(ArmModel, IsKnownByItsName) {
+TEST(ArmModel, IsFoundByItsName) {
   EXPECT_EQ(arm_model_named("UR10"), ArmModel::ur10);
   EXPECT_EQ(arm_model_named("ur10E"), ArmModel::ur10e);
   EXPECT_EQ(arm_model_named("ur5"), std::nullopt);

@@ -45,7 +45,7 @@ TEST(SpeedsFromPoses, DoNotReachOverAGap) {
   EXPECT_NEAR(states[2].tcp_speed[2], 0.01 + 1.2 * 0.012, 1e-9) << "the line through the last two";
 }
 
-TEST(SpeedsFromPoses, OfOneRowOrTwoAreWhatTheySay) {
+TEST(SpeedsFromPoses, OfOneRowOrTwoAreTheirDifference) {
   std::vector<RobotState> one = speeding_up({5}), two = speeding_up({0, 8});
   EXPECT_EQ(set_speeds_from_poses(one), microseconds{0});
   EXPECT_EQ(one[0].tcp_speed[2], 0);
@@ -54,7 +54,7 @@ TEST(SpeedsFromPoses, OfOneRowOrTwoAreWhatTheySay) {
   EXPECT_NEAR(two[1].tcp_speed[2], 0.01 + 1.2 * 0.004, 1e-9);
 }
 
-TEST(SpeedsFromPoses, AreAsNoisyAsIsSaidAndMeansOfSoLong) {
+TEST(SpeedsFromPoses, AreAsNoisyAsDocumentedAndMeansOfTheReturnedTime) {
   for (const auto& [period_ms, noise_factor, half_us] : {std::tuple{8, 88.4, 8'000}, {2, 64.5, 6'870}}) {
     Random random(4);
     std::vector<RobotState> states;
@@ -86,7 +86,7 @@ TEST(Smoothing, IsKnownOfSpeedsThatWereMadeFromThePoses) {
   EXPECT_EQ(smoothing_of(states), microseconds{0}) << "measured ones never agree so well";
 }
 
-TEST(PosesFromSpeeds, AreTheWaySinceTheFirstRow) {
+TEST(PosesFromSpeeds, AreTheDisplacementSinceTheFirstRow) {
   std::vector<RobotState> states = speeding_up({0, 8, 16, 300, 308});
   for (RobotState& state : states) {
     state.tcp_pose = {7, 7, 7, 7, 7, 7};

@@ -37,7 +37,7 @@ TEST(RobotInputs, AreLowAtFirstThenAsTheyAreSetAndLowAgainInTheEnd) {
   EXPECT_TRUE(comes_true([&] { return controller.input("input_bit_register_64") == false; }));
 }
 
-TEST(RobotInputs, AreWrittenAnewOnceTheRobotIsBack) {
+TEST(RobotInputs, AreWrittenAgainOnceTheRobotIsBack) {
   FakeController controller;
   std::mutex guard;
   std::string log;

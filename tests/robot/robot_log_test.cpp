@@ -77,7 +77,7 @@ TEST(RobotLog, ComesBackAsItWasWritten) {
   EXPECT_TRUE(read_text(folder / "robot.csv").find("\n83456.789012,") != std::string::npos);
 }
 
-TEST(RobotLog, IsPartedAsItsHeaderIs) {
+TEST(RobotLog, HasTheSeparatorOfItsHeader) {
   for (const std::string separator : {",", " ", "\t", ";", ", "}) {
     const RobotLog log = read(header(separator) + "\n" + row("12.008", separator) + "\n");
     ASSERT_EQ(log.states.size(), 1U) << "'" << separator << "'";
@@ -132,7 +132,7 @@ TEST(RobotLog, RefusesARowOfAnotherLength) {
 std::string row_at(const std::string& time, const std::string& host_us) { return row(time, ",", host_us) + "\n"; }
 const std::string header_with_host_time = header(",", "host_time_us") + "\n";
 
-TEST(RobotLog, IsInPiecesWhereItsClockStartsAnew) {
+TEST(RobotLog, IsInPiecesWhereItsClockRestarts) {
   const std::string rows = row("7", ",") + "\n" + row("7.002", ",") + "\n" + row("0.5", ",") + "\n" + row("0.502", ",") + "\n" +
                            row("0.504", ",") + "\n" + row("0.1", ",") + "\n";
   const RobotLogFile file = read_file(header(",") + "\n" + rows);
@@ -147,7 +147,7 @@ TEST(RobotLog, IsInPiecesWhereItsClockStartsAnew) {
   for (const RobotLog& piece : file.pieces) EXPECT_TRUE(piece.gaps.empty());
 }
 
-TEST(RobotLog, KnowsWhenItsRowsCameToTheHost) {
+TEST(RobotLog, KnowsWhenItsRowsArrivedAtTheHost) {
   const RobotLog log = read(header_with_host_time + row_at("1", "1700000000000123"));
   ASSERT_EQ(log.states.size(), 1U);
   EXPECT_EQ(us_of(log.states[0].host_time.value()), 1'700'000'000'000'123);
@@ -176,7 +176,7 @@ TEST(RobotLog, TakesAnEmptyLineOfALogWithHostTimesAsALostConnection) {
       << "ahead of all rows and behind them nothing is between two";
 }
 
-TEST(RobotLog, SeesARebootThatTheTimestampAloneDoesNotShow) {
+TEST(RobotLog, FindsARebootThatTheTimestampAloneDoesNotShow) {
   // Away for 60 s by the host's clock, but only 2 s by the controller's, which must have started anew.
   const std::string rows = row_at("10", "1000000") + row_at("10.008", "1008000") + "\n" + row_at("12", "61000000");
   const RobotLogFile file = read_file(header_with_host_time + rows);
@@ -221,7 +221,7 @@ TEST(RobotLog, HasNoPieceWithoutARow) {
   EXPECT_EQ(file.rows_elsewhere(), 0U);
 }
 
-TEST(RobotLog, TellsWhenItsOutputsChange) {
+TEST(RobotLog, ReportsWhenItsOutputsChange) {
   const std::string names =
       "actual_digital_output_bits,output_bit_registers32_to_63,output_bit_register_127,output_int_register_0";
   const std::string text = header(",", names) + "\n" + row("1", ",", "1,0,False,-7") + "\n" + row("1.008", ",", "1,0,False,-7") +
@@ -507,7 +507,7 @@ TEST(RobotLog, TakesItsSpeedFromTheJointsOfTheArm) {
   }
 }
 
-TEST(RobotLog, RefusesWhatRecordPyWritesInBytesAndSaysHowToConvertIt) {
+TEST(RobotLog, RefusesWhatRecordPyWritesInBytesAndExplainsHowToConvertIt) {
   const std::string text = "timestamp actual_q_0 actual_q_1 robot_mode actual_TCP_speed_0\nDOUBLE DOUBLE DOUBLE INT32 DOUBLE\n" +
                            std::string("\x40\x0a\n\r\0\"", 6) + std::string(4'000'000, '\x7f');
   const std::string header_of_all = header(" ", "robot_mode actual_digital_output_bits");

@@ -274,7 +274,7 @@ TEST(RobotMonitor, ConnectsAgainAndMarksTheGap) {
   EXPECT_EQ(log.states.size(), monitor.state().rows);
 }
 
-TEST(RobotMonitor, TellsARebootThatTheTimestampAloneDoesNotShow) {
+TEST(RobotMonitor, FindsARebootThatTheTimestampAloneDoesNotShow) {
   // The controller comes back with a clock that is ahead of what it was, by far more than it was away.
   auto controller = std::make_unique<FakeController>(FakeControllerOptions{.first_timestamp = 5});
   const std::uint16_t port = controller->port();
@@ -323,7 +323,7 @@ TEST(RobotMonitor, TakesAShortSilenceAsAGapAndALongOneAsALoss) {
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 20));
   controller.stall(true);
-  ASSERT_TRUE(comes_true([&] { return told.has("nothing came for 2 s"); })) << told.all();
+  ASSERT_TRUE(comes_true([&] { return told.has("no data for 2 s"); })) << told.all();
   controller.stall(false);
   ASSERT_TRUE(comes_true([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << told.all();
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20));
@@ -353,7 +353,7 @@ TEST(RobotMonitor, AsksForTheControllersHighestFrequency) {
   EXPECT_EQ(step_of({}, 50), 20'000);
 }
 
-TEST(RobotMonitor, SaysWhatTheControllerRefuses) {
+TEST(RobotMonitor, ReportsWhatTheControllerRefuses) {
   FakeController controller({.version = {3, 15, 8, 106'339}, .highest_hz = 125});
   auto options = options_for(controller);
   options.frequency_hz = 500;
@@ -395,7 +395,7 @@ TEST(RobotMonitor, NamesANeededOutputThatTheControllerDoesNotHave) {
   }
 }
 
-TEST(RobotMonitor, TellsTheNewestValues) {
+TEST(RobotMonitor, ReportsTheNewestValues) {
   FakeController controller;
   auto options = options_for(controller);
   options.extra_fields = {"output_bit_register_64", "timestamp"};
@@ -416,7 +416,7 @@ TEST(RobotMonitor, LeavesOutRowsThatAreNoNumbers) {
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 100));
   monitor.stop_log();
-  EXPECT_TRUE(told.has("no numbers")) << told.all();
+  EXPECT_TRUE(told.has("not finite numbers")) << told.all();
   EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), monitor.state().rows);
   EXPECT_GE(monitor.state().missing, 9U);
 }
@@ -510,7 +510,7 @@ TEST(RobotMonitor, RefusesAControllerWithoutARequiredNumber) {
   EXPECT_TRUE(comes_true([&] { return monitor.newest("output_bit_register_64").has_value(); }));
 }
 
-TEST(RobotMonitor, TellsARepeatedMessageOnceAndItsCountInTheEnd) {
+TEST(RobotMonitor, ReportsARepeatedMessageOnceAndItsCountAtTheEnd) {
   FakeController controller({.text_every = 7});
   const test::TemporaryFolder folder;
   Told told;
@@ -524,7 +524,7 @@ TEST(RobotMonitor, TellsARepeatedMessageOnceAndItsCountInTheEnd) {
   EXPECT_TRUE(told.has(words + " (came ")) << told.all();
 }
 
-TEST(RobotMonitor, SaysThatNobodyAnswers) {
+TEST(RobotMonitor, ReportsThatNothingAnswers) {
   const test::HeldPort held;
   RobotMonitorOptions options;
   options.host = "127.0.0.1";

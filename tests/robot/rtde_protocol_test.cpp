@@ -116,7 +116,7 @@ TEST(RtdeProtocol, ReadsBackWhatItWrites) {
   EXPECT_EQ(text.level, 2);
 }
 
-TEST(RtdeProtocol, CutsALongTextAtWhatItsLengthCanSay) {
+TEST(RtdeProtocol, CutsALongTextAtItsGreatestLength) {
   EXPECT_EQ(text_in(payload_of(rtde_text_message({std::string(1'000, 'x'), "y", 0}))).text.size(), 255U);
 }
 

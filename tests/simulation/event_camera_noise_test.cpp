@@ -248,7 +248,7 @@ TEST(Refractory, KeepsAPixelsEventsApart) {
 }
 
 /// ln I moves by ln(1 + depth sin) where the dark current is little, for all pixels at once; each has a threshold of its own.
-TEST(Flicker, IsSeenByEveryPixelAsTheRuleSays) {
+TEST(Flicker, IsSeenByEveryPixelAccordingToTheRule) {
   EventCameraOptions o = silent();
   o.size = {13, 7};
   o.flicker_depth = 0.4;
@@ -374,7 +374,7 @@ TEST(PixelLottery, DrawsInProportionToTheWeights) {
   EXPECT_EQ(PixelLottery(std::vector<double>(3)).weight_sum(), 0);
 }
 
-TEST(EventCameraOptions, SayWhatIsOutOfRange) {
+TEST(EventCameraOptions, ReportWhatIsOutOfRange) {
   const auto message_of = [](auto change) -> std::string {
     EventCameraOptions options;
     change(options);

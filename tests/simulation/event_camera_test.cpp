@@ -289,7 +289,7 @@ TEST(EventCamera, FollowsItsRuleInFlickeringLight) {
   EXPECT_GT(compare_with_rule(o, still).events, 10'000U);
 }
 
-TEST(EventCamera, StandsAnyThreshold) {
+TEST(EventCamera, AcceptsAnyThreshold) {
   const Film film = film_of(40, [](double k) { return std::vector{MarkerPose{60 + 0.2 * k, 30 + 0.1 * k}}; });
   EventCameraOptions o = ideal();
   o.threshold = o.threshold_floor = 1e-6;
@@ -301,7 +301,7 @@ TEST(EventCamera, StandsAnyThreshold) {
   EXPECT_LT(compare_with_rule(o, film).events, 40U * 1000U) << "half of the pixels are at the floor, the others blind";
 }
 
-TEST(EventCamera, StandsAnyLight) {
+TEST(EventCamera, AcceptsAnyLight) {
   const Film film = film_of(40, [](double k) { return std::vector{MarkerPose{60 + 0.2 * k, 30 + 0.1 * k}}; });
   EventCameraOptions o = ideal();
   o.veil = 0;
@@ -362,7 +362,7 @@ TEST(EventCamera, StampsAReadOutOnceAndOrdersItByX) {
   EXPECT_GE(fewest, 30U);
 }
 
-TEST(EventCamera, TellsWhichMarkersCausedEvents) {
+TEST(EventCamera, ReportsWhichMarkersCausedEvents) {
   EventCameraOptions o = ideal();
   o.size = {640, 480};
   const SkinView view = view_of(o);

@@ -76,7 +76,7 @@ TEST(DefaultPhysics, KnowThePapersTenObjectsAndWhyTheyAreSo) {
   EXPECT_NE(refused.find("usb-hub"), std::string::npos) << "all are listed: " << refused;
 }
 
-/// Every number of an object by which the skin can tell it, in units of its standard deviation over the objects.
+/// Every number of an object that affects the skin, in units of its standard deviation over the objects.
 std::vector<std::vector<double>> features() {
   std::vector<std::vector<double>> all;
   for (const ObjectModel& object : default_physics().objects) {

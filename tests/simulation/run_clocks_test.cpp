@@ -50,7 +50,7 @@ TEST(ClocksOfRun, AreSharedByTheRunsOfExactlyHalfTheObjects) {
   }
 }
 
-TEST(ClocksOfRun, OfAnotherObjectAreSharedByChanceAndMoveNobodyElses) {
+TEST(ClocksOfRun, OfAnotherObjectAreSharedByChanceAndChangeNoOthers) {
   int shared = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed)
     shared += clocks_of(seed, "a mug", 1).session == clocks_of(seed, "a mug", 7).session;
@@ -139,7 +139,7 @@ TEST(ClocksOfRun, StayWithinWhatIsStated) {
   EXPECT_GT(most_drift, 80);
 }
 
-TEST(ClocksOfRun, GiveASessionANameThatSaysNoMore) {
+TEST(ClocksOfRun, GiveASessionANameWithoutOtherInformation) {
   std::set<std::string> names;
   for (const std::string object : objects) {
     for (int run = 1; run <= 3; ++run) names.insert(clocks_of(8, object, run).session);
@@ -151,7 +151,7 @@ TEST(ClocksOfRun, GiveASessionANameThatSaysNoMore) {
   }
 }
 
-TEST(ContinuedClocks, GoOnAsTheyRan) {
+TEST(ContinuedClocks, KeepTheirRates) {
   RunClocks first, drawn;
   first.session = "monday";
   first.camera_start_us = 10'000'000;

@@ -51,7 +51,7 @@ RunPlan rich_plan() {
   return plan;
 }
 
-double slope(const std::function<double(double)>& f, double t, double step = 1e-6) {
+double derivative(const std::function<double(double)>& f, double t, double step = 1e-6) {
   return (f(t + step) - f(t - step)) / (2 * step);
 }
 
@@ -80,7 +80,7 @@ TEST(RunPlan, LiftsInATriangleWhereThereIsNoTimeForMore) {
   EXPECT_NEAR(plan.arm_travel_at(2.2), 2.5, 1e-9);
 }
 
-TEST(RunPlan, TellsWhenTheArmHasTravelledSoFar) {
+TEST(RunPlan, GivesTheTimeOfATravel) {
   const RunPlan plan = plain_plan();
   EXPECT_EQ(plan.lift->time_of_travel(0), 2.0);
   for (const double mm : {0.1, 3.0, 5.0, 20.0, 35.0, 39.0, 40.0})
@@ -176,13 +176,13 @@ TEST(RunPlan, TapsDownAndBack) {
   EXPECT_NEAR(plan.arm_travel_at(1.1), -4.0, 1e-12) << "the arm's way is upwards";
 }
 
-TEST(RunPlan, MovesAtTheSpeedsItTells) {
+TEST(RunPlan, MovesAtItsStatedSpeeds) {
   const RunPlan plan = rich_plan();
-  for (double t_s = 0.0033; t_s < 3.0; t_s += 0.0047) {  // beside the corners
+  for (double t_s = 0.0033; t_s < 3.0; t_s += 0.0047) {  // away from the corners
     SCOPED_TRACE(t_s);
-    EXPECT_NEAR(slope([&](double t) { return plan.arm_travel_at(t); }, t_s), plan.arm_speed_at(t_s), 1e-3);
-    EXPECT_NEAR(slope([&](double t) { return plan.arm_speed_at(t); }, t_s), plan.arm_acceleration_at(t_s), 1e-3);
-    EXPECT_NEAR(slope([&](double t) { return plan.presses[0].depth_at(t); }, t_s), plan.presses[0].speed_at(t_s), 1e-4);
+    EXPECT_NEAR(derivative([&](double t) { return plan.arm_travel_at(t); }, t_s), plan.arm_speed_at(t_s), 1e-3);
+    EXPECT_NEAR(derivative([&](double t) { return plan.arm_speed_at(t); }, t_s), plan.arm_acceleration_at(t_s), 1e-3);
+    EXPECT_NEAR(derivative([&](double t) { return plan.presses[0].depth_at(t); }, t_s), plan.presses[0].speed_at(t_s), 1e-4);
   }
 }
 
@@ -296,7 +296,7 @@ TEST(DrawRunPlan, AddsTheObjectsOwnStrayLight) {
   EXPECT_NEAR(drawn_plan(object, options, 1).veil, 0.05, 1e-12);
 }
 
-TEST(DrawRunPlan, SparesTheFirstRunsAndPresetsThatWantNoneOfItsSpecialOnes) {
+TEST(DrawRunPlan, DrawsNoSpecialRunsFirstOrForPlainPresets) {
   RunPlanOptions options = only(&SpecialRuns::without_slip);
   const ObjectModel& object = default_physics().objects.front();
   EXPECT_FALSE(drawn_plan(object, options, 1).lift);
@@ -409,7 +409,7 @@ TEST(DrawRunPlan, IsTheSameForTheSameSeed) {
   }
 }
 
-TEST(RunPlan, TellsAllOfItselfAsJson) {
+TEST(RunPlan, HasAllMembersInItsJson) {
   RunPlan plan = rich_plan();
   plan.micro_slips = {{.at_s = 1.5, .markers = 0b100000001, .slip_mm = 0.05}};
   const nlohmann::json json = plan;

@@ -64,7 +64,7 @@ struct MadeScene {
   }
 };
 
-TEST(Scenes, AreAllTestedAndSayWhatTheyAreFor) {
+TEST(Scenes, AreAllTestedAndDescribed) {
   std::set<std::string> names;
   for (const fs::directory_entry& file : fs::directory_iterator(scenes)) {
     names.insert(file.path().stem().string());
@@ -99,7 +99,7 @@ TEST(Scenes, DeadQuietHasNoEventAtAll) {
   const MadeScene scene("dead-quiet");
   EXPECT_EQ(scene.made.events, 0U);
   EXPECT_GT(scene.made.duration_s, 3.0);
-  EXPECT_EQ(scene.all("press").size(), 1U) << "the skin moves, though nobody sees it";
+  EXPECT_EQ(scene.all("press").size(), 1U) << "the skin moves, but invisibly";
   EXPECT_EQ(scene.all("press").at(0).first_event, std::nullopt);
 }
 

@@ -9,7 +9,7 @@
 namespace tactile {
 namespace {
 
-TEST(SimulateCommand, MakesARunAndSaysSo) {
+TEST(SimulateCommand, MakesARunAndPrintsIt) {
   const test::TemporaryFolder folder;
   const auto made = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --json", folder.path());
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -33,7 +33,7 @@ TEST(SimulateCommand, MakesARunAndSaysSo) {
   EXPECT_NE(forced.out.find("0 made, 0 kept, 1 replaced, 0 removed"), std::string::npos) << forced.out;
 }
 
-TEST(SimulateCommand, TakesOtherPhysicsAndSaysHowFastItWas) {
+TEST(SimulateCommand, TakesOtherPhysicsAndPrintsItsSpeed) {
   const test::TemporaryFolder folder;
   write_whole(folder / "cup.json", R"({"why": "A cup.", "objects": [{"name": "cup", "radius_mm": 40}]})");
   const auto made =

@@ -18,10 +18,10 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/truth.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/robot/robot_log.hpp"
-#include "tactile/simulation/truth.hpp"
 #include "tactile/video/video_times.hpp"
 
 namespace tactile {
@@ -74,7 +74,7 @@ TEST(Simulate, WritesTheSameBytesOnAnyNumberOfThreadsAndOthersForAnotherSeed) {
   for (const auto& [name, text] : one) EXPECT_NE(other.at(name), text) << name;
 }
 
-TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
+TEST(Simulate, MakesACompleteAndDescribedRun) {
   const test::TemporaryFolder folder;
   const SimulatedRun outcome = simulate(small(folder.path())).at(0);
   const std::vector<RunFolder> runs = find_runs(folder.path());
@@ -115,7 +115,7 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   EXPECT_LT(labelled[0].interval.end, labelled[1].interval.start);
   EXPECT_GT(labelled[0].interval.start, first + 600ms);
   EXPECT_LT(labelled[1].interval.end, last);
-  EXPECT_GT(truth.intervals.size(), 2U) << "the skin creeps after a press, and nobody labels that";
+  EXPECT_GT(truth.intervals.size(), 2U) << "the skin creeps after a press, unlabelled";
   EXPECT_EQ(truth.hot_pixels.size(), static_cast<std::size_t>(default_physics().camera.hot_pixels));
   EXPECT_EQ(truth.dead_pixels.size(), static_cast<std::size_t>(default_physics().camera.dead_pixels));
   EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
@@ -130,7 +130,7 @@ TEST(Simulate, MakesARunThatIsWholeAndSaysWhatItIs) {
   EXPECT_LT(late, 12ms) << "one period of 8 ms, and 3 ms until the speed stands out of its noise";
 }
 
-TEST(Simulate, TellsATruthThatItsEventsBear) {
+TEST(Simulate, WritesATruthThatFitsItsEvents) {
   const test::TemporaryFolder folder;
   SimulateOptions options = small(folder.path());
   options.objects = {"3d-printed-object", "plastic-container", "white-box"};
@@ -168,7 +168,7 @@ TEST(Simulate, TellsATruthThatItsEventsBear) {
   }
 }
 
-TEST(Simulate, PutsTheInertialSensorsStreamBesideTheEventsOfHalfOfTheRuns) {
+TEST(Simulate, AddsTheInertialSensorsStreamToHalfOfTheRuns) {
   const SimulationPhysics& physics = default_physics();
   int with_imu = 0;
   std::array<std::string, 2> found;  // an object whose first run has none, and one whose has

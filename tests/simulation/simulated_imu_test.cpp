@@ -112,7 +112,7 @@ TEST(FeelRun, FeelsTheArmsAccelerationAndItsRinging) {
   double rings = 0;
   for (const ImuSample& sample : felt(plan, without_faults())) {
     const double t_s = seconds_of(sample);
-    // A stamp is up to a microsecond early: nobody knows on which side of a change it was.
+    // A stamp is up to a microsecond early: so its side of a change is unknown.
     const double at = plan.arm_acceleration_at(t_s) + plan.vibration_acceleration_at(t_s);
     const double after = plan.arm_acceleration_at(t_s + 1e-6) + plan.vibration_acceleration_at(t_s + 1e-6);
     const double up_g = -sample.acceleration_g[1] - 1;

@@ -110,7 +110,7 @@ TEST(LogRobot, HasTheStagesCommandOnItsFirstOutputWhereTheRobotGivesIt) {
   for (const RobotState& state : states_of(plan, without_noise())) ASSERT_EQ(state.digital_output_bits, 0U);
 }
 
-TEST(LogRobot, LosesPackagesAndSaysHowMany) {
+TEST(LogRobot, LosesPackagesAndCountsThem) {
   RobotPhysics physics;
   physics.lost_package_share = 0.1;
   Random random(2);
@@ -119,7 +119,7 @@ TEST(LogRobot, LosesPackagesAndSaysHowMany) {
   EXPECT_EQ(us_of(states.front().t), planned_clocks().robot.reference_us);
   for (const RobotState& state : states) ASSERT_EQ((state.t - states.front().t).count() % 8000, 0);
   const auto spanned = static_cast<std::uint64_t>((states.back().t - states.front().t).count() / 8000 + 1);
-  EXPECT_LE(spanned - states.size(), robot.dropped_packages) << "those behind the last row are lost too";
+  EXPECT_LE(spanned - states.size(), robot.dropped_packages) << "those after the last row are lost too";
   EXPECT_LE(robot.dropped_packages - (spanned - states.size()), 4U);
   EXPECT_NEAR(static_cast<double>(robot.dropped_packages), 0.1 * static_cast<double>(spanned), 35);
 }

@@ -169,7 +169,7 @@ TEST(SimulatedVideo, ChangesAllGreyLevelsAtOnceWithTheExposure) {
   EXPECT_LT(steps, 35U);
 }
 
-TEST(SimulatedVideo, HasTheStatedNoiseAnewInEveryFrame) {
+TEST(SimulatedVideo, HasTheStatedNoiseInEveryFrame) {
   VideoPhysics physics = clean();
   physics.noise_grey = 4;
   Film film(physics), quiet(clean());

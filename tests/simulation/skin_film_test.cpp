@@ -70,7 +70,7 @@ TEST(SkinFilm, AgreesWithTheTruth) {
   }
 }
 
-TEST(SkinFilm, TellsTheFirstEventOfEachMotion) {
+TEST(SkinFilm, FindsTheFirstEventOfEachMotion) {
   RunPlanOptions options = only(&SpecialRuns::taps);
   options.after.micro_slips_per_s = 3;
   options.after.recontact_chance = 1;
@@ -109,7 +109,7 @@ TEST(SkinFilm, GivesWhatOnlySomeMarkersCauseToTheirMotion) {
   ASSERT_EQ(run.motion.motions.size(), 2U);
   ASSERT_TRUE(run.summary.first_events[0] && run.summary.first_events[1]);
   EXPECT_LT(*run.summary.first_events[0], run.start + 105ms);
-  EXPECT_GT(*run.summary.first_events[1], run.start + 120ms) << "though the first rings on beside it";
+  EXPECT_GT(*run.summary.first_events[1], run.start + 120ms) << "although the first still rings";
   EXPECT_LT(*run.summary.first_events[1], run.start + 125ms);
 }
 

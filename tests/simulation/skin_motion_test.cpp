@@ -66,7 +66,7 @@ double distance_px(const SkinPose& a, const SkinPose& b, const SkinView& seen = 
 /// What holds for every run, looked at from its poses alone.
 void expect_true_to_poses(const SkinMotion& motion, const SkinView& seen = view) {
   const auto readout = [](microseconds t) { return static_cast<std::size_t>(t / 200us); };
-  std::vector<bool> told(motion.poses.size() + 2, false);
+  std::vector<bool> covered(motion.poses.size() + 2, false);
   microseconds start_before{};
   const MarkerMotion* label_before = nullptr;
   for (const MarkerMotion& one : motion.motions) {
@@ -92,15 +92,15 @@ void expect_true_to_poses(const SkinMotion& motion, const SkinView& seen = view)
     double most_px = 0;
     for (std::size_t k = first; k <= last; ++k)
       most_px = std::max(most_px, distance_px(motion.poses[k], motion.poses[first], seen));
-    EXPECT_GT(most_px, 0.0095 * seen.px_per_mm / 16) << "nothing is told that nobody sees";
-    for (std::size_t k = first; k <= last; ++k) told[k + 1] = true;  // told[k]: on the way from read-out k - 1 to k
+    EXPECT_GT(most_px, 0.0095 * seen.px_per_mm / 16) << "only visible motion is listed";
+    for (std::size_t k = first; k <= last; ++k) covered[k + 1] = true;  // covered[k]: between the read-outs k - 1 and k
   }
   for (std::size_t k = 1; k < motion.poses.size();) {
     const std::size_t first = k - 1;
     double most_px = 0;
-    for (; k < motion.poses.size() && !told[k]; ++k)
+    for (; k < motion.poses.size() && !covered[k]; ++k)
       most_px = std::max(most_px, distance_px(motion.poses[k], motion.poses[first], seen));
-    EXPECT_LT(most_px, 0.03) << "motion of which nothing is told, from read-out " << first << " to " << k;
+    EXPECT_LT(most_px, 0.03) << "motion that is not listed, from read-out " << first << " to " << k;
     ++k;
   }
 }
@@ -184,14 +184,14 @@ TEST(SkinMotion, CountsCreepingAfterAStandstillOfLessThan20ms) {
               1);
 }
 
-TEST(SkinMotion, RingsWithTheArmBesideTheSlip) {
+TEST(SkinMotion, RingsWithTheArmDuringTheSlip) {
   RunPlan plan = plain_plan();
   plan.vibration = {.hz = 20, .tip_mm = 0.01, .decay_s = 0.05};
   const SkinMotion motion = moved(plan);
   const std::vector<MarkerMotion> rings = motions_named(motion, "vibration");
   ASSERT_EQ(rings.size(), 2U);
   EXPECT_EQ(rings[0].start, 500ms);
-  EXPECT_EQ(rings[0].end, 510ms) << "from there on it is the slip that is told of";
+  EXPECT_EQ(rings[0].end, 510ms) << "from there on the slip is listed";
   const MarkerMotion slip = motions_named(motion, "slip").at(0);
   EXPECT_EQ(rings[1].start, slip.end);
   EXPECT_NEAR(static_cast<double>(rings[1].end.count()), 1e6 * (0.9 + 0.05 * std::log(0.01 / 0.0006)), 1);
@@ -232,7 +232,7 @@ TEST(SkinMotion, RocksTheObjectInAReContact) {
   expect_true_to_poses(motion);
 }
 
-TEST(SkinMotion, LetsTheTipsStandUpAgainInARelease) {
+TEST(SkinMotion, StraightensTheTipsInARelease) {
   RunPlan plan = plain_plan();
   plan.presses[0].markers[0].pull_y = 0.7;
   plan.presses[0].release_start_s = 1.1;
@@ -289,7 +289,7 @@ TEST(SkinMotion, EndsAPressWhereTheSlipStarts) {
   EXPECT_EQ(motions_named(motion, "press").at(0).end, 260ms);
 }
 
-TEST(SkinMotion, SlipsNotWhereNothingTouches) {
+TEST(SkinMotion, HasNoSlipWithoutContact) {
   RunPlan plan = plain_plan();
   plan.presses[0].release_start_s = 0.35;
   plan.presses[0].release_s = 0.1;

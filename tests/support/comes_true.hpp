@@ -5,10 +5,10 @@
 
 namespace tactile::test {
 
-/// For what must come about by itself: far longer than it takes, since a machine may be busy.
+/// Time limit for an event that a test waits for. It is far longer than the event takes, because the machine may be busy.
 inline constexpr std::chrono::seconds long_enough{60};
 
-/// Waits until `holds`; false if it does not for `long_enough`.
+/// Waits until `holds()` is true. Returns false if it is still false after `long_enough`.
 template <class Condition>
 bool comes_true(const Condition& holds) {
   const auto end = std::chrono::steady_clock::now() + long_enough;

@@ -7,11 +7,11 @@
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/report/gnuplot.hpp"
+#include "tactile/pictures/gnuplot.hpp"
 
 namespace tactile::test {
 
-/// Draws it both ways, and gives the SVG; a picture of the right size, or the test fails.
+/// Draws a plot as PNG and as SVG and returns the SVG. The test fails if the PNG has the wrong size.
 inline std::string drawn(const Plot& plot) {
   const TemporaryFolder folder;
   draw(plot, folder / "figure.png");

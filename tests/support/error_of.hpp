@@ -8,7 +8,7 @@
 
 namespace tactile::test {
 
-/// What the `Error` says that `action` throws; a failure if it throws none.
+/// The message of the `Error` that `action` throws. The test fails if it throws none.
 template <class Action>
 std::string error_of(const Action& action) {
   try {
@@ -16,7 +16,7 @@ std::string error_of(const Action& action) {
   } catch (const Error& e) {
     return e.what();
   }
-  ADD_FAILURE() << "no error";
+  ADD_FAILURE() << "no Error was thrown";
   return {};
 }
 

@@ -7,7 +7,7 @@
 
 namespace tactile::test {
 
-/// All events of a recording, stream after stream as its packets stand.
+/// All events of a recording, in the order of its packets.
 inline std::vector<Event> events_in_file(const std::filesystem::path& file) {
   RecordingReader recording(file);
   std::vector<Event> all;

@@ -12,8 +12,8 @@
 
 namespace tactile::test {
 
-/// A port of loopback where nobody listens: connections are refused, and no other process is given it by chance. A server of
-/// this machine that asks for it by number may listen there all the same.
+/// A port of loopback without a listener: connections are refused, and the system gives the port to no other process. A server
+/// that asks for it by number can still listen there.
 class HeldPort {
  public:
   explicit HeldPort(std::uint16_t port = 0) {
@@ -24,11 +24,11 @@ class HeldPort {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     address.sin_port = htons(port);
     socklen_t size = sizeof address;
-    auto* const plain = reinterpret_cast<sockaddr*>(&address);
-    if (::bind(socket_, plain, size) != 0 || ::getsockname(socket_, plain, &size) != 0) {
-      const int why = errno;
+    auto* const any_address = reinterpret_cast<sockaddr*>(&address);
+    if (::bind(socket_, any_address, size) != 0 || ::getsockname(socket_, any_address, &size) != 0) {
+      const int error = errno;
       ::close(socket_);
-      throw std::system_error(why, std::generic_category(), "port " + std::to_string(port) + " cannot be held");
+      throw std::system_error(error, std::generic_category(), "port " + std::to_string(port) + " cannot be reserved");
     }
     port_ = ntohs(address.sin_port);
   }

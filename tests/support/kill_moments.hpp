@@ -7,20 +7,21 @@
 
 namespace tactile::test {
 
-/// Moments at which to kill a command, drawn over what it takes undisturbed.
+/// Random moments at which a test kills a command.
 class KillMoments {
  public:
-  KillMoments(std::chrono::duration<double> undisturbed, std::uint64_t seed) : lasts_(undisturbed), random_(seed) {}
+  /// @param duration  of the command if it is not killed
+  KillMoments(std::chrono::duration<double> duration, std::uint64_t seed) : duration_(duration), random_(seed) {}
 
-  /// Sleeps for a share of it, drawn from these two.
+  /// Sleeps for a random share of the duration. @param from, to  limits of the share, 0 to 1
   void sleep(double from, double to) {
-    std::this_thread::sleep_for(lasts_ * std::uniform_real_distribution<double>(from, to)(random_));
+    std::this_thread::sleep_for(duration_ * std::uniform_real_distribution<double>(from, to)(random_));
   }
-  /// The command has ended first: the machine has more time for it than it had, and the next moments come sooner.
-  void were_too_late() { lasts_ *= 0.7; }
+  /// The command ended before it was killed: it is faster now, and the next moments are earlier.
+  void were_too_late() { duration_ *= 0.7; }
 
  private:
-  std::chrono::duration<double> lasts_;
+  std::chrono::duration<double> duration_;
   std::mt19937_64 random_;
 };
 

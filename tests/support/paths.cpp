@@ -1,7 +1,7 @@
 #include "support/paths.hpp"
 
-// The only file of the tests that knows where they lie: the others compile to the same bytes in any folder, and ccache finds
-// them.
+// The only file of the tests that contains a path of this folder. All others compile to the same bytes in any folder, so that
+// ccache finds them.
 namespace tactile::test {
 
 const char* const tactile_binary = TACTILE_BINARY;

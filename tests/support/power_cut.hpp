@@ -3,52 +3,19 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "support/folder_image.hpp"
 #include "support/written_journal.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/core/sha256.hpp"
 
 namespace tactile::test {
 
-/// A folder as it is on the disk: what each path below it holds, nothing of a folder.
-using FolderImage = std::map<std::string, std::optional<std::string>>;
-
-inline void write_image(const FolderImage& image, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  for (const auto& [path, content] : image) {  // a folder comes ahead of what is in it
-    if (!content) {
-      std::filesystem::create_directories(folder / path);
-    } else {
-      std::ofstream(folder / path, std::ios::binary).write(content->data(), static_cast<std::streamsize>(content->size()));
-    }
-  }
-}
-
-inline FolderImage image_of(const std::filesystem::path& folder) {
-  FolderImage image;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    std::ostringstream content;
-    if (!entry.is_directory()) content << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-    image[entry.path().lexically_relative(folder).string()] = entry.is_directory() ? std::nullopt : std::optional(content.str());
-  }
-  return image;
-}
-
-inline std::string hash_of(const FolderImage& image) {
-  Sha256 hash;
-  for (const auto& [path, content] : image) {
-    hash.add(path + '\0' + (content ? "file " + std::to_string(content->size()) : std::string("folder")) + '\0');
-    if (content) hash.add(*content);
-  }
-  return hash.hex();
-}
-
-/// The journal of the same program without its syncs: tests that find nothing wrong with it would find nothing at all.
+/// The journal without its syncs. A test of power cuts must find damage in it; otherwise it would never find any.
 inline WrittenJournal without_syncs(WrittenJournal journal) {
   std::erase_if(journal.entries, [](const JournalEntry& entry) {
     return entry.kind == JournalEntry::Kind::sync_begins || entry.kind == JournalEntry::Kind::sync_ends;
@@ -56,30 +23,31 @@ inline WrittenJournal without_syncs(WrittenJournal journal) {
   return journal;
 }
 
-/// What a journal leaves on the disk. What was synced is there. Of what was written since, each block of 4096 bytes is there as
-/// it was at some moment, and so is each file's size; of each folder's names the first changes are there, up to some one.
+/// What is on the disk after a power cut. Everything that was synced is there. Of later writes, each block of 4096 bytes and the
+/// size of each file are as they were at some moment since; each folder has some of the later changes of names, the first ones.
 class PowerCut {
  public:
   explicit PowerCut(const WrittenJournal& journal) : journal_(journal) {}
 
-  /// After the first `entries` of the journal: as the dice fall; without any, nothing that was not synced.
-  FolderImage after(std::size_t entries, Random* dice) const {
+  /// The folder after the first `entries` of the journal. `random` draws the changes that were not synced; null: none of them.
+  FolderImage after(std::size_t entries, Random* random) const {
     States states = states_after(entries);
     for (std::size_t node = 0; node < states.size(); ++node) {
-      journal_.nodes[node].is_folder ? take_names(states[node], dice) : take_bytes(states[node], dice);
+      journal_.nodes[node].is_folder ? take_names(states[node], random) : take_bytes(states[node], random);
     }
     FolderImage image;
     add(states, 0, "", image);
     return image;
   }
 
-  /// What a file certainly holds after the first `entries`, by the path that it has in the end; nothing if it was never synced.
+  /// The synced contents of a file after the first `entries`; nothing if it was never synced. `path`: where the file is in the
+  /// end.
   std::optional<std::string> synced(const std::string& path, std::size_t entries) const {
     if (syncs_of(path, entries) == 0) return std::nullopt;
     return states_after(entries)[*node_in_the_end(path)].content;
   }
 
-  /// How often it was synced by then.
+  /// How often a file was synced within the first `entries`.
   std::size_t syncs_of(const std::string& path, std::size_t entries) const {
     const std::optional<std::size_t> node = node_in_the_end(path);
     return static_cast<std::size_t>(std::count_if(
@@ -87,7 +55,7 @@ class PowerCut {
         [&](const JournalEntry& entry) { return entry.kind == JournalEntry::Kind::sync_ends && entry.node == node; }));
   }
 
-  /// All that was done, as no cut at all would leave it.
+  /// The folder after all entries, without a power cut.
   FolderImage whole() const {
     const States states = states_in_the_end();
     FolderImage image;
@@ -95,19 +63,20 @@ class PowerCut {
     return image;
   }
 
-  /// Moments to cut the power at, in order, the begin and the end among them: half of the others around renames and syncs, where
-  /// most can go wrong. @param count  at least 2
-  std::vector<std::size_t> moments(std::size_t count, Random& dice) const {
-    std::vector<std::size_t> turns;
+  /// Moments of power cuts, ascending, as numbers of entries. The first is the begin, the last is the end, and half of the others
+  /// are close to renames and syncs, where most errors happen. @param count  at least 2
+  std::vector<std::size_t> moments(std::size_t count, Random& random) const {
+    std::vector<std::size_t> near;
     for (std::size_t i = 0; i < journal_.entries.size(); ++i) {
       const JournalEntry::Kind kind = journal_.entries[i].kind;
-      if (kind != JournalEntry::Kind::write && kind != JournalEntry::Kind::resize) turns.push_back(i);
+      if (kind != JournalEntry::Kind::write && kind != JournalEntry::Kind::resize) near.push_back(i);
     }
     std::vector<std::size_t> moments;
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t any = dice.below(journal_.entries.size() + 1);
-      moments.push_back(
-          i % 2 == 0 || turns.empty() ? any : std::min(turns[dice.below(turns.size())] + dice.below(3), journal_.entries.size()));
+      const std::size_t any = random.below(journal_.entries.size() + 1);
+      moments.push_back(i % 2 == 0 || near.empty()
+                            ? any
+                            : std::min(near[random.below(near.size())] + random.below(3), journal_.entries.size()));
     }
     moments.front() = 0;
     moments.back() = journal_.entries.size();
@@ -130,15 +99,15 @@ class PowerCut {
       states[node].content = journal_.nodes[node].content;
       states[node].names = journal_.nodes[node].names;
     }
-    std::map<std::size_t, const JournalEntry*> begun;
+    std::map<std::size_t, const JournalEntry*> sync_begins;
     for (std::size_t i = 0; i < entries; ++i) {
       const JournalEntry& entry = journal_.entries[i];
       State& state = states[entry.node];
       if (entry.kind == JournalEntry::Kind::sync_begins) {
-        begun[entry.sync] = &entry;
+        sync_begins[entry.sync] = &entry;
       } else if (entry.kind == JournalEntry::Kind::sync_ends) {
         const auto later = std::find_if(state.pending.begin(), state.pending.end(),
-                                        [&](const JournalEntry* each) { return each > begun.at(entry.sync); });
+                                        [&](const JournalEntry* each) { return each > sync_begins.at(entry.sync); });
         std::for_each(state.pending.begin(), later, [&](const JournalEntry* each) { apply(*each, state); });
         state.pending.erase(state.pending.begin(), later);
       } else {
@@ -160,29 +129,29 @@ class PowerCut {
     }
   }
 
-  static void take_names(State& state, Random* dice) {
-    if (dice == nullptr || state.pending.empty()) return;
-    const std::size_t count = dice->below(state.pending.size() + 1);
+  static void take_names(State& state, Random* random) {
+    if (random == nullptr || state.pending.empty()) return;
+    const std::size_t count = random->below(state.pending.size() + 1);
     for (std::size_t i = 0; i < count; ++i) apply(*state.pending[i], state);
   }
 
-  static void take_bytes(State& state, Random* dice) {
-    if (dice == nullptr || state.pending.empty()) return;
-    const std::size_t all = state.pending.size(), kind = dice->below(4);
+  static void take_bytes(State& state, Random* random) {
+    if (random == nullptr || state.pending.empty()) return;
+    const std::size_t all = state.pending.size(), kind = random->below(4);
     if (kind == 0) return;
     if (kind == 1) {
       for (const JournalEntry* entry : state.pending) apply(*entry, state);
       return;
     }
-    // The size after some of the entries, and each block after some others.
-    const std::size_t sized = dice->below(all + 1);
+    // The size after some of the entries, each block after some others.
+    const std::size_t sized = random->below(all + 1);
     std::vector<std::size_t> taken;  // by block
     std::string content = state.content;
     std::uint64_t size = content.size(), kept_size = size;
     const auto entries_of_block = [&](std::size_t number) {
       while (taken.size() <= number) {
-        const std::size_t which = dice->below(3);
-        taken.push_back(which == 0 ? 0 : which == 1 ? all : dice->below(all + 1));
+        const std::size_t which = random->below(3);
+        taken.push_back(which == 0 ? 0 : which == 1 ? all : random->below(all + 1));
       }
       return taken[number];
     };

@@ -22,7 +22,7 @@
 
 namespace tactile::test {
 
-/// The built `tactile` at work, with a pipe as its standard input; killed if it still runs when this goes.
+/// A running `tactile` whose standard input is a pipe. The destructor kills it if it still runs.
 class RunningCommand {
  public:
   explicit RunningCommand(const std::string& arguments, const std::filesystem::path& in = ".") {
@@ -57,8 +57,8 @@ class RunningCommand {
     if (input_ >= 0) ::close(input_);
     input_ = -1;
   }
-  /// Whether `tactile` itself is there already and holds this signal back, or catches it.
-  bool minds(int number) const {
+  /// Whether the process already runs `tactile`, not the shell that starts it, and blocks or catches this signal.
+  bool blocks_or_catches(int number) const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
     bool is_tactile = false;
     for (std::string line; std::getline(status, line);) {
@@ -70,41 +70,38 @@ class RunningCommand {
     return false;
   }
   void signal(int number) const { ::kill(pid_, number); }
-  std::string err() const { return text_of(err_file()); }
+  std::string err() const { return text_in_file(err_file()); }
 
-  /// What stands behind `begin` on the first whole line of the log that has it. @throws std::runtime_error if none comes
-  std::string logged_behind(const std::string& begin) const {
+  /// The text after `words` in the first complete line of the log that contains them. Waits for that line.
+  /// @throws std::runtime_error after a minute
+  std::string logged_after(const std::string& words) const {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < deadline) {
       std::istringstream lines(err());
       for (std::string line; std::getline(lines, line) && !lines.eof();) {
-        if (const std::size_t at = line.find(begin); at != std::string::npos) return line.substr(at + begin.size());
+        if (const std::size_t at = line.find(words); at != std::string::npos) return line.substr(at + words.size());
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    throw std::runtime_error("no line with '" + begin + "' in: " + err());
+    throw std::runtime_error("no line with '" + words + "' in: " + err());
   }
 
   bool has_ended() {
     if (pid_ > 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = 0;
     return pid_ == 0;
   }
-  /// Waits until it has ended by itself. @throws std::runtime_error after ten minutes
+  /// Waits for its end. @throws std::runtime_error after ten minutes
   CommandResult wait() {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(10);
     while (!has_ended()) {
-      if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("it does not end: " + err());
+      if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("the command does not end: " + err());
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), text_of(out_file()), text_of(err_file())};
+    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), text_in_file(out_file()),
+            text_in_file(err_file())};
   }
 
  private:
-  static std::string text_of(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
   std::string out_file() const { return (folder_ / "out").string(); }
   std::string err_file() const { return (folder_ / "err").string(); }
 

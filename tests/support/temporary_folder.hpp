@@ -8,7 +8,7 @@
 
 namespace tactile::test {
 
-/// A folder of its own for one test, removed with everything in it.
+/// A new folder for one test. The destructor removes it and its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -23,10 +23,10 @@ struct TracedCall {
   pid_t thread = 0;
   long number = 0;
   std::array<std::uint64_t, 6> arguments{};
-  std::int64_t result = 0;  ///< once it has ended
+  std::int64_t result = 0;  ///< valid after the end of the call
 };
 
-/// The text at a place in a traced thread's memory; empty if there is none.
+/// The text at an address in the memory of a traced thread; empty if it cannot be read.
 inline std::string text_of_process(pid_t thread, std::uint64_t address) {
   std::array<char, 4096> bytes{};
   const int memory = ::open(("/proc/" + std::to_string(thread) + "/mem").c_str(), O_RDONLY | O_CLOEXEC);
@@ -36,10 +36,11 @@ inline std::string text_of_process(pid_t thread, std::uint64_t address) {
   return got > 0 ? std::string(bytes.data()) : std::string();
 }
 
-/// Runs a program in the folder `in` under ptrace. Hands each system call of it, of all its threads and of the processes that it
-/// starts, to `begins` before it is done and to `ends` after; where `begins` returns false the program is killed instead.
+/// Runs a program in the folder `in` under ptrace. Calls `begins` before each system call of the program, of all its threads and
+/// of the processes that it starts, and `ends` after it. If `begins` returns false, the program is killed before the call. Longer
+/// than other functions: it is the loop that ptrace requires, with a case for each stop of a thread.
 /// @return its exit code, -1 if it was killed; nothing if this machine allows no tracing
-/// @throws std::runtime_error if tracing fails half-way
+/// @throws std::runtime_error if tracing fails later
 template <class Begins, class Ends>
 std::optional<int> trace_calls(const std::vector<std::string>& words, const std::filesystem::path& in, const Begins& begins,
                                const Ends& ends) {
@@ -52,7 +53,7 @@ std::optional<int> trace_calls(const std::vector<std::string>& words, const std:
     for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
     const char* sanitizer = std::getenv("ASAN_OPTIONS");
     ::setenv("ASAN_OPTIONS", ((sanitizer == nullptr ? "" : std::string(sanitizer) + ":") + "detect_leaks=0").c_str(),
-             1);  // it traces, too
+             1);  // the detection of leaks uses ptrace, too
     if (::chdir(in.c_str()) != 0 || ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) ::_exit(126);
     ::raise(SIGSTOP);
     ::execvp(arguments[0], arguments.data());
@@ -72,7 +73,7 @@ std::optional<int> trace_calls(const std::vector<std::string>& words, const std:
   bool killed = false;
   for (;;) {
     const pid_t stopped = ::waitpid(-1, &status, __WALL);
-    if (stopped < 0) throw std::runtime_error("the traced command is gone");
+    if (stopped < 0) throw std::runtime_error("the traced command has no process left");
     if (WIFEXITED(status) || WIFSIGNALED(status)) {
       if (stopped == process) return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
       continue;
@@ -97,7 +98,7 @@ std::optional<int> trace_calls(const std::vector<std::string>& words, const std:
         }
       }
     } else if (passed_on == SIGTRAP || passed_on == SIGSTOP) {
-      passed_on = 0;  // a new thread, or another program in the same process
+      passed_on = 0;  // stops of ptrace itself: a new thread, or exec
     }
     ::ptrace(PTRACE_SYSCALL, stopped, nullptr, passed_on);
   }

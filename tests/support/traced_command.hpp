@@ -20,25 +20,26 @@ namespace tactile::test {
 /// A file that a system call is about to touch.
 struct TouchedFile {
   std::string name;      ///< without its folder
-  bool by_name = false;  ///< opened, renamed, removed, asked for ...; else through an open file: read, written, synced ...
+  bool by_name = false;  ///< true: opened, renamed or removed by its name; false: written or synced as an open file
 };
 
+/// How a traced command ended.
 struct TracedEnd {
   bool killed = false;
-  std::size_t calls = 0;  ///< that counted, up to its end
-  int exit_code = -1;     ///< where it was not killed
+  std::size_t calls = 0;  ///< that counted, before the end
+  int exit_code = -1;     ///< if it was not killed
 };
 
 inline constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
-/// The built `tactile` under ptrace: every system call of it, and of all its threads, is stopped before it is
-/// done. Those that change no file do not count.
+/// `tactile` under ptrace, which can be killed before any of the system calls that count. A call counts if it can change a file
+/// for which `counts` returns true.
 class TracedCommand {
  public:
   using Counts = std::function<bool(const TouchedFile&)>;
 
-  /// Runs it in the folder `in`, and kills it instead of letting it do the call with number `kill_at` of those that count, from
-  /// 0. Nothing if this machine lets nobody trace. @throws std::runtime_error if tracing fails half-way
+  /// Runs it in the folder `in` and kills it before the call with number `kill_at`, from 0, of those that count.
+  /// @return nothing if this machine allows no tracing. @throws std::runtime_error if tracing fails later
   static std::optional<TracedEnd> run(const std::vector<std::string>& arguments, const std::filesystem::path& in,
                                       const Counts& counts, std::size_t kill_at = never) {
     std::vector<std::string> words{test::tactile_binary};
@@ -58,8 +59,8 @@ class TracedCommand {
   }
 
  private:
-  /// Whether the call may change what is on the disk. Whoever is killed ahead of another leaves what is there before the next
-  /// change.
+  /// Whether the call can change what is on the disk. A kill before any other call leaves the same as one before the next call
+  /// that can.
   static bool changes_files(long call, const std::uint64_t* arguments) {
     constexpr std::uint64_t changing = O_CREAT | O_TRUNC;
     switch (call) {
@@ -107,7 +108,7 @@ class TracedCommand {
       if (!name.empty()) files.push_back({std::filesystem::path(name).filename(), true});
     };
     const auto add_open = [&](int argument) {
-      if (arguments[argument] > 1 << 20) return;  // no open file, but a place in memory
+      if (arguments[argument] > 1 << 20) return;  // an address, not the number of an open file
       std::error_code none;
       const auto link = "/proc/" + std::to_string(thread) + "/fd/" + std::to_string(arguments[argument]);
       const std::filesystem::path file = std::filesystem::read_symlink(link, none);

@@ -37,19 +37,19 @@ TEST(FrameClock, LeavesOutDuplicatesOfAFile) {
   EXPECT_EQ(line_of(false, {{0, 0}, {0, 1}, {33, 2}}), (Line{0, none, 33}));
 }
 
-TEST(FrameClock, TakesTheRateOfAFileThatTellsNoTimes) {
+TEST(FrameClock, TakesTheRateOfAFileWithoutTimes) {
   EXPECT_EQ(line_of(false, {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}}), (Line{0, none, 40, 80, 120}));
   EXPECT_EQ(line_of(false, {{nan, 0}, {nan, 1}, {nan, 2}, {nan, 3}}), (Line{0, none, 40, 80}));
 }
 
-TEST(FrameClock, GoesOnWhereAFileBeginsAnewOrLeapsAhead) {
+TEST(FrameClock, ContinuesWhereAFileRestartsOrLeapsAhead) {
   EXPECT_EQ(line_of(false, {{0, 0}, {5'000, 1}, {0, 2}, {33, 3}}), (Line{0, 5'000, 5'040, 5'073}));
   EXPECT_EQ(line_of(false, {{0, 0}, {33, 1}, {9e6, 2}, {9e6 + 33, 3}}), (Line{0, 33, 73, 106}));
   EXPECT_EQ(line_of(false, {{0, 0}, {33, 1}, {infinity, 2}}).size(), 3U);
   EXPECT_EQ(line_of(false, {{-1e308, 0}, {1e308, 1}}), (Line{0, none}));
 }
 
-TEST(FrameClock, TakesTheHostsStepsWhereALiveSourcesTimeCannotBe) {
+TEST(FrameClock, TakesTheHostsStepsWhereALiveSourcesTimeIsImpossible) {
   EXPECT_EQ(line_of(true, {{0, 100}, {0, 133}, {0, 166}}), (Line{0, 33, 66})) << "it tells none";
   EXPECT_EQ(line_of(true, {{7'000, 100}, {7'033, 133}, {0, 166}, {30, 200}}), (Line{0, 33, 66, 96})) << "it begins anew";
   EXPECT_EQ(line_of(true, {{0, 0}, {1e12, 33}, {1e12 + 30, 66}}), (Line{0, 33, 63})) << "it leaps ahead";

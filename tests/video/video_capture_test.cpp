@@ -209,7 +209,7 @@ TEST_F(VideoCaptureTest, FilmsFramesWithOddSides) {
   EXPECT_LT(cv::norm(frame(cv::Rect(0, 0, 95, 63)), pictures[0], cv::NORM_L1) / static_cast<double>(95 * 63 * 3), 5.0);
 }
 
-TEST_F(VideoCaptureTest, FilmsGreyFramesAndGoesOnWhereTheirSizeChanges) {
+TEST_F(VideoCaptureTest, FilmsGreyFramesAndContinuesWhereTheirSizeChanges) {
   std::vector<cv::Mat> pictures(10, cv::Mat(64, 96, CV_8UC1, cv::Scalar(90)));
   pictures.insert(pictures.end(), 10, cv::Mat(128, 60, CV_8UC3, cv::Scalar::all(180)));
   write_jpegs(folder / "source.mjpeg", pictures);
@@ -224,7 +224,7 @@ TEST_F(VideoCaptureTest, FilmsGreyFramesAndGoesOnWhereTheirSizeChanges) {
   }
 }
 
-TEST_F(VideoCaptureTest, SaysWhatIsWrongWithASource) {
+TEST_F(VideoCaptureTest, ReportsWhatIsWrongWithASource) {
   write_whole(folder / "text.mp4", "no video at all");
   fs::create_directory(folder / "empty");
   for (const std::string& source : {(folder / "none.mp4").string(), (folder / "text.mp4").string(), (folder / "empty").string(),

@@ -23,7 +23,7 @@ TEST(VideoTimes, ComeBackAsTheyWereWritten) {
   EXPECT_EQ(read_video_times(folder / "video.csv"), times);
 }
 
-TEST(VideoTimes, PassOverFurtherColumnsAndWindowsLineEnds) {
+TEST(VideoTimes, IgnoreFurtherColumnsAndWindowsLineEnds) {
   EXPECT_EQ(read("index,host_time_us,pts_us\r\n0,99,5\r\n1,98,6\r\n"), (std::vector<VideoTime>{VideoTime{5us}, VideoTime{6us}}));
 }
 

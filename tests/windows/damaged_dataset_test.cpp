@@ -195,14 +195,14 @@ TEST_F(DamagedDataset, OfAnEarlierVersionIsNamedToo) {
   EXPECT_NE(result.err.find("'tactile windows data' makes it again"), std::string::npos) << result.err;
 }
 
-TEST_F(DamagedDataset, IsReplacedOnlyIfItsEventsLieBesideIt) {
+TEST_F(DamagedDataset, IsReplacedOnlyIfItsFileOfEventsExists) {
   put("dataset.h5", 0, std::string(8, '\0'));
   fs::remove(data() / "dataset.events.h5");
-  EXPECT_NE(test::error_of([&] { write_dataset(data(), file()); }).find("is there and no dataset of tactile's"),
+  EXPECT_NE(test::error_of([&] { write_dataset(data(), file()); }).find("exists and is not a dataset of tactile"),
             std::string::npos);
 }
 
-TEST_F(DamagedDataset, NamesTheFileBesideItThatIsDamaged) {
+TEST_F(DamagedDataset, NamesTheDamagedFileOfItsFolder) {
   put("dataset.events.h5", 56, std::string(8, '\0'));
   EXPECT_NE(test::error_of([&] { const Dataset dataset(file()); }).find("dataset.events.h5: damaged"), std::string::npos);
   write_dataset(data(), file());
@@ -242,7 +242,7 @@ TEST(ReadApart, PassesOnWhatIsSentAndWhatIsThrown) {
             "a sentence");
 }
 
-TEST(ReadApart, TakesWhateverElseHappensForDamage) {
+TEST(ReadApart, TakesEveryOtherFailureForDamage) {
   const auto error = [](const std::function<void()>& work) {
     return test::error_of([&] { hdf5::read_apart("some.h5", [&](const hdf5::Send&) { work(); }); });
   };

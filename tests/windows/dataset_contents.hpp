@@ -13,7 +13,7 @@
 
 namespace tactile::test {
 
-/// What a dataset says: SHA-256 of its events' columns and of each history, by name; the key "manifest" is its hash.
+/// The contents of a dataset: SHA-256 of its events' columns and of each history, by name; the key "manifest" is its hash.
 using DatasetContents = std::map<std::string, std::string>;
 
 inline DatasetContents dataset_contents(const std::filesystem::path& file) {

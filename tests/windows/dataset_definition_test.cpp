@@ -20,8 +20,8 @@ class DatasetDefinition : public testing::Test {
       GTEST_SKIP() << "h5py or NumPy is missing: the dataset was not checked against its definition";
   }
 
-  /// Runs of every kind: times on both sides of 0, an onset before the first full tick and one behind the last event, intervals
-  /// that touch, a flagged one amid others, a flagged run, one without labels, one that lacks a class.
+  /// Runs of every kind: times on both sides of 0, an onset before the first full tick and one after the last event, intervals
+  /// that touch, a flagged one among others, a flagged run, one without labels, one that lacks a class.
   void make_runs_of_every_kind() const {
     const auto at = [](std::int64_t us) { return camera_time(us); };
     const auto press = [&](std::int64_t start, std::int64_t end) { return TouchInterval{Touch::press, at(start), at(end)}; };

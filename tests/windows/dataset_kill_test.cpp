@@ -39,7 +39,7 @@ for file in open(sys.argv[1]).read().splitlines():
 
 bool h5py_is_there() { return test::run_shell("/usr/bin/python3 -c 'import h5py'").exit_code == 0; }
 
-/// dataset.h5 and its copies that are being made, by whatever way; other files of a dataset where they come and go by name.
+/// dataset.h5 and its temporary copies; other files of a dataset by name.
 bool touches_dataset(const test::TouchedFile& file) {
   if (file.name == "dataset.h5" || file.name == "data") return true;
   return file.by_name && (file.name.starts_with("dataset.") || file.name.starts_with(".dataset."));
@@ -146,7 +146,7 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledBeforeAnyCallThatTouchesIt) {
     EXPECT_EQ(contents_of(file()), whole) << "after call " << call;
     EXPECT_EQ(leftovers(), 0) << "after call " << call;
   });
-  if (kills == 0) GTEST_SKIP() << "this machine lets nobody trace: heatmaps was not killed call by call";
+  if (kills == 0) GTEST_SKIP() << "tracing is not allowed on this machine: heatmaps was not killed call by call";
   EXPECT_GT(kills, 20U);
   EXPECT_EQ(listed, (std::set<std::size_t>{3, 4})) << "the kills did not lie around the link";
   if (!h5py_agrees()) GTEST_SKIP() << "h5py is missing: only tactile's own reader read what the kills left";
@@ -208,7 +208,7 @@ TEST_F(KilledDataset, IsTheOldOneOrTheNewOneAfterWindowsWasKilledBeforeAnyCallTh
     for (const auto& entry : fs::directory_iterator(data())) left.insert(entry.path().filename().string());
     EXPECT_EQ(left, (std::set<std::string>{"dataset.events.h5", "dataset.h5", "fan"})) << "after call " << call;
   });
-  if (kills == 0) GTEST_SKIP() << "this machine lets nobody trace: windows was not killed call by call";
+  if (kills == 0) GTEST_SKIP() << "tracing is not allowed on this machine: windows was not killed call by call";
   EXPECT_GT(kills, 20U);
   EXPECT_EQ(seen.size(), 2U) << "no kill came before the change, or none after it";
   if (!h5py_agrees()) GTEST_SKIP() << "h5py is missing: only tactile's own reader read what the kills left";
@@ -230,7 +230,7 @@ TEST_F(KilledDataset, IsWholeOrNotThereAfterWindowsWasKilledMakingIt) {
       EXPECT_EQ(contents_of(file()), whole) << "at call " << call;
     }
   });
-  if (kills == 0) GTEST_SKIP() << "this machine lets nobody trace: windows was not killed call by call";
+  if (kills == 0) GTEST_SKIP() << "tracing is not allowed on this machine: windows was not killed call by call";
   EXPECT_GT(kills, 20U);
   EXPECT_EQ(seen.size(), 2U) << "no kill came before it was there, or none after it";
 }

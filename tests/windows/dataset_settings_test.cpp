@@ -7,12 +7,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(DatasetSettings, DifferInNothingFromThemselves) {
+TEST(DatasetSettings, DoNotDifferFromThemselves) {
   const nlohmann::json settings = dataset_settings_of({});
   EXPECT_TRUE(differing_settings(settings, settings).empty());
 }
 
-TEST(DatasetSettings, AreToldWhereTheyDiffer) {
+TEST(DatasetSettings, AreListedWhereTheyDiffer) {
   const WindowsOptions before;
   WindowsOptions now;
   now.sampling.seed = 2;

@@ -30,7 +30,7 @@ std::vector<std::string> examples() {
   return blocks;
 }
 
-/// Runs the only example that has `part`, which wants these modules; skips the test where they are missing.
+/// Runs the only example that has `part`, which needs these modules; skips the test if they are missing.
 class FormatExamples : public testing::Test {
  protected:
   void SetUp() override {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/ticks.hpp"
 
 namespace tactile {
 namespace {
@@ -24,63 +25,8 @@ std::map<Touch, std::set<std::int64_t>> times_of(const std::vector<Sample>& samp
   return times;
 }
 
-TEST(Ticks, AreWholeMultiplesOnBothSidesOfZero) {
-  EXPECT_EQ(first_tick_from(camera_time(4'000), 2ms), camera_time(4'000));
-  EXPECT_EQ(first_tick_from(camera_time(4'001), 2ms), camera_time(6'000));
-  EXPECT_EQ(first_tick_from(camera_time(-4'001), 2ms), camera_time(-4'000));
-  EXPECT_EQ(first_tick_from(camera_time(-1), 2ms), camera_time(0));
-  EXPECT_EQ(last_tick_until(camera_time(4'000), 2ms), camera_time(4'000));
-  EXPECT_EQ(last_tick_until(camera_time(3'999), 2ms), camera_time(2'000));
-  EXPECT_EQ(last_tick_until(camera_time(-1), 2ms), camera_time(-2'000));
-  EXPECT_EQ(last_tick_until(camera_time(-2'000), 2ms), camera_time(-2'000));
-}
-
-TEST(FullTicks, BeginWithTheFirstWholeHistoryAndEndWithTheLastEvent) {
-  const TickRange range = full_ticks(camera_time(1), camera_time(20'000), 10ms, 2ms);
-  EXPECT_EQ(range.first, camera_time(12'000));
-  EXPECT_EQ(range.count, 5);
-  EXPECT_EQ(range.at(4), camera_time(20'000));
-  EXPECT_EQ(full_ticks(camera_time(0), camera_time(10'000), 10ms, 2ms).count, 1);
-  EXPECT_EQ(full_ticks(camera_time(0), camera_time(9'999), 10ms, 2ms).count, 0);
-  EXPECT_EQ(full_ticks(camera_time(1), camera_time(11'999), 10ms, 2ms).count, 0);
-}
-
-TEST(FullTicks, HoldAtTheEndsOfTheClock) {
-  const TickRange low = full_ticks(camera_time(earliest), camera_time(earliest + 10'000), 4ms, 2ms);
-  ASSERT_GT(low.count, 0);
-  EXPECT_GE(us_of(low.first), earliest + 4'000);
-  EXPECT_EQ(us_of(low.first) % 2'000, 0);
-  EXPECT_EQ(full_ticks(camera_time(latest - 3'000), camera_time(latest), 4ms, 2ms).count, 0);
-  EXPECT_EQ(full_ticks(camera_time(latest), camera_time(latest), 1us, 2ms).count, 0);
-  EXPECT_EQ(full_ticks(camera_time(earliest), camera_time(earliest), 0us, 2ms).count, 0);
-  const TickRange high = full_ticks(camera_time(latest - 10'000), camera_time(latest), 4ms, 2ms);
-  ASSERT_GT(high.count, 0);
-  EXPECT_LE(high.at(high.count - 1), camera_time(latest));
-}
-
-TEST(FullTicks, ReachFromOneEndOfTheClockToTheOther) {
-  const TickRange all = full_ticks(camera_time(earliest), camera_time(latest), 2ms, 2ms);
-  const std::int64_t last = latest - latest % 2'000;
-  EXPECT_EQ(all.at(0), all.first);
-  EXPECT_EQ(us_of(all.at(1)), us_of(all.first) + 2'000);
-  EXPECT_EQ(us_of(all.at(all.count - 1)), last);
-  EXPECT_EQ(us_of(all.at(all.count - 2)), last - 2'000);
-  EXPECT_EQ(all.at(all.count), camera_time(latest)) << "held at the end of the clock";
-  std::int64_t middle = 0;  // by halves: where is 0?
-  for (std::int64_t step = std::int64_t{1} << 53; step > 0; step /= 2) {
-    if (middle + step < all.count && all.at(middle + step) <= camera_time(0)) middle += step;
-  }
-  EXPECT_EQ(us_of(all.at(middle)), 0);
-}
-
-TEST(FullTicks, OfAYearAreCountedExactlyAndTooManyForOneRun) {
+TEST(BalancedSamples, RefuseMoreTicksThanARunMayHave) {
   constexpr std::int64_t year = 365 * std::int64_t{86'400'000'000};
-  const TickRange ticks = full_ticks(camera_time(777), camera_time(777 + year), 40ms, 2ms);
-  EXPECT_EQ(ticks.count, year / 2'000 - 20);
-  EXPECT_EQ(us_of(ticks.at(ticks.count - 1)), year);
-  EXPECT_NE(why_too_many(ticks).find("15767999980 ticks of 2000 us"), std::string::npos) << why_too_many(ticks);
-  EXPECT_EQ(why_too_many(full_ticks(camera_time(0), camera_time(most_ticks * 2'000), 2ms, 2ms)), "");
-  EXPECT_NE(why_too_many(full_ticks(camera_time(0), camera_time((most_ticks + 1) * 2'000), 2ms, 2ms)), "");
   EXPECT_THROW(balanced_samples(0, {}, camera_time(0), camera_time(year), 1, {}), Error);
   EXPECT_THROW(ticks_on_offer({}, camera_time(earliest), camera_time(latest), {}), Error);
 }
@@ -110,7 +56,7 @@ TEST(BalancedSamples, AreAsManyOfEveryClassAsTheScarcestOffers) {
   }
 }
 
-TEST(TicksOnOffer, CountTheEdgesAsTheDefinitionSays) {
+TEST(TicksOnOffer, CountTheEdgesByTheDefinition) {
   // start < t <= min(end, start + window): 10'000 is not in, 20'000 is. None: t <= start - guard or t > end + guard.
   const SamplingOptions options{.tick = 2ms, .window = 10ms, .guard = 4ms, .history = 2ms};
   const auto offered = ticks_on_offer(std::vector{interval(Touch::press, 10'000, 30'000), interval(Touch::slip, 40'000, 44'000)},
@@ -137,7 +83,7 @@ TEST(BalancedSamples, LeaveAFlaggedIntervalOutButStillKeepNoneAwayFromIt) {
   EXPECT_EQ(ticks_on_offer(intervals, camera_time(0), camera_time(1'200'000), options)[1], 50U);
 }
 
-TEST(BalancedSamples, AreNoneWhereAClassIsLacking) {
+TEST(BalancedSamples, AreNoneIfAClassIsMissing) {
   EXPECT_TRUE(
       balanced_samples(0, std::vector{interval(Touch::press, 300'000, 320'000)}, camera_time(0), camera_time(3'000'000), 1, {})
           .empty());
@@ -161,7 +107,7 @@ TEST(BalancedSamples, AreTheSameAtBothEndsOfTheClock) {
 }
 
 TEST(BalancedSamples, LieOnlyAtFullTicks) {
-  // The press begins with the recording: its first 50 ms have no whole history. The slip goes on behind the last event.
+  // The press begins with the recording: its first 50 ms have no whole history. The slip continues after the last event.
   const std::vector<SampledInterval> intervals{interval(Touch::press, 0, 100'000), interval(Touch::slip, 1'000'000, 1'200'000)};
   for (const Sample& sample : balanced_samples(0, intervals, camera_time(0), camera_time(1'100'000), 1, {})) {
     EXPECT_GE(sample.t, camera_time(50'000));
@@ -169,7 +115,7 @@ TEST(BalancedSamples, LieOnlyAtFullTicks) {
   }
 }
 
-TEST(BalancedSamples, FollowTheSeedAndNothingElse) {
+TEST(BalancedSamples, DependOnlyOnTheSeed) {
   const std::vector<SampledInterval> intervals{interval(Touch::press, 300'000, 320'000),
                                                interval(Touch::slip, 1'000'000, 1'700'000)};
   const auto draw = [&](std::uint64_t seed) {

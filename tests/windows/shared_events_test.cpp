@@ -44,7 +44,7 @@ SharedEvents counted(const std::vector<Event>& mine, const PlannedRun& run, cons
   return result;
 }
 
-TEST(SharedEvents, AreCountedAsTheDefinitionSaysWhereverRecordingsOverlap) {
+TEST(SharedEvents, AreCountedByTheDefinitionWhereverRecordingsOverlap) {
   // A sensor so small and events so dense that many are equal by chance; more of them than a slice holds.
   const test::TemporaryFolder folder;
   const std::vector<std::int64_t> begins{-500'000, -450'000, -449'999, 700'000, -340'000};
@@ -80,7 +80,7 @@ TEST(SharedEvents, AreCountedAsTheDefinitionSaysWhereverRecordingsOverlap) {
   }
 }
 
-TEST(SharedEvents, AreNoneWhereNothingOverlaps) {
+TEST(SharedEvents, AreNoneWithoutOverlap) {
   const test::TemporaryFolder folder;
   std::vector<PlannedRun> runs;
   for (const std::int64_t begin : {0, 2'000'000}) {

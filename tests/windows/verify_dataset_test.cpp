@@ -57,8 +57,8 @@ TEST_F(VerifyDataset, FindsAPieceOfARecordingThatTwoRunsShare) {
   ASSERT_FALSE(check.differences.empty());
   EXPECT_TRUE(mentions(check.differences, "events that its windows hold of the time of fan/")) << check.differences.front();
   EXPECT_TRUE(mentions(check.differences, "training windows lie in test windows"));
-  const auto told = test::run_tactile("windows --verify", folder.path());
-  EXPECT_EQ(told.exit_code, 2) << told.out << told.err;
+  const auto result = test::run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
 }
 
 TEST_F(VerifyDataset, FindsItThoughSomebodyFilteredOneOfThem) {
@@ -80,7 +80,7 @@ TEST_F(VerifyDataset, LetsRecordingsOverlapWhereNoWindowLies) {
 }
 
 TEST_F(VerifyDataset, TakesOtherRecordingsOfTheSameTimeForWhatTheyAre) {
-  // A camera whose clock begins anew with each recording: events are equal by chance alone.
+  // A camera whose clock restarts with each recording: events are equal only by chance.
   for (const int run : {1, 2, 3}) {
     test::make_run(data(),
                    {.run = "0" + std::to_string(run), .seed = static_cast<std::uint64_t>(run), .begin_us = 0, .mean_gap_us = 2});
@@ -90,24 +90,24 @@ TEST_F(VerifyDataset, TakesOtherRecordingsOfTheSameTimeForWhatTheyAre) {
   EXPECT_EQ(check.differences, std::vector<std::string>{});
   EXPECT_EQ(check.pairs_at_one_time, 3U);
   EXPECT_GT(check.equal_by_chance, 0U);
-  const auto told = test::run_tactile("windows --verify", folder.path());
-  EXPECT_EQ(told.exit_code, 0) << told.out << told.err;
-  EXPECT_NE(told.out.find("3 pairs"), std::string::npos) << told.out;
+  const auto result = test::run_tactile("windows --verify", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_NE(result.out.find("3 pairs"), std::string::npos) << result.out;
 }
 
 TEST_F(VerifyDataset, FindsEventsThatAreNotThoseOfTheRuns) {
   test::make_three_runs(data());
   write_dataset(data(), file());
-  // Another dataset's events of the same length under this one's manifest: only their comparison tells.
+  // Another dataset's events of the same length under this one's manifest: only their comparison shows it.
   const auto broken = test::run_shell(
       "/usr/bin/python3 -c \"import h5py; f = h5py.File('dataset.events.h5', 'r+'); f['events/y'][7] = f['events/y'][7] ^ 1\"",
       data());
   if (broken.exit_code != 0) GTEST_SKIP() << "h5py is missing: this test did not run";
   EXPECT_EQ(verify_dataset(data(), file()).differences,
-            std::vector<std::string>{"fan/01: its events are not those of its samples' histories"});
+            std::vector<std::string>{"fan/01: its events differ from those in the histories of its samples"});
 }
 
-TEST_F(VerifyDataset, SaysWhatIsDamagedAndEndsWithTwo) {
+TEST_F(VerifyDataset, ReportsDamageAndEndsWithTwo) {
   test::make_three_runs(data());
   EXPECT_NE(test::error_of([&] { verify_dataset(data(), file()); }).find("no such dataset"), std::string::npos);
   EXPECT_EQ(test::run_tactile("windows --verify", folder.path()).exit_code, 1);

@@ -23,7 +23,7 @@ class WindowsCommand : public testing::Test {
   test::TemporaryFolder folder;
 };
 
-TEST_F(WindowsCommand, ReadsDataAndWritesTheDatasetBesideItsRuns) {
+TEST_F(WindowsCommand, ReadsDataAndWritesTheDatasetIntoIt) {
   const auto result = run_tactile("windows", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("usb-hub/01    30     30    30"), std::string::npos) << result.out;
@@ -33,7 +33,7 @@ TEST_F(WindowsCommand, ReadsDataAndWritesTheDatasetBesideItsRuns) {
   EXPECT_NE(run_tactile("windows --seed 2", folder.path()).out.find("replaced"), std::string::npos);
 }
 
-TEST_F(WindowsCommand, SaysTheSameAsJson) {
+TEST_F(WindowsCommand, PrintsTheSameAsJson) {
   const auto result = run_tactile("windows data --out elsewhere/set.h5 --window-ms 40 --json", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);

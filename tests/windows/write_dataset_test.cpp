@@ -135,7 +135,7 @@ TEST_F(WriteDataset, ReplacesADatasetWhoseEventsAreNotItsOwn) {
   write_dataset(data(), file());
   write_dataset(data(), folder / "other/dataset.h5", {.sampling = {.seed = 2}});
   fs::copy_file(folder / "other/dataset.events.h5", data() / "dataset.events.h5", fs::copy_options::overwrite_existing);
-  EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("of another dataset"), std::string::npos);
+  EXPECT_NE(message_of([&] { const Dataset dataset(file()); }).find("belongs to another dataset"), std::string::npos);
   EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::replaced);
   EXPECT_EQ(Dataset(file()).samples().size(), 270U);
 }
@@ -143,11 +143,11 @@ TEST_F(WriteDataset, ReplacesADatasetWhoseEventsAreNotItsOwn) {
 TEST_F(WriteDataset, LeavesAFileThatIsNoDatasetAlone) {
   test::make_three_runs(data());
   write_whole(file(), "my thesis");
-  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("no dataset of tactile's"), std::string::npos);
+  EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("is not a dataset of tactile"), std::string::npos);
   EXPECT_EQ(read_text(file()), "my thesis");
 }
 
-TEST_F(WriteDataset, LeavesFlaggedRunsOutUnlessTold) {
+TEST_F(WriteDataset, LeavesFlaggedRunsOutByDefault) {
   test::make_three_runs(data());
   test::make_run(data(), {.object = "box", .seed = 9, .flags = {{std::nullopt, "weak peak", false}}});
   const DatasetSummary summary = write_dataset(data(), file());
@@ -248,7 +248,7 @@ TEST_F(WriteDataset, LeavesARunOutThatSeemsToLastAYear) {
   EXPECT_EQ(Dataset(file()).runs().size(), 3U);
 }
 
-TEST_F(WriteDataset, WithoutAnySamplesIsAnErrorThatSaysWhatIsLacking) {
+TEST_F(WriteDataset, WithoutSamplesIsAnErrorThatNamesWhatIsMissing) {
   test::make_run(data(), {.intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)}}});
   EXPECT_NE(message_of([&] {
               write_dataset(data(), file());
@@ -267,7 +267,7 @@ TEST_F(WriteDataset, WithoutLabelsIsAnErrorThatNamesTheCommand) {
   EXPECT_EQ(Dataset(file()).runs().size(), 1U);
 }
 
-TEST_F(WriteDataset, TakesARunWithoutRunJsonAsItsFolderAndItsRecordingSay) {
+TEST_F(WriteDataset, TakesARunWithoutRunJsonFromItsFolderAndItsRecording) {
   test::make_three_runs(data());
   const std::string hash = write_dataset(data(), folder / "with/dataset.h5").manifest_hash;
   fs::remove(data() / "fan/02/run.json");
@@ -286,7 +286,7 @@ TEST_F(WriteDataset, LeavesARunOutWhoseRunJsonIsBroken) {
   write_whole(data() / "fan/02/run.json", "{\"object\": \"fan\"");
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_FALSE(summary.runs[1].in_dataset);
-  EXPECT_EQ(summary.runs[1].remark, "its run.json cannot be used");
+  EXPECT_EQ(summary.runs[1].remark, "its run.json cannot be read");
   EXPECT_TRUE(mentions(summary.errors, "fan/02/run.json: line 1 is no JSON"));
   EXPECT_TRUE(mentions(summary.errors, "; fan/02 is left out"));
   EXPECT_EQ(Dataset(file()).runs().size(), 2U);
@@ -331,10 +331,10 @@ TEST_F(WriteDataset, WarnsOfMisnamedRuns) {
   EXPECT_NE(message_of([&] { write_dataset(data(), file()); }).find("rename it to fan"), std::string::npos);
 }
 
-TEST_F(WriteDataset, TellsOfARunWhoseFolderBearsAnotherName) {
+TEST_F(WriteDataset, WarnsOfARunWhoseFolderHasAnotherName) {
   test::make_three_runs(data());
   fs::rename(data() / "usb-hub/01", data() / "usb-hub/02");
-  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: run.json says that it is usb-hub/01"));
+  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: run.json names it usb-hub/01"));
   EXPECT_EQ(Dataset(file()).runs()[2].run, "02");
 }
 
@@ -379,7 +379,7 @@ TEST_F(WriteDataset, WithoutRunsIsAnError) {
   EXPECT_THROW(write_dataset(folder / "nowhere", file()), Error);
 }
 
-TEST_F(WriteDataset, TakesRealRunsWhereSimulatedOnesLieBesideThem) {
+TEST_F(WriteDataset, TakesRealRunsIfThereAreSimulatedOnesToo) {
   test::make_three_runs(data());
   test::make_run(data(), {.object = "box", .simulated = true, .seed = 9});
   const DatasetSummary summary = write_dataset(data(), file());
@@ -401,16 +401,16 @@ TEST_F(WriteDataset, NamesTheRunWhoseSensorIsTheOddOne) {
 TEST_F(WriteDataset, WarnsOfOneRecordingInTwoRuns) {
   test::make_three_runs(data());
   test::make_run(data(), {.object = "usb-hub", .run = "02", .seed = 3});
-  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: holds the same recording as usb-hub/01"));
+  EXPECT_TRUE(mentions(write_dataset(data(), file()).warnings, "usb-hub/02: has the same recording as usb-hub/01"));
 }
 
-TEST_F(WriteDataset, LeavesNothingBehindWhenItIsEndedHalfWay) {
+TEST_F(WriteDataset, LeavesNoFilesWhenItIsInterrupted) {
   test::make_three_runs(data());
   struct Enough {};
-  int told = 0;
+  int calls = 0;
   EXPECT_THROW(write_dataset(data(), file(), {}, 1,
                              [&](const Progress&) {
-                               if (++told == 5) throw Enough{};
+                               if (++calls == 5) throw Enough{};
                              }),
                Enough);
   std::set<std::string> left;
@@ -419,7 +419,7 @@ TEST_F(WriteDataset, LeavesNothingBehindWhenItIsEndedHalfWay) {
 }
 
 TEST_F(WriteDataset, StaysWholeIfItsReplacementStopsAtAnyStep) {
-  // The steps of a replacement, undone one by one: whatever is there, it opens, and the next command puts it right.
+  // The steps of a replacement, undone one by one: every intermediate state opens, and the next command completes it.
   test::make_three_runs(data());
   write_dataset(data(), file());
   const std::string first = sha256_of_file(file());
@@ -438,7 +438,7 @@ TEST_F(WriteDataset, StaysWholeIfItsReplacementStopsAtAnyStep) {
   EXPECT_FALSE(fs::exists(data() / "dataset.events.old.h5"));
 }
 
-TEST_F(WriteDataset, OpensInH5pyAsTheFormatSays) {
+TEST_F(WriteDataset, OpensInH5pyAsTheFormatDocuments) {
   test::make_three_runs(data());
   write_dataset(data(), file());
   write_whole(folder / "read.py", R"(import h5py, sys, hashlib
@@ -511,7 +511,7 @@ TEST_F(WriteDataset, IsVerifiedAgainstItsRuns) {
   write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
   const auto differences = verify_dataset(data(), file()).differences;
   EXPECT_TRUE(mentions(differences, "fan/01: labels.json has changed"));
-  EXPECT_TRUE(mentions(differences, "fan/01: its intervals are not those of its labels"));
+  EXPECT_TRUE(mentions(differences, "fan/01: its intervals differ from its labels"));
   EXPECT_TRUE(mentions(differences, "fan/01: sample 0 is none at"));
   EXPECT_FALSE(mentions(differences, "usb-hub"));
 }
@@ -520,7 +520,7 @@ TEST_F(WriteDataset, IsVerifiedToHoldNoRecordingTwice) {
   test::make_three_runs(data());
   fs::copy(data() / "fan/01", data() / "fan/03", fs::copy_options::recursive);
   write_dataset(data(), file());
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "fan/03: holds the same recording as fan/01"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "fan/03: has the same recording as fan/01"));
 }
 
 TEST_F(WriteDataset, FindsARunThatHasChanged) {
@@ -531,7 +531,7 @@ TEST_F(WriteDataset, FindsARunThatHasChanged) {
   write_labels(data() / "usb-hub/01/labels.json", {});
   EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("usb-hub/01"), std::string::npos);
   fs::remove(data() / "usb-hub/01/labels.json");
-  EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("is gone"), std::string::npos);
+  EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("is missing"), std::string::npos);
 }
 
 TEST_F(WriteDataset, RefusesARecordingThatGoesBackInTime) {

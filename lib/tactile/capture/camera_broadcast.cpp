@@ -9,8 +9,8 @@
 namespace tactile {
 namespace {
 
-/// Cuts before an element that comes `span` or more after its packet's first, that is earlier than the one before it, or that
-/// would be one too many.
+/// Cuts before an element that is `span` or more after the packet's first one, or earlier than the previous one, and after the
+/// largest number of elements.
 template <class Element, class Use>
 void cut(std::span<const Element> elements, microseconds span, std::size_t most, const Use& use) {
   while (!elements.empty()) {
@@ -27,10 +27,10 @@ void cut(std::span<const Element> elements, microseconds span, std::size_t most,
 }  // namespace
 
 CameraBroadcast::CameraBroadcast(CameraBroadcastOptions options) : options_(options) {
-  if (options_.packet_span <= microseconds{0}) throw Error("a packet's span is not positive; expected at least 1 us");
+  if (options_.packet_span <= microseconds{0}) throw Error("the span of a packet is not positive; expected at least 1 us");
   constexpr std::size_t most = 1'000'000;
   if (options_.packet_events < 1 || options_.packet_events > most) {
-    throw Error(fmt::format("{} events a packet; expected 1 to {}", options_.packet_events, most));
+    throw Error(fmt::format("{} events per packet; expected 1 to {}", options_.packet_events, most));
   }
 }
 

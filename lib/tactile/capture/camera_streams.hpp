@@ -12,21 +12,21 @@
 
 namespace tactile {
 
-/// An attribute of a stream's `info` that says what the vendor's own do not.
+/// An attribute of a stream's `info` in addition to the vendor's.
 inline constexpr std::string_view readout_mode_attribute = "readoutMode";
 
 std::optional<std::string> info_of(const Stream& stream, std::string_view key);
 void set_info(Stream& stream, std::string_view key, std::string value);
 
-/// What streams say of their camera, for run.json: `source`, and `readout_mode` where one names it.
+/// The camera of the streams, for run.json: `source`, and `readout_mode` if a stream names it.
 nlohmann::json camera_json(std::span<const Stream> streams);
 
-/// Holds a stream to times that never go back, as recordings must.
+/// Keeps the times of a stream ascending, as recordings require.
 class AscendingTimes {
  public:
-  /// Takes out of the packet whatever is earlier than an element before it, and adds it to `drops`.
-  /// @throws Error  that begins with `name`, if an element is earlier by more than a second: the clock was set back. The packet
-  ///                is then lost whole, and so counted.
+  /// Removes elements from the packet that are earlier than a previous one, and adds them to `drops`.
+  /// @throws Error  that begins with `name`, if an element is earlier by more than a second: the clock was set back. The whole
+  ///                packet is then lost and counted
   void keep(CameraPacket& packet, std::string_view name, SourceDrops& drops);
 
  private:

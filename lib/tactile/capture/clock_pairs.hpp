@@ -14,9 +14,9 @@ struct ClockPair {
   friend bool operator==(const ClockPair&, const ClockPair&) = default;
 };
 
-/// When elements arrived on the host, so that its clock can later be related to the camera's. An element may come late, and never
-/// early: of each second (of the host) that pair is kept whose difference host - camera is the smallest. Beyond `limit` pairs
-/// neighbours are merged by the same rule and the second becomes two, then four, and so on.
+/// Arrival times of elements, from which the relation of the camera's clock to the host's can be computed later. An element can
+/// arrive late, but never early. Therefore, of each second in host time, the pair with the smallest difference host - camera is
+/// kept. Beyond `limit` pairs, neighbours are merged by the same rule: the second becomes two seconds, then four, and so on.
 class ClockPairs {
  public:
   explicit ClockPairs(std::size_t limit = 4096) : limit_(limit) {}  ///< >= 2

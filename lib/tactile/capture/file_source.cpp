@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is left of a packet that was longer than one of ours may be.
+/// The rest of a packet that is longer than `packet_span`.
 template <class T>
 struct Rest {
   std::vector<T> elements;
@@ -30,7 +30,7 @@ struct Rest {
     const auto begin = elements.begin() + static_cast<std::ptrdiff_t>(next);
     const CameraTime end = after(begin->t, span);
     auto last = std::partition_point(begin, elements.end(), [&](const T& element) { return element.t < end; });
-    if (last == begin) ++last;  // at the very end of the clock
+    if (last == begin) ++last;  // at the end of the clock
     piece.assign(begin, last);
     next = static_cast<std::size_t>(last - elements.begin());
   }
@@ -52,7 +52,7 @@ struct Lane {
     if (!events.empty()) return events.elements[events.next].t;
     if (!imu.empty()) return imu.elements[imu.next].t;
     if (!triggers.empty()) return triggers.elements[triggers.next].t;
-    return packets[next].elements == 0 ? CameraTime::min() : packets[next].first;  // an unreadable one is got rid of at once
+    return packets[next].elements == 0 ? CameraTime::min() : packets[next].first;  // an unreadable packet is skipped at once
   }
 };
 
@@ -71,7 +71,7 @@ CameraTime last_time(const CameraPacket& packet) {
   return packet.frame ? packet.frame->t : CameraTime{};
 }
 
-/// `run.json` beside a recording; an empty object where there is none, or none that can be read.
+/// `run.json` beside a recording; an empty object if there is none, or it cannot be read.
 nlohmann::json run_info_beside(const fs::path& file) {
   const fs::path info = file.parent_path() / "run.json";
   if (file.filename() != "events.aedat4" || !fs::exists(info)) return nlohmann::json::object();
@@ -83,19 +83,19 @@ nlohmann::json run_info_beside(const fs::path& file) {
   }
 }
 
-/// What a recording lacks, as far as its list of packets tells.
+/// What a recording lacks, according to its list of packets.
 std::vector<std::string> lacks_of(const RecordingReader& reader) {
   const RecordingProblems& problems = reader.problems();
   std::vector<std::string> lacks;
   const auto add = [&lacks](std::uint64_t n, const char* thing, const char* what) {
     if (n > 0) lacks.push_back(std::to_string(n) + " " + thing + (n == 1 ? " " : "s ") + what);
   };
-  add(problems.truncated_bytes, "byte", "behind the last whole packet are lost: the recording was cut off");
-  add(problems.skipped_bytes, "byte", "between packets are damaged, and what they held is lost");
-  add(problems.missing_packets, "packet", "that the data table lists are not there");
+  add(problems.truncated_bytes, "byte", "after the last whole packet are lost: the recording was cut off");
+  add(problems.skipped_bytes, "byte", "between packets are damaged and lost");
+  add(problems.missing_packets, "packet", "of the data table are missing");
   if (lacks.empty() && !problems.table.empty()) lacks.push_back("the data table cannot be used: " + problems.table);
   if (lacks.empty() && reader.index() == PacketIndex::scan)
-    lacks.emplace_back("was never closed: its end may be missing, but every packet that is there is whole");
+    lacks.emplace_back("was not closed: its end may be missing, but all its packets are whole");
   return lacks;
 }
 
@@ -132,6 +132,7 @@ class FileSource final : public CameraSource {
   std::span<const Stream> streams() const override { return streams_; }
   bool simulated() const override { return simulated_; }
   bool live() const override { return live_; }
+  bool is_replay() const override { return true; }
   nlohmann::json camera() const override { return camera_; }
 
   std::string remark() const override { return remark_; }
@@ -156,7 +157,7 @@ class FileSource final : public CameraSource {
   }
 
  private:
-  /// Puts the earliest packet, or what may be taken of it, into `next_`, which may stay empty. False: there is none left.
+  /// Puts the earliest packet, or its first `span_`, into `next_`, which may stay empty. False if there is none left.
   bool read_next() {
     Lane* lane = nullptr;
     for (Lane& candidate : lanes_) {
@@ -200,12 +201,12 @@ class FileSource final : public CameraSource {
   RecordingReader reader_;
   Pace pace_;
   bool live_;
-  microseconds span_;  ///< of a packet
+  microseconds span_;  ///< longest time within a packet
   std::vector<Stream> streams_;
   std::vector<Lane> lanes_;
   std::optional<CameraTime> first_;
   CameraPacket next_;     ///< waits until it is due
-  SourceDrops backward_;  ///< what stepped back in time
+  SourceDrops backward_;  ///< elements back in time
   bool simulated_ = false;
   std::string remark_;
   nlohmann::json camera_ = nlohmann::json::object();

@@ -12,7 +12,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/events/simulated_recording.hpp"
-#include "tactile/network/dv_stream_client.hpp"
+#include "tactile/transport/dv/dv_stream_client.hpp"
 
 namespace tactile {
 namespace {
@@ -23,7 +23,7 @@ constexpr std::uint32_t inivation = 0x152a;
 constexpr std::uint32_t dvxplorer = 0x8419;
 constexpr std::uint32_t mini_device_type = 4;
 
-/// The first line of one of sysfs' files, without what is not to be printed; empty if there is none.
+/// The printable characters of the first line of a file in sysfs; empty if there is none.
 std::string line_in(const fs::path& file) {
   std::string line;
   std::ifstream stream(file);
@@ -50,7 +50,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// The vendor's cameras at the USB that are not among `opened`.
+/// The vendor's cameras at the USB that are not in `opened`.
 void add_usb_cameras(const fs::path& sysfs, const std::vector<FoundSource>& opened, std::vector<FoundSource>& found) {
   for (const fs::path& device : entries_of(sysfs / "bus" / "usb" / "devices")) {
     if (hex_in(device / "idVendor") != inivation) continue;
@@ -63,16 +63,16 @@ void add_usb_cameras(const fs::path& sysfs, const std::vector<FoundSource>& open
     const bool is_dvxplorer = hex_in(device / "idProduct") == dvxplorer;
     const bool is_mini = is_dvxplorer && version >> 8 == mini_device_type;
     std::string model = is_mini ? "DVXplorer Mini" : is_dvxplorer ? "DVXplorer" : line_in(device / "product");
-    if (model.empty()) model = "camera of iniVation's";
+    if (model.empty()) model = "iniVation camera";
     const std::string what = fmt::format("{}{}, firmware {}", model, serial.empty() ? "" : " " + serial, firmware);
 
     std::string how;
     if (is_dvxplorer && is_built_with_libcaer() && firmware < first_foreign_firmware) {
-      how = "cannot be opened; expected the right to use it (the vendor's udev rules) and no other program that does";
+      how = "cannot be opened; expected permission (the vendor's udev rules), and no other program that uses it";
     } else {
       how = fmt::format(
           "{}; run scripts/dv-bridge and record --from tcp://127.0.0.1:7777",
-          !is_dvxplorer || firmware >= first_foreign_firmware ? "libcaer does not know it" : "this build has no libcaer");
+          !is_dvxplorer || firmware >= first_foreign_firmware ? "libcaer does not support it" : "this build has no libcaer");
     }
     found.push_back({"", what + ": " + how, serial});
   }
@@ -88,7 +88,7 @@ void add_stream(const SourcePlaces& places, std::vector<FoundSource>& found) {
     if (is_simulated({&stream, 1})) what += ", simulated";
     found.push_back({places.stream, what, ""});
   } catch (const Error&) {
-    // Nobody there, or nobody who speaks our language: it is not among the sources.
+    // No server, or no DV stream: not a source.
   }
 }
 
@@ -107,7 +107,7 @@ std::vector<FoundSource> find_video_devices(const SourcePlaces& places) {
     const std::string name = entry.filename().string();
     const auto number = name.starts_with("video") ? whole_number_in(std::string_view(name).substr(5)) : std::nullopt;
     const fs::path node = places.devices / name;
-    // A camera's further nodes, of index 1 and up, carry its metadata, not pictures.
+    // A camera's further nodes, of index 1 and up, have metadata instead of pictures.
     if (!number || !fs::exists(node) || hex_in(entry / "index").value_or(0) > 0) continue;
     std::string what = line_in(entry / "name");
     if (what.empty()) what = "video device";

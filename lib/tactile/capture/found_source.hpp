@@ -4,11 +4,11 @@
 
 namespace tactile {
 
-/// A source that is there to be opened.
+/// A source that was found.
 struct FoundSource {
-  std::string text;         ///< as it is opened: "camera:DXM00017", "/dev/video0"; empty if it cannot be from here
-  std::string description;  ///< what it is, and where `text` is empty how to reach it
-  std::string serial{};     ///< of a USB device, where it is known
+  std::string text;         ///< for `--from` or `--video`: "camera:DXM00017", "/dev/video0"; empty if it cannot be opened here
+  std::string description;  ///< what it is, and how to use it if `text` is empty
+  std::string serial{};     ///< of a USB device, if known
 };
 
 }  // namespace tactile

@@ -20,18 +20,18 @@
 #include "tactile/core/host_clock.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-// Earlier ones lack the DVXplorer Mini, invert its polarity, or cannot stop and start its read-out.
+// Earlier versions do not support the DVXplorer Mini, invert its polarity, or cannot stop and start its read-out.
 static_assert(LIBCAER_VERSION >= 30314, "libcaer is too old; expected 3.3.14 or later");
 
 namespace tactile {
 namespace {
 
-constexpr std::int32_t imu_stream = 2, trigger_stream = 3;  // the ids that DV gives them
+constexpr std::int32_t imu_stream = 2, trigger_stream = 3;  // ids as in DV
 constexpr std::uint32_t container_interval_us = 1000;
-constexpr std::uint32_t waiting_containers = 4096;  ///< 4 s of them, in a ring whose size is a power of two
+constexpr std::uint32_t waiting_containers = 4096;  ///< 4 s; the ring's size is a power of two
 constexpr std::string_view lost_container = "Dropped EventPacket Container";
 
-/// What the driver has to say, which it says from any of its threads and to the process as a whole.
+/// The driver's messages. It sends them from any of its threads, for the whole process.
 class DriverLog {
  public:
   static DriverLog& instance() {
@@ -51,7 +51,7 @@ class DriverLog {
 
  private:
   DriverLog() {
-    caerLogLevelSet(CAER_LOG_NOTICE);  // lost containers are told at this level
+    caerLogLevelSet(CAER_LOG_NOTICE);  // lost containers are reported at this level
     caerLogFileDescriptorsSet(-1, -1);
     caerLogCallbackSet([](const char* message, std::size_t length) { instance().add({message, length}); });
   }
@@ -93,12 +93,12 @@ std::vector<caer_device_discovery_result> discover() {
 void refuse_foreign_firmware(const std::string& name, const caer_dvx_info& info) {
   if (info.firmwareVersion < first_foreign_firmware) return;
   throw Error(
-      fmt::format("{}: {} has firmware {}, which libcaer does not know; expected one below {}, or the camera served by "
+      fmt::format("{}: {} has firmware {}, which libcaer does not support; expected one below {}, or the camera served by "
                   "scripts/dv-bridge and --from tcp://127.0.0.1:7777",
                   name, info.deviceSerialNumber, info.firmwareVersion, first_foreign_firmware));
 }
 
-/// The camera that is meant. @throws Error if there is none, or more than one
+/// The chosen camera. @throws Error  if there is none, or more than one
 caer_dvx_info choose(const std::string& name, const std::optional<std::string>& serial) {
   std::vector<caer_device_discovery_result> chosen;
   std::string all;
@@ -120,8 +120,8 @@ caer_dvx_info choose(const std::string& name, const std::optional<std::string>& 
                     name, info.firmwareVersion, info.logicVersion));
   if (only.deviceErrorOpen)
     throw Error(name +
-                ": the camera is there but cannot be opened; expected the right to use it (the vendor's udev rules) and no other "
-                "program that does");
+                ": the camera cannot be opened; expected permission (the vendor's udev rules), and no other program that "
+                "uses it");
   return info;
 }
 
@@ -160,6 +160,7 @@ class LibcaerCamera final : public CameraSource {
 
   std::string name() const override { return name_; }
   std::span<const Stream> streams() const override { return streams_; }
+  bool can_reopen() const override { return true; }
 
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams_);
@@ -207,15 +208,15 @@ class LibcaerCamera final : public CameraSource {
   }
 
   void set(std::int8_t module, std::uint8_t parameter, std::uint32_t value, const char* what) {
-    if (!caerDeviceConfigSet(device_.get(), module, parameter, value)) fail(std::string("does not take its setting of ") + what);
+    if (!caerDeviceConfigSet(device_.get(), module, parameter, value)) fail(std::string("rejects its setting of ") + what);
   }
 
   void configure() {
     DriverLog::instance().forget_complaint();
-    if (!caerDeviceSendDefaultConfig(device_.get())) fail("does not take its default settings");
+    if (!caerDeviceSendDefaultConfig(device_.get())) fail("rejects its default settings");
     set(CAER_HOST_CONFIG_PACKETS, CAER_HOST_CONFIG_PACKETS_MAX_CONTAINER_INTERVAL, container_interval_us, "the packets' length");
     set(CAER_HOST_CONFIG_DATAEXCHANGE, CAER_HOST_CONFIG_DATAEXCHANGE_BUFFER_SIZE, waiting_containers, "the driver's buffer");
-    // A Mini has no module for signals: whatever is set there fails.
+    // A Mini has no module for triggers: all settings there fail.
     if (!is_mini(info_)) {
       set(DVX_EXTINPUT, DVX_EXTINPUT_DETECT_RISING_EDGES, 1, "its signal input");
       set(DVX_EXTINPUT, DVX_EXTINPUT_DETECT_FALLING_EDGES, 1, "its signal input");
@@ -247,7 +248,7 @@ class LibcaerCamera final : public CameraSource {
   }
 
   void start() {
-    // The driver's own blocking wait looks every millisecond and knows only a patience of a second: it wakes us instead.
+    // The driver's own wait polls every millisecond, for one second only. Therefore its callback wakes this thread.
     const auto wake = [](void* self) {
       auto* camera = static_cast<LibcaerCamera*>(self);
       { const std::scoped_lock lock(camera->guard_); }
@@ -265,14 +266,14 @@ class LibcaerCamera final : public CameraSource {
     if (!caerDeviceDataStart(device_.get(), wake, ignore, this, gone, this)) fail("does not start");
   }
 
-  /// Takes the driver's next container that has something for us; false if none comes in time.
+  /// Takes the driver's next container with known packets; false if none arrives in time.
   bool next_container(std::chrono::steady_clock::time_point until) {
     for (;;) {
       Container container(caerDeviceDataGet(device_.get()));
       if (!container) {
         std::unique_lock lock(guard_);
         if (unplugged_) throw Error(name_ + ": camera unplugged, or its USB connection broke; expected it to stay connected");
-        // Asked again while the lock is held, so that no wake-up is missed.
+        // Checked again while the lock is held, so that no wake-up is missed.
         container.reset(caerDeviceDataGet(device_.get()));
         if (!container) {
           if (something_new_.wait_until(lock, until) == std::cv_status::timeout) return false;
@@ -294,7 +295,7 @@ class LibcaerCamera final : public CameraSource {
     }
   }
 
-  /// False if the packet holds nothing for us.
+  /// False if the packet has no known elements.
   bool translate(caerEventPacketHeaderConst from, CameraPacket& packet) {
     if (from == nullptr) return false;
     switch (caerEventPacketHeaderGetEventType(from)) {
@@ -318,7 +319,7 @@ class LibcaerCamera final : public CameraSource {
       times_[i].keep(packet, name_, drops_);
       return !packet.empty();
     }
-    packet.clear();  // of a kind that this model was not said to have
+    packet.clear();  // of a type that this model does not have
     return false;
   }
 
@@ -330,12 +331,12 @@ class LibcaerCamera final : public CameraSource {
   std::vector<Stream> streams_;
   std::vector<AscendingTimes> times_;
   std::optional<microseconds> offset_;  ///< camera time minus the device's
-  SourceDrops drops_;                   ///< but for what the driver lost
+  SourceDrops drops_;                   ///< without those that the driver lost
 
   std::mutex guard_;
   std::condition_variable something_new_;
   bool unplugged_ = false;
-  Device device_;  ///< its threads use what stands above
+  Device device_;  ///< last: its threads use the other members
   Container container_;
   std::int32_t next_packet_ = 0;
 };

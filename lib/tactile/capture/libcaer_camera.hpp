@@ -10,22 +10,22 @@
 
 namespace tactile {
 
-/// Whether the build found libcaer, the driver of the vendor's cameras.
+/// Whether the build has libcaer, the driver of the vendor's cameras.
 bool is_built_with_libcaer();
 
-/// A DVXplorer at the USB: events, what its inertial sensor feels, and where it has an input for them, signals. Its times are the
-/// host's when its first data came, and from there on by its own clock; that data itself is thrown away.
+/// A DVXplorer at the USB: events, IMU samples and, if it has an input, triggers. Its clock starts at the host time of the first
+/// data, which is discarded.
 /// @param name    the source as the user wrote it
-/// @param serial  the only one there is, where it is not given
+/// @param serial  nothing: the only camera
 /// @param mode    one of `readout_modes()`, or empty for the default
-/// @throws Error  if there is no such camera, it cannot be opened, or its firmware speaks a protocol that libcaer does not
+/// @throws Error  if there is no such camera, it cannot be opened, or libcaer does not support its firmware
 std::unique_ptr<CameraSource> open_libcaer_camera(const std::string& name, const std::optional<std::string>& serial,
                                                   const std::string& mode);
 
 /// The DVXplorers that `open_libcaer_camera` can open; none in a build without libcaer.
 std::vector<FoundSource> find_libcaer_cameras();
 
-/// From this firmware on a Mini speaks a protocol that libcaer does not know.
+/// From this firmware on, libcaer does not support a Mini.
 inline constexpr int first_foreign_firmware = 10;
 
 }  // namespace tactile

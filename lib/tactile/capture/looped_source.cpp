@@ -64,9 +64,9 @@ class LoopedSource final : public CameraSource {
   microseconds gap_;
   std::unique_ptr<CameraSource> round_;
   std::vector<Stream> streams_;
-  std::optional<CameraTime> first_, last_;  ///< of this round, as they are stored
+  std::optional<CameraTime> first_, last_;  ///< of this round, as stored
   microseconds shift_{0};                   ///< added to this round's times
-  SourceDrops earlier_;                     ///< of the rounds before
+  SourceDrops earlier_;                     ///< of earlier rounds
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/events/simulated_recording.hpp"
-#include "tactile/network/dv_stream_client.hpp"
+#include "tactile/transport/dv/dv_stream_client.hpp"
 
 namespace tactile {
 namespace {
@@ -15,7 +15,8 @@ class NetworkSource final : public CameraSource {
   std::string name() const override { return name_; }
   std::span<const Stream> streams() const override { return {&stream_, 1}; }
   bool simulated() const override { return is_simulated(streams()); }
-  bool tells_arrivals() const override { return client_.tells_arrivals(); }
+  bool reports_arrivals() const override { return client_.reports_arrivals(); }
+  bool can_reopen() const override { return true; }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
     json["stream"] = client_.address().text();
@@ -57,7 +58,7 @@ class NetworkSource final : public CameraSource {
   DvStreamClient client_;
   Stream stream_;
   AscendingTimes times_;
-  SourceDrops backward_;  ///< what stepped back in time
+  SourceDrops backward_;  ///< elements back in time
 };
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace tactile {
 
-/// A stream of DV's kind, from `tcp://host:port` or `unix:PATH`; one connection carries one stream. It ends when the server
-/// closes it. @throws Error if there is no such stream
+/// A DV stream from `tcp://host:port` or `unix:PATH`, one per connection. It ends when the server closes it.
+/// @throws Error  if there is no such stream
 std::unique_ptr<CameraSource> open_network_source(const std::string& address);
 
 }  // namespace tactile

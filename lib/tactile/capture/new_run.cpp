@@ -36,29 +36,29 @@ int next_number(const fs::path& object) {
 
 RunFolder make_run_folder(const fs::path& data, const std::string& object, const std::string& run) {
   if (!is_object_name(object)) {
-    throw Error(
-        fmt::format("'{}' is no object's name; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
+    throw Error(fmt::format(
+        "'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
   }
-  if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is no run; expected two digits, 01 to 99", run));
+  if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is not a run; expected two digits, 01 to 99", run));
   make_folders(data / object);
   std::error_code failed;
   for (;;) {
     const int number = run.empty() ? next_number(data / object) : 0;
     if (run.empty() && number == 0) {
-      throw Error(fmt::format("{}: the runs 01 to 99 are all there; expected a free number", (data / object).string()));
+      throw Error(fmt::format("{}: the runs 01 to 99 all exist; expected a free number", (data / object).string()));
     }
     const std::string id = run.empty() ? fmt::format("{:02}", number) : run;
     const fs::path folder = data / object / id;
     const bool made = fs::create_directory(folder, failed);
     if (failed && failed != std::errc::file_exists)
       throw Error(
-          fmt::format("{}: the folder cannot be made ({}); expected a writable place", folder.string(), failed.message()));
+          fmt::format("{}: the folder cannot be created ({}); expected a writable place", folder.string(), failed.message()));
     if (made) {
       sync_to_disk(data / object);
       return {folder, object, id};
     }
     if (!run.empty()) {
-      throw Error(folder.string() + ": the run exists already, and is never written over; expected a free number");
+      throw Error(folder.string() + ": the run exists already, and is never overwritten; expected a free number");
     }
   }
 }

@@ -1,4 +1,4 @@
-// Stands in for libcaer_camera.cpp where the build found no libcaer.
+// Replaces libcaer_camera.cpp in a build without libcaer.
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/core/error.hpp"
 

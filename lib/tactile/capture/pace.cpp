@@ -12,7 +12,7 @@ namespace tactile {
 
 Pace::Pace(double speed) : speed_(speed) {
   if (!std::isfinite(speed) || speed < 0)
-    throw Error(fmt::format("speed: {} is out of range; expected a factor above 0, or 0 for as fast as it goes", speed));
+    throw Error(fmt::format("speed: {} is out of range; expected a factor above 0, or 0 for as fast as possible", speed));
 }
 
 void Pace::begin(CameraTime first) {
@@ -22,7 +22,7 @@ void Pace::begin(CameraTime first) {
 
 bool Pace::wait_for(CameraTime t, std::chrono::microseconds patience) const {
   if (speed_ == 0 || !begun_) return true;
-  // Ten years stand for ever: a recording's times may lie anywhere, and a sum must not overflow.
+  // Limited to ten years, so that the sum cannot overflow: a recording can have any times.
   const double after_s = std::clamp(1e-6 * static_cast<double>(between(first_, t).count()) / speed_, 0.0, 3e8);
   const auto due =
       *begun_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(after_s));

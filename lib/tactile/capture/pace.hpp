@@ -7,18 +7,18 @@
 
 namespace tactile {
 
-/// When what happened in camera time is due on the host: the first instant at once, every other as much later as it lies behind
-/// it, over `speed`. One that is late is due at once; the ones after it are not put off.
+/// The host time at which a camera time is due in a replay: the first one at once, every other later by its distance from the
+/// first one, divided by `speed`. A late one is due at once, and does not delay those after it.
 class Pace {
  public:
-  /// @param speed  1 real time, 0 everything at once. @throws Error if it is negative or no number
+  /// @param speed  1: real time; 0: as fast as possible. @throws Error  if it is negative or not a number
   explicit Pace(double speed);
 
   bool has_begun() const { return begun_.has_value(); }
   void begin(CameraTime first);  ///< `first` is due now
   void reset() { begun_.reset(); }
 
-  /// Waits until `t` is due, at most `patience`; false if it is not due by then.
+  /// Waits until `t` is due, at most `patience`. @return  whether it is due
   bool wait_for(CameraTime t, std::chrono::microseconds patience) const;
 
  private:

@@ -6,8 +6,8 @@
 namespace tactile {
 namespace {
 
-/// Packets given back between two looks at which of the spare ones nobody needed: half a minute of packets of 1 ms. Not less, for
-/// a machine that was busy once may soon be so again, and fresh memory is slow.
+/// Packets given back between two checks for unneeded spare packets: half a minute of packets of 1 ms. Not less, because a
+/// machine that was busy once may soon be busy again, and new memory is slow.
 constexpr unsigned between_looks = 1U << 15;
 
 std::size_t allocated_bytes(const QueuedPacket& packet) {
@@ -42,7 +42,7 @@ PacketQueue::Packet PacketQueue::take() {
 
 bool PacketQueue::push(Packet& packet, bool wait, bool wakes) {
   std::size_t bytes = allocated_bytes(packet.front());
-  // A few samples in a buffer that once held a burst of events: where room gets short they shall take no more than they need.
+  // A buffer that held a burst may now hold a few samples. If room is short, it is shrunk.
   if (waiting_bytes() > limit_ / 4 && bytes > 2 * used_bytes(packet.front())) {
     CameraPacket& elements = packet.front().elements;
     elements.events.shrink_to_fit();
@@ -50,7 +50,7 @@ bool PacketQueue::push(Packet& packet, bool wait, bool wakes) {
     elements.triggers.shrink_to_fit();
     bytes = allocated_bytes(packet.front());
   }
-  Packet surplus;  // freed behind the lock
+  Packet surplus;  // freed after the lock is released
   std::unique_lock lock(guard_);
   const auto has_room = [&] { return waiting_.empty() || waiting_bytes_ + bytes <= limit_; };
   if (wait) emptied_.wait(lock, [&] { return !open_ || has_room(); });
@@ -82,7 +82,7 @@ void PacketQueue::give_back(Packet packet) {
   if (packet.empty()) return;
   packet.front().elements.clear();
   const std::size_t bytes = allocated_bytes(packet.front());
-  Packet surplus;  // freed behind the lock
+  Packet surplus;  // freed after the lock is released
   const std::scoped_lock lock(guard_);
   if (++given_back_ == between_looks) {
     for (; never_taken_ > 0; --never_taken_) {

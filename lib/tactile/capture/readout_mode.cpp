@@ -25,7 +25,7 @@ const ReadoutMode& readout_mode(std::string_view name) {
     if (mode.name == name) return mode;
     list += (list.empty() ? "" : ", ") + std::string(mode.name);
   }
-  throw Error("read-out mode: '" + std::string(name) + "' is not known; expected one of " + list);
+  throw Error("read-out mode: '" + std::string(name) + "' is unknown; expected one of " + list);
 }
 
 }  // namespace tactile

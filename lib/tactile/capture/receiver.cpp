@@ -8,7 +8,7 @@
 namespace tactile {
 namespace {
 
-constexpr std::chrono::milliseconds source_patience{50};  // within it the thread sees what it is asked to do
+constexpr std::chrono::milliseconds source_patience{50};  // after which the thread checks for a task
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void Receiver::add_drops(RunDrops& drops) const {
   drops.source += drops_now_.total() - drops_at_begin_.total() - back_in_time;
 }
 
-/// Does `task` on the source's thread, between two packets. @throws what it throws
+/// Runs `task` on the source's thread, between two packets. @throws  what it throws
 void Receiver::ask(std::function<void()> task) {
   std::packaged_task<void()> asked(std::move(task));
   std::future<void> done = asked.get_future();
@@ -91,10 +91,11 @@ void Receiver::ask(std::function<void()> task) {
   done.get();
 }
 
-/// Before it is asked for anything a source keeps what it has; between two runs only one that can.
+/// Whether the thread must not receive now. Before the first `discard` or `begin` a source keeps its packets; between two runs
+/// only a source that is not live does.
 bool Receiver::rests() const { return !hands_over_ && !(live_ && discards_); }
 
-/// False once the thread shall end. Without anything to receive it waits to be asked.
+/// Runs a task, if any; waits for one if there is nothing to receive. @return  false once the thread must end
 bool Receiver::do_what_is_asked() {
   std::unique_lock lock(guard_);
   if (ended_at_ || rests()) wake_.wait(lock, [this] { return stops_ || has_task_; });
@@ -114,7 +115,7 @@ void Receiver::receive_all() {
     if (ended_at() || rests()) continue;
     CameraPacket& elements = packet.front().elements;
     elements.clear();
-    const bool of_run = hands_over_;  // what is lost until a run's end is the run's, although that may come while we wait
+    const bool of_run = hands_over_;  // losses before a run's end count for the run, even if it ends during this wait
     try {
       switch (source_->receive(elements, source_patience)) {
         case CameraSource::Received::packet:

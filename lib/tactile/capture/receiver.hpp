@@ -18,13 +18,13 @@
 
 namespace tactile {
 
-/// A source and the thread that receives from it, which does all that is asked of the source. What comes between `begin` and
-/// `pause` goes to the queue; a source that is not live waits there for room, what finds none of a live one is counted. Asked by
-/// one thread at a time.
+/// A source and its thread, on which all functions of the source are called. Packets between `begin` and `pause` go to the queue.
+/// If there is no room, a source that is not live waits; packets of a live one are dropped and counted. Used by one thread at a
+/// time.
 class Receiver {
  public:
-  /// Receives nothing until it is asked to.
-  /// @param index  the source's among all, for the packets
+  /// Receives nothing until `discard` or `begin`.
+  /// @param index  of the source, for its packets
   /// @param queue  must outlive this
   Receiver(std::unique_ptr<CameraSource> source, std::size_t index, PacketQueue& queue);
   ~Receiver();
@@ -35,17 +35,17 @@ class Receiver {
   bool live() const { return live_; }
   bool begins_again() const { return begins_again_; }
 
-  // Each waits for the source's thread, up to the 50 ms and one packet that it may be busy with.
-  void discard();                    ///< from now on what comes of a live source outside a run is thrown away
+  // Each waits for the source's thread, which may be busy for 50 ms and one packet.
+  void discard();                    ///< from now on packets of a live source outside a run are discarded
   void begin(const RunFolder& run);  ///< @throws what the source throws
   nlohmann::json camera();
   void end(const RunFolder& run, bool wants_robot, bool wants_video);  ///< @throws what the source throws
 
-  void pause();  ///< at once: nothing more goes to the queue, and what comes of a live source is thrown away
+  void pause();  ///< immediately: no more packets go to the queue, and those of a live source are discarded
 
   std::optional<HostTime> ended_at() const;
-  std::string error() const;              ///< why the source is gone; empty if it is not
-  void add_drops(RunDrops& drops) const;  ///< the present run's
+  std::string error() const;              ///< why the source is lost; empty if it is not
+  void add_drops(RunDrops& drops) const;  ///< of the present run
 
  private:
   void ask(std::function<void()> task);
@@ -56,7 +56,7 @@ class Receiver {
   void note_end(const std::string& error);
   void note_drops();
 
-  const std::unique_ptr<CameraSource> source_;  ///< the thread's alone, once that runs
+  const std::unique_ptr<CameraSource> source_;  ///< used by the thread only, once it runs
   const std::size_t index_;
   PacketQueue& queue_;
   const std::string name_;
@@ -70,7 +70,7 @@ class Receiver {
   std::optional<HostTime> ended_at_;
   std::string error_;
   LostElements queue_full_;
-  SourceDrops drops_at_begin_, drops_now_;  ///< changed by the thread alone
+  SourceDrops drops_at_begin_, drops_now_;  ///< changed by the thread only
 
   std::thread thread_;
 };

@@ -28,8 +28,8 @@ std::vector<RecordedStream> recorded_streams(std::span<const std::unique_ptr<Cam
         return other.source_index != i && other.stream.type == stream.type && other.stream.source == stream.source;
       });
       if (twice != all.end()) {
-        throw Error(fmt::format("{}: has the {} of the camera '{}', which {} has too; expected each stream once",
-                                sources[i]->name(), name_of(stream.type), stream.source, sources[twice->source_index]->name()));
+        throw Error(fmt::format("{}: has the {} of the camera '{}', as {} does; expected each stream once", sources[i]->name(),
+                                name_of(stream.type), stream.source, sources[twice->source_index]->name()));
       }
       all.push_back({.stream = stream, .source_index = i, .source_stream = stream.id});
     }
@@ -38,7 +38,7 @@ std::vector<RecordedStream> recorded_streams(std::span<const std::unique_ptr<Cam
     return rank_of(a.stream.type) < rank_of(b.stream.type);
   });
   if (all.empty() || all.front().stream.type != StreamType::events || !all.front().stream.size) {
-    throw Error(fmt::format("{}: brings no events of a sensor of known size; expected a source that does",
+    throw Error(fmt::format("{}: has no events of a sensor with a declared size; expected a source with events",
                             sources.empty() ? "no source" : sources.front()->name()));
   }
   const std::string camera = all.front().stream.source.empty() ? "camera" : all.front().stream.source;

@@ -38,7 +38,7 @@ RobotBit robot_bit(std::string_view text) {
   }
   if (!sound) {
     throw Error(
-        fmt::format("'{}' names no bit of the robot; expected an RTDE output such as output_bit_register_64, or a bit of one, "
+        fmt::format("'{}' is not a bit of the robot; expected an RTDE output such as output_bit_register_64, or a bit of one, "
                     "such as actual_digital_output_bits:3",
                     text));
   }

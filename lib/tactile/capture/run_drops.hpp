@@ -6,18 +6,19 @@
 
 namespace tactile {
 
-/// What a run's recording lacks of what its sources sent, and why.
+/// Elements that the sources sent and the run's recording lacks, by reason.
 struct RunDrops {
-  LostElements queue_full;    ///< the disk, or the compression, was too slow
-  LostElements back_in_time;  ///< earlier than what their stream had brought before, the sources' own finds included
-  LostElements outside;       ///< outside the sensor, of an impossible polarity, of no declared stream; frames of no sound shape
-  LostElements unwritten;     ///< not in the file, which could no longer be written; `packets`: of them the whole ones
-  LostElements source;        ///< told by the sources, but for those back in time
+  LostElements queue_full;    ///< the disk or the compression was too slow
+  LostElements back_in_time;  ///< earlier than previous elements of their stream, also as reported by the sources
+  LostElements
+      outside;  ///< outside the sensor, with an impossible polarity, of an undeclared stream; frames of an impossible shape
+  LostElements unwritten;  ///< the file could no longer be written; `packets`: only whole ones
+  LostElements source;     ///< reported by the sources, without those back in time
 
   LostElements total() const;
 };
 
-/// As run.json's `dropped` has it, without the robot's and the film's.
+/// As `dropped` in run.json, without robot and film.
 nlohmann::json json_of(const RunDrops& drops);
 
 }  // namespace tactile

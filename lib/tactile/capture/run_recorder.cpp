@@ -22,17 +22,17 @@ namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::chrono::seconds straggler_patience{1};  // for the other streams once the events have ended
+constexpr std::chrono::seconds straggler_patience{1};  // for the other streams after the events have ended
 
 /// A run between `begin` and `end`.
 struct OpenRun {
   RunRequest request;
   RunWriter writer;
   HostTime begun{};                    ///< once every source was ready
-  std::optional<HostTime> film_ended;  ///< while the run went on
+  std::optional<HostTime> film_ended;  ///< during the run
 };
 
-/// What a recording holds.
+/// Contents of a recording.
 struct HeldElements {
   std::uint64_t events = 0, imu_samples = 0, triggers = 0, frames = 0;
   std::optional<CameraTime> first, last, first_event, last_event;
@@ -69,7 +69,7 @@ std::uint64_t size_of(const fs::path& file) {
 
 nlohmann::json us_or_null(const std::optional<HostTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); }
 
-/// Does `step`; what it throws is among the errors of a run that then is not complete.
+/// Runs `step`. An exception becomes an error of the run, which is then not complete.
 template <class Step>
 void attempt(RunSummary& summary, const Step& step) {
   try {
@@ -91,7 +91,7 @@ struct RunRecorder::State {
   std::unique_ptr<RobotMonitor> robot;
   std::unique_ptr<VideoCapture> video;
   std::vector<std::unique_ptr<Receiver>> receivers;
-  std::vector<std::optional<HostTime>> told_ends;  ///< which of each source's ends was logged
+  std::vector<std::optional<HostTime>> reported_ends;  ///< of each source, the end that was logged
   std::unique_ptr<OpenRun> open;
 
   explicit State(RunRecorderOptions given) : options(std::move(given)), queue(options.queue_bytes) {}
@@ -113,7 +113,7 @@ struct RunRecorder::State {
   RunInfo final_info(const RunSummary& summary, HostTime ended, const nlohmann::json& files) const;
 };
 
-/// The first of the sources that are gone.
+/// The first source that was lost.
 std::string RunRecorder::State::source_error() const {
   for (const auto& receiver : receivers) {
     if (const std::string error = receiver->error(); !error.empty()) return "source gone: " + error;
@@ -127,7 +127,7 @@ bool RunRecorder::State::has_events(std::size_t source_index) const {
   });
 }
 
-/// Not at once, for where all end at the same time one is the first to do so.
+/// Reports with a delay, because all sources may end at nearly the same time.
 void RunRecorder::State::tell_of_ended_sources() {
   if (!options.log || none_is_live()) return;
   bool events_go_on = false;
@@ -135,13 +135,13 @@ void RunRecorder::State::tell_of_ended_sources() {
   if (!events_go_on) return;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     const std::optional<HostTime> ended_at = receivers[i]->ended_at();
-    if (!ended_at || ended_at == told_ends[i] || host_now() - *ended_at < straggler_patience) continue;
-    told_ends[i] = ended_at;
-    options.log(receivers[i]->name() + ": has ended, and the run goes on without it");
+    if (!ended_at || ended_at == reported_ends[i] || host_now() - *ended_at < straggler_patience) continue;
+    reported_ends[i] = ended_at;
+    options.log(receivers[i]->name() + ": has ended, and the run continues without it");
   }
 }
 
-/// Whether nothing comes any more, or no events and the others have had their time to end too.
+/// Whether all sources have ended, or the events have, and the others had time to end, too.
 bool RunRecorder::State::sources_ended() const {
   bool all = true, events = true, time_is_up = true;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
@@ -160,7 +160,7 @@ RunDrops RunRecorder::State::drops(const RunWriter::Written& written) const {
   return drops;
 }
 
-/// With its recording's file, which is still empty.
+/// Creates the run's recording, still empty.
 std::unique_ptr<OpenRun> RunRecorder::State::make_run(const RunRequest& request) {
   const bool by_camera_time = none_is_live();
   const RunWriterOptions writer_options{.compression = options.compression,
@@ -171,7 +171,7 @@ std::unique_ptr<OpenRun> RunRecorder::State::make_run(const RunRequest& request)
       .request = request, .writer = {request.run.events(), streams, queue, writer_options}, .begun = {}, .film_ended = {}});
 }
 
-/// What is known of a run when it begins.
+/// run.json at the beginning of a run.
 RunInfo RunRecorder::State::info(const RunRequest& request, HostTime begun) const {
   nlohmann::json sources = nlohmann::json::array();
   nlohmann::json camera;
@@ -207,14 +207,14 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
   state.video = std::move(video);
   for (std::size_t i = 0; i < sources.size(); ++i)
     state.receivers.push_back(std::make_unique<Receiver>(std::move(sources[i]), i, state.queue));
-  state.told_ends.resize(state.receivers.size());
+  state.reported_ends.resize(state.receivers.size());
 }
 
 RunRecorder::~RunRecorder() {
   try {
     if (state_->open) end("stopped");
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; what was recorded is readable all the same.
+    // A destructor cannot report an error. The recording is readable nevertheless.
   }
 }
 
@@ -238,7 +238,7 @@ void RunRecorder::begin(const RunRequest& request) {
   if (state.open) throw Error(request.run.name() + ": a run is being recorded already; expected it to end first");
   std::error_code failed;
   if (!fs::is_empty(request.run.folder, failed) || failed) {
-    throw Error(request.run.folder.string() + ": is no empty folder; expected one that was made for this run");
+    throw Error(request.run.folder.string() + ": is not an empty folder; expected a new folder for this run");
   }
   state.queue.open();
   bool robot_logs = false, video_films = false;
@@ -251,7 +251,7 @@ void RunRecorder::begin(const RunRequest& request) {
     video_films = true;
     state.open->writer.start();
     for (const auto& receiver : state.receivers) receiver->begin(request.run);
-    // A source may take its time to get ready, which is not the run's: this, and not the time above, is what run.json keeps.
+    // A source may take long to get ready, before the run. Therefore run.json has this time instead of the one above.
     state.open->begun = host_now();
   } catch (...) {
     for (const auto& receiver : state.receivers) receiver->pause();
@@ -260,7 +260,7 @@ void RunRecorder::begin(const RunRequest& request) {
       if (state.robot && robot_logs) state.robot->stop_log();
       if (state.video && video_films) state.video->stop_film();
     } catch (const Error&) {
-      // They are removed at once.
+      // The files are removed.
     }
     std::error_code ignored;
     fs::remove_all(request.run.folder, ignored);
@@ -296,7 +296,7 @@ RunState RunRecorder::state() const {
 
 RunSummary RunRecorder::end(const std::string& why) {
   State& state = *state_;
-  if (!state.open) throw Error("run: none is being recorded; expected one that was begun");
+  if (!state.open) throw Error("run: none is being recorded; expected a run that has begun");
   OpenRun& run = *state.open;
   RunSummary summary;
   summary.run = run.request.run;
@@ -325,12 +325,12 @@ RunSummary RunRecorder::end(const std::string& why) {
     files = files_json(made);
   });
   summary.ended = summary.errors.empty() ? why : summary.errors.front();
-  // A replay may have ended before its last packets were written, and the duration with them.
+  // A replay may end before its last packets are written, and with them the duration.
   if (summary.errors.empty() && written.reached_duration) summary.ended = "duration";
   const RunInfo info = state.final_info(summary, ended, files);
   attempt(summary, [&] {
     write_run_info(run.request.run, info);
-    // On the disk run.json now has the recording's own hash.
+    // Now run.json on the disk has the hash of the recording.
     std::error_code stays;
     if (!files.empty()) fs::remove(checksums, stays);
   });
@@ -338,7 +338,7 @@ RunSummary RunRecorder::end(const std::string& why) {
   return summary;
 }
 
-/// Ends the recording, the robot's log, the film, and what the sources themselves write.
+/// Ends the recording, the robot's log, the film, and the files of the sources.
 void RunRecorder::State::close_files(const RunWriter::Written& written, RunSummary& summary) const {
   if (!written.error.empty()) {
     summary.complete = false;
@@ -348,7 +348,7 @@ void RunRecorder::State::close_files(const RunWriter::Written& written, RunSumma
     open->writer.close();
   } catch (const std::exception& e) {
     summary.complete = false;
-    if (written.error.empty()) summary.errors.emplace_back(e.what());  // else it is the same again
+    if (written.error.empty()) summary.errors.emplace_back(e.what());  // otherwise it is the same error
   }
   if (const std::string gone = source_error(); !gone.empty()) summary.errors.push_back(gone);
   if (robot) {
@@ -362,7 +362,7 @@ void RunRecorder::State::close_files(const RunWriter::Written& written, RunSumma
   for (const auto& receiver : receivers) attempt(summary, [&] { receiver->end(open->request.run, !robot, !video); });
 }
 
-/// What the closed recording holds, and what it lacks.
+/// Counts what the closed recording contains and lacks.
 void RunRecorder::State::count(const RunWriter::Written& written, RunSummary& summary) const {
   const HeldElements held = held_elements(open->writer.file().written(), declared);
   summary.events = held.events;
@@ -371,14 +371,14 @@ void RunRecorder::State::count(const RunWriter::Written& written, RunSummary& su
   summary.triggers = held.triggers;
   summary.frames = held.frames;
   summary.drops = drops(written);
-  // Where writing failed, what was handed to the file may still have waited for the rest of its packet.
+  // If writing failed, elements may have waited for the rest of their packet.
   summary.drops.unwritten.events += written.events - held.events;
   summary.drops.unwritten.others += written.others - held.others();
   if (held.first) summary.span = between(*held.first, *held.last);
   if (held.first_event) summary.events_span = between(*held.first_event, *held.last_event);
 }
 
-/// What is known of a run once it has ended.
+/// run.json at the end of a run.
 RunInfo RunRecorder::State::final_info(const RunSummary& summary, HostTime ended, const nlohmann::json& files) const {
   RunInfo info = this->info(open->request, open->begun);
   info.complete = summary.complete;

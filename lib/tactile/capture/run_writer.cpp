@@ -15,7 +15,7 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds patience{50};  // with the queue, so that what waits is written in time
+constexpr std::chrono::milliseconds patience{50};  // so that waiting elements are written in time
 constexpr std::uint64_t kept_in_memory = std::uint64_t{512}
                                          << 20;  // of the file, by the system: whole runs of a usual length [B]
 
@@ -26,7 +26,7 @@ std::vector<Stream> declared(const std::vector<RecordedStream>& streams) {
   return all;
 }
 
-/// From the first to the last of a packet's elements.
+/// First and last time of a packet.
 struct TimeSpan {
   CameraTime first, last;
 };
@@ -37,7 +37,7 @@ std::optional<TimeSpan> span_of(const std::vector<Element>& elements) {
   return TimeSpan{elements.front().t, elements.back().t};
 }
 
-/// Of those of its stream's type; nothing if there are none.
+/// First and last time of the elements of the stream's type; nothing if there are none.
 std::optional<TimeSpan> span_of(const CameraPacket& packet, StreamType type) {
   switch (type) {
     case StreamType::events:
@@ -58,7 +58,7 @@ bool is_sound(const Frame& frame) {
   return frame.pixels.size() == size && size <= packet_limit - 4096;
 }
 
-/// Leaves out what is earlier than what came before it; returns how many.
+/// Removes elements that are earlier than previous ones. @return  how many
 template <class Element>
 std::uint64_t leave_out_steps_back(std::vector<Element>& elements, CameraTime newest) {
   return static_cast<std::uint64_t>(std::erase_if(elements, [&](const Element& e) {
@@ -160,7 +160,7 @@ void RunWriter::write_packet(QueuedPacket& queued) {
   const LostElements came = count_of(packet);
   RunDrops drops;
   leave_out_misfits(stream, packet, drops);
-  std::optional<CameraTime> first = so_far_.first;  // only this thread changes it
+  std::optional<CameraTime> first = so_far_.first;  // changed by this thread only
   std::optional<TimeSpan> span = span_of(packet, stream.type);
   if (span && !first) first = span->first;
   const bool reached_duration = cut_to_duration(packet, first);
@@ -237,7 +237,7 @@ void RunWriter::leave_out_misfits(const Stream& stream, CameraPacket& packet, Ru
   }
 }
 
-/// Leaves out what comes after the run's duration; true if that is over.
+/// Removes elements after the run's duration. @return  whether it is over
 bool RunWriter::cut_to_duration(CameraPacket& packet, const std::optional<CameraTime>& first) const {
   if (!options_.duration || !first) return false;
   const CameraTime limit = after(*first, *options_.duration);
@@ -261,7 +261,7 @@ void RunWriter::sync_all() {
       sync_to_disk(path_);
       const std::filesystem::path checksums = checksums_beside(path_);
       if (std::filesystem::exists(checksums)) sync_to_disk(checksums);
-      // The pages of a long recording are used again for what follows: new ones cost more, and others need the memory too.
+      // Releases the pages of a long recording for reuse: new pages cost more, and other programs need the memory, too.
       release_memory_of(path_, kept_in_memory);
     } catch (const std::exception& e) {
       fail(e.what());

@@ -21,38 +21,38 @@ namespace tactile {
 struct RunWriterOptions {
   Compression compression = Compression::lz4;
   std::chrono::milliseconds sync_period{1'000};  ///< > 0
-  bool pairs_clocks = true;                      ///< whether elements come when they happen, so that `pairs` can be made
-  std::optional<microseconds> duration = {};     ///< of the camera, from the first element on: what comes later is cut off
+  bool pairs_clocks = true;                      ///< whether sources are live, so that `pairs` can be computed
+  std::optional<microseconds> duration = {};     ///< in camera time from the first element on; later elements are left out
 };
 
-/// Writes a run's recording of what the queue brings, on a thread of its own, and brings it to the disk from another, which may
-/// take as long as the disk pleases. The packets' checksums lie beside it until they are removed. Elements that step back in time
-/// or do not fit their stream are left out and counted.
+/// Writes the packets of the queue into a run's recording, on its own thread. Another thread syncs the disk, however long that
+/// takes. A file beside the recording has the packets' checksums until it is removed. Elements that step back in time or do not
+/// fit their stream are left out and counted.
 class RunWriter {
  public:
-  /// Makes the file. @throws Error as RecordingWriter does
+  /// Creates the file. @throws Error  as RecordingWriter does
   RunWriter(const std::filesystem::path& file, std::vector<RecordedStream> streams, PacketQueue& queue,
             const RunWriterOptions& options);
   ~RunWriter();  ///< stops
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  /// What was done so far.
+  /// The state so far.
   struct Written {
-    std::uint64_t events = 0, others = 0;  ///< handed to the file
-    RunDrops drops;                        ///< those that were found here
-    std::optional<CameraTime> first;       ///< of the first packet, which a duration counts from
+    std::uint64_t events = 0, others = 0;  ///< written
+    RunDrops drops;                        ///< found by this writer
+    std::optional<CameraTime> first;       ///< start of the duration: the first packet
     bool reached_duration = false;
-    std::string error;  ///< why the file cannot be written any more
+    std::string error;  ///< why the file can no longer be written
   };
 
   void start();
   Written written() const;
-  void stop();  ///< closes the queue, and returns once what it still holds is written
+  void stop();  ///< closes the queue, and returns once its packets are written
 
-  // Once it is stopped.
+  // After `stop`.
   void close() { file_.close(); }                        ///< @throws Error as RecordingWriter does
-  const RecordingWriter& file() const { return file_; }  ///< for what it holds
+  const RecordingWriter& file() const { return file_; }  ///< for its contents
   const ClockPairs& pairs() const { return pairs_; }     ///< of the first stream's camera
 
  private:
@@ -67,12 +67,12 @@ class RunWriter {
   const std::vector<RecordedStream> streams_;
   const RunWriterOptions options_;
   PacketQueue& queue_;
-  RecordingWriter file_;                           ///< the writing thread's until that has ended, as are the next two
-  std::vector<std::optional<CameraTime>> newest_;  ///< that was written of each stream
+  RecordingWriter file_;                           ///< used by the writing thread until it has ended, as are the next two
+  std::vector<std::optional<CameraTime>> newest_;  ///< the last time written, of each stream
   ClockPairs pairs_;
 
   mutable std::mutex guard_;  ///< of all that follows
-  Written so_far_;            ///< changed by the writing thread alone, but for `error`
+  Written so_far_;            ///< changed by the writing thread only, except `error`
   std::condition_variable sync_wanted_;
   bool wants_sync_ = false, ends_ = false;
   std::thread writing_, syncing_;

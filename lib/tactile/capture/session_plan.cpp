@@ -18,8 +18,8 @@ void check_keys(const nlohmann::json& json, const std::vector<std::string>& know
   for (const auto& [key, value] : json.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       const std::string nearest = nearest_name(key, known);
-      throw Error(nearest.empty() ? fmt::format("{}: '{}' is not known; expected one of {}", where, key, fmt::join(known, ", "))
-                                  : fmt::format("{}: '{}' is not known; the nearest is '{}'", where, key, nearest));
+      throw Error(nearest.empty() ? fmt::format("{}: '{}' is unknown; expected one of {}", where, key, fmt::join(known, ", "))
+                                  : fmt::format("{}: '{}' is unknown; the nearest is '{}'", where, key, nearest));
     }
   }
 }
@@ -34,8 +34,8 @@ SessionPlan::Object read_object(const nlohmann::json& json, const std::string& w
   check_keys(json, {"name", "runs"}, where);
   SessionPlan::Object object{.name = text_member(json, "name", where), .runs = 1};
   if (!is_object_name(object.name)) {
-    throw Error(
-        fmt::format("{}: '{}' is no object's name; expected lower-case letters, digits and inner hyphens", where, object.name));
+    throw Error(fmt::format("{}: '{}' is not a name for an object; expected lower-case letters, digits and inner hyphens", where,
+                            object.name));
   }
   if (json.contains("runs")) {
     if (!json["runs"].is_number_integer() || json["runs"] < 1 || json["runs"] > 99) {
@@ -58,7 +58,7 @@ std::optional<RobotBit> read_bit(const nlohmann::json& json, const std::string& 
 
 bool ended_as_planned(const RunInfo& run, const SessionPlan& plan) {
   const auto ended = run.extra.find("ended");
-  if (ended == run.extra.end() || !ended->is_string()) return true;  // recorded by something else: complete is all it tells
+  if (ended == run.extra.end() || !ended->is_string()) return true;  // recorded by another program, which only writes `complete`
   const auto& why = ended->get_ref<const std::string&>();
   return why != "interrupted" && !why.starts_with("source gone") && !(plan.duration_s && why == "source ended");
 }
@@ -78,7 +78,7 @@ SessionPlan read_session_plan(const fs::path& file) {
     plan.objects.push_back(read_object(entry, fmt::format("{}: object {}", where, plan.objects.size() + 1)));
     const std::string& name = plan.objects.back().name;
     if (std::count_if(plan.objects.begin(), plan.objects.end(), [&](const auto& o) { return o.name == name; }) > 1) {
-      throw Error(fmt::format("{}: '{}' stands there twice; expected each object once", where, name));
+      throw Error(fmt::format("{}: '{}' is listed twice; expected each object once", where, name));
     }
   }
   if (json.contains("duration")) {

@@ -14,8 +14,8 @@ namespace tactile {
 ///   {"session": "monday", "objects": [{"name": "fan", "runs": 10}, …], "duration": 8, "start_on": "output_bit_register_64",
 ///    "stop_on": "actual_digital_output_bits:3"}
 ///
-/// `runs` is how many whole runs the object shall have in the end: those that are there already count, so a broken-off session is
-/// taken up where it was left. A run that was broken off does not count.
+/// `runs` is the number of complete runs of the object in the end. Existing ones count, so that an interrupted session can be
+/// resumed. An interrupted run does not count.
 struct SessionPlan {
   struct Object {
     std::string name;
@@ -27,11 +27,11 @@ struct SessionPlan {
   std::optional<RobotBit> start_on, stop_on;
 };
 
-/// @throws Error  if the file cannot be read, a member is missing, unknown or out of range, or an object stands there twice
+/// @throws Error  if the file cannot be read, a member is missing, unknown or out of range, or an object is listed twice
 SessionPlan read_session_plan(const std::filesystem::path& file);
 
-/// Runs of the plan's `object` in `data` whose `run.json` says that they are complete, and that they ended as the plan has it:
-/// not interrupted, nor because a source was gone, nor, where the plan has a duration, since the source ended ahead of it.
+/// Number of runs of the plan's `object` in `data` that are complete according to `run.json`, and ended as planned: not
+/// interrupted, not because a source was lost and, if the plan has a duration, not because the source ended early.
 int complete_runs(const std::filesystem::path& data, const SessionPlan& plan, const std::string& object);
 
 }  // namespace tactile

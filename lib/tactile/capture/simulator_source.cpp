@@ -25,7 +25,7 @@ bool is_model(const std::string& name) {
   return std::any_of(models.begin(), models.end(), [&](const ObjectModel& model) { return model.name == name; });
 }
 
-/// The last event that a recording holds; nothing if it has none or cannot be read.
+/// The last event of a recording; nothing if it has none or cannot be read.
 std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
   std::optional<CameraTime> last;
   try {
@@ -40,7 +40,7 @@ std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
   return last;
 }
 
-/// One run before the camera.
+/// One simulated run.
 struct Scene {
   Scene(DrawnRun run, const CameraPixels& pixels) : drawn(std::move(run)), film(film_of(drawn, pixels)), imu(imu_of(drawn)) {}
 
@@ -48,7 +48,7 @@ struct Scene {
   SkinFilm film;
   CameraTime last_event{};
   std::vector<ImuSample> imu;
-  std::size_t felt = 0;  ///< so many of its samples have been given
+  std::size_t felt = 0;  ///< IMU samples that were sent
 };
 
 class SimulatorSource final : public CameraSource {
@@ -84,7 +84,7 @@ class SimulatorSource final : public CameraSource {
   }
 
   void begin_run(const RunFolder& run) override {
-    if (!recorded_) clocks_.reset();  // nobody keeps what came before the first one
+    if (!recorded_) clocks_.reset();  // what came before the first run is not kept
     begin(object_.value_or(is_model(run.object) ? run.object : std::string(usual_object)), run.run, between_recordings);
     recorded_ = run.folder;
     pace_.reset();
@@ -103,7 +103,7 @@ class SimulatorSource final : public CameraSource {
     if (!pace_.has_begun()) pace_.begin(scene_->drawn.start());
     if (!pace_.wait_for(scene_->film.filmed().last_readout, patience)) return Received::nothing;
     packet.clear();
-    // What begins earlier goes first: a run's duration counts from there.
+    // The earlier packet goes first: a run's duration counts from there.
     const bool events_first = next_.imu.empty() || (!next_.events.empty() && next_.events.front().t <= next_.imu.front().t);
     if (events_first) {
       packet.stream_id = streams_[0].id;
@@ -126,7 +126,7 @@ class SimulatorSource final : public CameraSource {
     if (wants_robot) write_robot(run.robot(), scene_->drawn, until);
     if (wants_video) write_video(run.video(), run.video_times(), scene_->drawn, until);
     Truth truth = truth_of(scene_->drawn, pixels_, scene_->film.filmed(), until);
-    // Of a real robot or film beside us nothing is known.
+    // A real robot or film is not simulated.
     if (!wants_robot) truth.lift_start.reset();
     if (!wants_robot) truth.robot_clock.reset();
     if (!wants_video) truth.video_clock.reset();
@@ -145,7 +145,7 @@ class SimulatorSource final : public CameraSource {
     scene_ = std::make_unique<Scene>(std::move(drawn), pixels_);
   }
 
-  /// The read-outs of the next millisecond, and as many more as it takes to see an event, with what was felt meanwhile.
+  /// The read-outs of the next millisecond, and further ones until there is an event, with the IMU samples of this time.
   void film_next() {
     const auto readouts = packet_span / scene_->drawn.camera.readout;
     for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
@@ -165,7 +165,7 @@ class SimulatorSource final : public CameraSource {
   bool live_;
   const SimulationPhysics& physics_;
   CameraPixels pixels_;
-  std::array<Stream, 2> streams_;    ///< events, and the inertial sensor's
+  std::array<Stream, 2> streams_;    ///< events and IMU samples
   std::optional<RunClocks> clocks_;  ///< of the first run
   std::unique_ptr<Scene> scene_;
   std::optional<std::filesystem::path> recorded_;  ///< the run being recorded

@@ -13,4 +13,4 @@ target_sources(tactile_capture
   PUBLIC FILE_SET HEADERS FILES
     camera_streams.hpp file_source.hpp find_sources.hpp found_source.hpp libcaer_camera.hpp network_source.hpp pace.hpp readout_mode.hpp
     simulator_source.hpp)
-target_link_libraries(tactile_capture PRIVATE tactile::network tactile::simulation ${CAMERA_LIBRARY})
+target_link_libraries(tactile_capture PRIVATE tactile::transport_dv tactile::simulation ${CAMERA_LIBRARY})

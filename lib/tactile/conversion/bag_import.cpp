@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 #include <utility>
 
 #include "tactile/conversion/bag_survey.hpp"
+#include "tactile/conversion/convert.hpp"
 #include "tactile/conversion/imported_files.hpp"
 #include "tactile/conversion/ros_messages.hpp"
 #include "tactile/core/error.hpp"
@@ -21,14 +21,7 @@ namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int32_t events_id = 0, imu_id = 2;  // as the vendor numbers its streams
-
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+constexpr std::int32_t events_id = 0, imu_id = 2;  // the vendor's stream ids
 
 RunFolder run_named(const fs::path& folder) {
   fs::path plain = folder.lexically_normal();
@@ -36,13 +29,13 @@ RunFolder run_named(const fs::path& folder) {
   RunFolder run{plain, plain.parent_path().filename().string(), plain.filename().string()};
   if (!is_object_name(run.object) || !is_run_id(run.run)) {
     throw Error(folder.string() +
-                ": is no run folder; expected DATA/OBJECT/NN such as data/fan/01, the object in lower-case letters, " +
+                ": is not a run folder; expected DATA/OBJECT/NN such as data/fan/01, the object in lower-case letters, " +
                 "digits and hyphens, the run two digits from 01");
   }
   return run;
 }
 
-/// The second reading, into the files of `run`.
+/// The second reading. It writes the files of `run`.
 class Import {
  public:
   Import(const BagSurvey& found, const BagTopicChoice& choice, const BagImportOptions& options, const RunFolder& run,
@@ -124,7 +117,7 @@ class Import {
 
   std::optional<HostTime> first_frame() const { return film_ ? film_->first() : std::nullopt; }
 
-  std::optional<HostTime> begin, end;  ///< of the messages taken, as the bag's recorder got them
+  std::optional<HostTime> begin, end;  ///< times at which the recorder received the used messages
 
  private:
   void take_events(RosMessage type, const BagMessage& message) {
@@ -133,7 +126,7 @@ class Import {
       ++summary_.drops.broken_messages;
       return;
     }
-    if (events_.size != summary_.size) {  // another sensor's, which its declaration cannot hold
+    if (events_.size != summary_.size) {  // of another sensor, which the stream's declaration excludes
       ++summary_.drops.other_sensor_messages;
       return;
     }
@@ -171,7 +164,7 @@ class Import {
   std::optional<std::uint64_t> sequence_;
   std::optional<CameraTime> newest_imu_;
 
-  // Messages are decoded again and again into the same memory.
+  // Every message is decoded into the same memory.
   RosEvents events_;
   JointPositions joints_;
   std::vector<ToolPose> poses_;
@@ -229,10 +222,10 @@ void refuse_ros2_bag(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension != ".db3" && extension != ".mcap" && !fs::exists(file / "metadata.yaml")) return;
   const fs::path plain = file.has_filename() ? file : file.parent_path();
-  throw Error(
-      fmt::format("{0}: is a ROS 2 bag; expected a ROS 1 bag, such as 'rosbags-convert --src {0} --dst {1}.bag' of the Python "
-                  "package rosbags makes of it",
-                  plain.string(), plain.stem().string()));
+  throw Error(fmt::format(
+      "{0}: is a ROS 2 bag; expected a ROS 1 bag. 'rosbags-convert --src {0} --dst {1}.bag' of the Python package rosbags "
+      "makes one",
+      plain.string(), plain.stem().string()));
 }
 
 BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const BagImportOptions& options,
@@ -240,7 +233,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   BagImportSummary summary;
   summary.run = run_named(folder);
   if (fs::exists(fs::symlink_status(summary.run.folder)))
-    throw Error(summary.run.folder.string() + ": is there already, and a run is never written over; expected a free run");
+    throw Error(summary.run.folder.string() + ": exists already; expected a new run, runs are never replaced");
   if (!fs::is_regular_file(bag)) throw Error(bag.string() + ": no such file; expected a ROS 1 bag");
   const std::string name = bag.string();
   RosBagReader reader(bag);
@@ -267,7 +260,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   import.finish();
   summary.problems = reader.problems();
   if (summary.events == 0)
-    throw Error(fmt::format("{}: topic {} holds no event; expected some{}", name, choice.at(BagTopicKind::events),
+    throw Error(fmt::format("{}: topic {} has no event; expected events{}", name, choice.at(BagTopicKind::events),
                             damage_text(summary.problems)));
 
   write_run_info(written, {.object = summary.run.object,

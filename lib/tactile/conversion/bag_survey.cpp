@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::string_view nothing = "none";
 constexpr std::size_t most_topics = 4096;
-constexpr int most_video_side = 16'384;  // [px], of a frame that H.264 takes
+constexpr int most_video_side = 16'384;  // [px], the limit of H.264
 
-/// Types that we decode, by name: one of these with another MD5 sum is another version of it.
+/// The types that we decode. One of these with another MD5 sum is another version.
 constexpr std::array<std::string_view, 6> known_types{"dvs_msgs/EventArray",    "event_camera_msgs/EventPacket",
                                                       "sensor_msgs/JointState", "tf2_msgs/TFMessage",
                                                       "sensor_msgs/Image",      "sensor_msgs/Imu"};
 
-/// Decodes again and again into the same memory.
+/// Memory that every message is decoded into.
 struct Decoded {
   RosEvents events;
   JointPositions joints;
@@ -110,6 +110,57 @@ void check_topic(const std::string& bag, const std::string& name, const Surveyed
   }
 }
 
+/// The topic for one kind: the asked one, or the only suitable one. @return  nothing if there is none, or "none" was asked for
+std::optional<std::string> choose_topic(const std::string& bag, const BagSurvey& found, const BagTopicKindNames& kind,
+                                        const std::string& asked) {
+  if (asked == nothing) {
+    if (kind.kind == BagTopicKind::events)
+      throw Error(fmt::format("{}: a run needs events; expected a topic's name", kind.option));
+    return std::nullopt;
+  }
+  std::vector<std::string> able;
+  for (const auto& [name, topic] : found.topics) {
+    const bool is_fit = bag_topic_kind_of(topic.message) == kind.kind;
+    // Other links of the robot, or a gripper's joints, have the same types. Only topics with the expected content count.
+    const bool is_useful = topic.useful > 0 || kind.kind == BagTopicKind::events || kind.kind == BagTopicKind::video;
+    if (is_fit && is_useful && (asked.empty() || name == asked)) able.push_back(name);
+  }
+  if (!asked.empty() && able.empty()) {
+    const auto there = found.topics.find(asked);
+    if (there != found.topics.end()) check_topic(bag, asked, there->second);
+    throw Error(
+        fmt::format("{}: has no topic {} with {}; expected one of its own: {}", bag, asked, kind.what, topics_text(found)));
+  }
+  if (able.size() > 1) {
+    throw Error(fmt::format("{}: {} topics have {}: {}; expected a choice by {}", bag, able.size(), kind.what, list_of(able),
+                            kind.option));
+  }
+  if (able.empty()) return std::nullopt;
+  check_topic(bag, able.front(), found.topics.at(able.front()));
+  return able.front();
+}
+
+/// Joint positions need a pose, and a value for every joint.
+void drop_unusable_joints(const std::string& bag, const BagSurvey& found, BagTopicChoice& choice,
+                          std::vector<std::string>& warnings) {
+  const auto joints = choice.find(BagTopicKind::joints);
+  if (joints == choice.end()) return;
+  if (!choice.contains(BagTopicKind::pose)) {
+    warnings.push_back(
+        fmt::format("{}: {} has joint positions, but no topic has a transform from base to tool0_controller, which a robot "
+                    "log needs; the run has no robot.csv",
+                    bag, joints->second));
+    choice.erase(joints);
+    return;
+  }
+  const JointPositions& known = found.topics.at(joints->second).first_joints;
+  const auto missing = std::find(known.begin(), known.end(), std::nullopt);
+  if (missing == known.end()) return;
+  warnings.push_back(fmt::format("{}: {} never names {}; robot.csv has no actual_q", bag, joints->second,
+                                 joint_names.at(static_cast<std::size_t>(missing - known.begin()))));
+  choice.erase(joints);
+}
+
 }  // namespace
 
 std::optional<BagTopicKind> bag_topic_kind_of(RosMessage message) {
@@ -163,65 +214,22 @@ BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, con
                              std::vector<std::string>& warnings) {
   BagTopicChoice choice;
   for (const BagTopicKindNames& kind : bag_topic_kinds) {
-    const std::string& asked = options.*kind.choice;
-    if (asked == nothing) {
-      if (kind.kind == BagTopicKind::events)
-        throw Error(fmt::format("{}: a run without events is none; expected a topic's name", kind.option));
-      continue;
-    }
-    std::vector<std::string> able;
-    for (const auto& [name, topic] : found.topics) {
-      const bool is_fit = bag_topic_kind_of(topic.message) == kind.kind;
-      // Links of the robot and joints of a gripper come as the same types; only topics with what we look for count.
-      const bool is_useful = topic.useful > 0 || kind.kind == BagTopicKind::events || kind.kind == BagTopicKind::video;
-      if (name == asked && is_fit && is_useful) able = {name};
-      if (asked.empty() && is_fit && is_useful) able.push_back(name);
-    }
-    if (!asked.empty() && able.empty()) {
-      const auto there = found.topics.find(asked);
-      if (there != found.topics.end()) check_topic(bag, asked, there->second);
-      throw Error(
-          fmt::format("{}: has no topic {} with {}; expected one of its own: {}", bag, asked, kind.what, topics_text(found)));
-    }
-    if (able.size() > 1) {
-      throw Error(fmt::format("{}: {} topics hold {}: {}; expected a choice by {}", bag, able.size(), kind.what, list_of(able),
-                              kind.option));
-    }
-    if (able.size() == 1) {
-      check_topic(bag, able.front(), found.topics.at(able.front()));
-      choice[kind.kind] = able.front();
-    }
+    if (const auto topic = choose_topic(bag, found, kind, options.*kind.choice)) choice[kind.kind] = *topic;
   }
   if (!choice.contains(BagTopicKind::events)) {
     for (const auto& [name, topic] : found.topics) check_topic(bag, name, topic);  // the reason may be a version
-    throw Error(fmt::format("{}: no topic holds events; expected dvs_msgs/EventArray or event_camera_msgs/EventPacket among {}{}",
+    throw Error(fmt::format("{}: no topic has events; expected dvs_msgs/EventArray or event_camera_msgs/EventPacket among {}{}",
                             bag, topics_text(found), damage_text(found.problems)));
   }
   const std::string& events = choice.at(BagTopicKind::events);
   if (!found.topics.at(events).size)
-    throw Error(fmt::format("{}: topic {} holds no message that can be decoded; expected events{}", bag, events,
+    throw Error(fmt::format("{}: topic {} has no message that can be decoded; expected events{}", bag, events,
                             damage_text(found.problems)));
-
-  if (choice.contains(BagTopicKind::joints) && !choice.contains(BagTopicKind::pose)) {
-    warnings.push_back(
-        fmt::format("{}: {} has joint positions, but no topic a transform from base to tool0_controller, which a robot "
-                    "log needs; the run has no robot.csv",
-                    bag, choice.at(BagTopicKind::joints)));
-    choice.erase(BagTopicKind::joints);
-  }
-  if (const auto joints = choice.find(BagTopicKind::joints); joints != choice.end()) {
-    const JointPositions& known = found.topics.at(joints->second).first_joints;
-    for (std::size_t i = 0; i < known.size(); ++i) {
-      if (known.at(i)) continue;
-      warnings.push_back(fmt::format("{}: {} never names {}; robot.csv has no actual_q", bag, joints->second, joint_names.at(i)));
-      choice.erase(joints);
-      break;
-    }
-  }
+  drop_unusable_joints(bag, found, choice, warnings);
   if (const auto video = choice.find(BagTopicKind::video); video != choice.end() && !found.topics.at(video->second).size) {
     const std::string why = unusable_text(found.topics.at(video->second));
     if (!options.video_topic.empty())
-      throw Error(fmt::format("{}: topic {} {}; expected images as mono8, bgr8, rgb8 or the like", bag, video->second, why));
+      throw Error(fmt::format("{}: topic {} {}; expected images such as mono8, bgr8 or rgb8", bag, video->second, why));
     warnings.push_back(fmt::format("{}: {} {}; the run has no video", bag, video->second, why));
     choice.erase(video);
   }

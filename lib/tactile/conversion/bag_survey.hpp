@@ -14,10 +14,10 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/events/event.hpp"
 
-// The first of the two readings of a bag: what it holds, and which of it a run is made of.
+// The first of the two readings of a bag: its topics, and the choice of those that the run uses.
 namespace tactile {
 
-/// The kinds of topics, each with its option and the types that serve it.
+/// The kinds of topics, each with its option and a description.
 enum class BagTopicKind : std::uint8_t { events, joints, pose, video, imu };
 struct BagTopicKindNames {
   BagTopicKind kind;
@@ -35,17 +35,17 @@ inline constexpr std::array bag_topic_kinds{
 
 std::optional<BagTopicKind> bag_topic_kind_of(RosMessage message);
 
-/// What the first reading found of a topic.
+/// A topic as the first reading found it.
 struct SurveyedTopic {
   std::string type, md5sum;
   RosMessage message = RosMessage::other;
   std::uint64_t messages = 0;
-  std::uint64_t useful = 0;                 ///< that hold what we look for: events, a joint, the pose
+  std::uint64_t useful = 0;                 ///< that have events, a known joint, or the pose
   JointPositions first_joints{};            ///< the first known of each
-  std::optional<SensorSize> size;           ///< of the first message that decodes
+  std::optional<SensorSize> size;           ///< of the first message that can be decoded
   std::string encoding;                     ///< of its events or image
-  std::optional<SensorSize> unusable_size;  ///< of the first image that no video can hold
-  std::string other_encoding;               ///< of events, where one is not known
+  std::optional<SensorSize> unusable_size;  ///< of the first image that is too large for a video
+  std::string other_encoding;               ///< the first unknown encoding of events
 };
 
 struct BagSurvey {
@@ -56,14 +56,15 @@ struct BagSurvey {
 /// Reads the bag to its end. @throws Error  if it cannot be read, or has more than 4096 topics
 BagSurvey survey_bag(RosBagReader& bag, const ProgressCallback& progress, const std::string& name);
 
-/// The topic taken for each kind.
+/// The topic used for each kind.
 using BagTopicChoice = std::map<BagTopicKind, std::string>;
 
-/// @throws Error  as `import_bag` does for what a bag lacks or has too much of. What is merely left out is told in `warnings`
+/// @param warnings  receives a sentence for everything that the run omits
+/// @throws Error  as `import_bag`, if topics are missing or ambiguous
 BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, const BagImportOptions& options,
                              std::vector<std::string>& warnings);
 
-/// What a bag lost, for the end of a sentence; empty of a sound one.
+/// The damage to a bag, as the end of a sentence; empty if there is none.
 std::string damage_text(const BagProblems& problems);
 
 }  // namespace tactile

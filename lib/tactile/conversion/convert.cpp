@@ -10,8 +10,9 @@
 #include <span>
 #include <utility>
 
-#include "tactile/conversion/event_npz.hpp"
 #include "tactile/conversion/hdf5_recording.hpp"
+#include "tactile/conversion/recording_output.hpp"
+#include "tactile/conversion/time_cut.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_csv.hpp"
@@ -25,58 +26,8 @@ namespace {
 
 constexpr std::array common_sizes{SensorSize{320, 240}, SensorSize{346, 260}, SensorSize{640, 480}};
 
-/// What the options leave of an element's time.
-class Cut {
- public:
-  explicit Cut(const ConvertOptions& options)
-      : from_(options.from.value_or(CameraTime::min())),
-        to_(options.to),
-        from_waits_(options.from && options.from_counts_from_first),
-        to_waits_(options.to && options.to_counts_from_first),
-        asked_(options.from || options.to) {
-    if (from_waits_ == to_waits_) check();
-  }
-
-  /// What counts from the first element does so from here on; does nothing once it does.
-  void begin_at(CameraTime first) {
-    if (!from_waits_ && !to_waits_) return;
-    if (from_waits_) from_ = after(first, microseconds{us_of(from_)});
-    if (to_waits_) to_ = after(first, microseconds{us_of(*to_)});
-    from_waits_ = to_waits_ = false;
-    check();
-  }
-
-  bool holds(CameraTime t) const { return t >= from_ && (!to_ || t < *to_); }
-  bool asked() const { return asked_; }
-  std::string text() const {
-    return fmt::format("[{}, {})", from_ == CameraTime::min() ? "begin" : std::to_string(us_of(from_)),
-                       to_ ? std::to_string(us_of(*to_)) : "end");
-  }
-
-  /// The elements inside the cut, in place where all are; the view is of `elements` or `kept`.
-  template <class Element>
-  std::span<const Element> of(std::span<const Element> elements, std::vector<Element>& kept) const {
-    const auto is_inside = [this](const Element& element) { return holds(element.t); };
-    if (!asked_ || std::all_of(elements.begin(), elements.end(), is_inside)) return elements;
-    kept.clear();
-    std::copy_if(elements.begin(), elements.end(), std::back_inserter(kept), is_inside);
-    return kept;
-  }
-
- private:
-  void check() const {
-    if (to_ && *to_ <= from_)
-      throw Error(fmt::format("the cut from {} to {} us is empty; expected an end behind the begin", us_of(from_), us_of(*to_)));
-  }
-
-  CameraTime from_;
-  std::optional<CameraTime> to_;
-  bool from_waits_, to_waits_;  ///< for the first element
-  bool asked_;
-};
-
-/// Times met so far.
-class TimeRange {
+/// The earliest and the latest time so far.
+class TimesSeen {
  public:
   template <class Element>
   void add(std::span<const Element> elements) {
@@ -90,12 +41,10 @@ class TimeRange {
   std::optional<CameraTime> first, last;
 };
 
-std::string text_of(const TimeRange& range) {
-  return range.first ? fmt::format("its elements lie from {} to {}", us_of(*range.first), us_of(*range.last))
-                     : std::string("it holds no element at all");
+std::string text_of(const TimesSeen& range) {
+  return range.first ? fmt::format("its elements lie from {} to {} us", us_of(*range.first), us_of(*range.last))
+                     : std::string("the recording is empty");
 }
-
-bool holds_one_stream(RecordingFormat format) { return format == RecordingFormat::csv || format == RecordingFormat::npz; }
 
 bool can_hold(RecordingFormat format, StreamType type) {
   if (holds_one_stream(format)) return type == StreamType::events;
@@ -104,18 +53,19 @@ bool can_hold(RecordingFormat format, StreamType type) {
 }
 
 void check_options(const ConvertOptions& options, RecordingFormat from, RecordingFormat to) {
-  if (from == RecordingFormat::npz) throw Error("NPZ is written, not read; expected an input that ends in .aedat4, .csv or .h5");
+  if (from == RecordingFormat::npz)
+    throw Error("NPZ can be written, but not read; expected an input that ends in .aedat4, .csv or .h5");
   if (from == RecordingFormat::csv && to == RecordingFormat::csv)
-    throw Error("from CSV to CSV there is nothing to convert; expected one .aedat4 file");
+    throw Error("CSV to CSV converts nothing; expected an input or an output of another format");
   if (from == RecordingFormat::csv && !options.streams.empty())
-    throw Error("--stream chooses among the streams of an AEDAT4 or HDF5 input; expected it left out for CSV");
+    throw Error("--stream selects a stream of an AEDAT4 or HDF5 input; omit it for CSV");
   if (from == RecordingFormat::aedat4 && (options.size || options.source))
-    throw Error("--size and --source describe a CSV or HDF5 input; expected them left out for AEDAT4");
+    throw Error("--size and --source describe a CSV or HDF5 input; omit them for AEDAT4");
   if (to != RecordingFormat::aedat4 && options.compression)
-    throw Error(fmt::format("--compression is for an AEDAT4 output; expected it left out for {}", name_of(to)));
+    throw Error(fmt::format("--compression is for an AEDAT4 output; omit it for {}", name_of(to)));
   if (holds_one_stream(to) && options.streams.size() > 1)
-    throw Error(fmt::format("{} streams for one {}; expected one --stream, for streams are never merged", options.streams.size(),
-                            name_of(to)));
+    throw Error(fmt::format("{} streams for one {}; expected one --stream, because streams are never merged",
+                            options.streams.size(), name_of(to)));
   if (options.crop && (options.crop->width < 1 || options.crop->height < 1 || options.crop->x < 0 || options.crop->y < 0))
     throw Error("the crop is empty or begins outside the sensor; expected X,Y,WxH with X and Y from 0, W and H from 1");
 }
@@ -126,7 +76,7 @@ SensorSize size_that_holds(SensorSize extent) {
   return found == common_sizes.end() ? extent : *found;
 }
 
-/// Which streams of the input the output gets, at the size that the crop leaves of them.
+/// Selects the input streams for the output. The crop determines their size.
 void choose_streams(std::span<const Stream> streams, const fs::path& in, const ConvertOptions& options, ConvertSummary& summary) {
   std::vector<const Stream*> chosen;
   for (const std::string& choice : options.streams) chosen.push_back(&event_stream(streams, in.string(), choice));
@@ -147,7 +97,7 @@ void choose_streams(std::span<const Stream> streams, const fs::path& in, const C
     if (options.crop && (stream.type == StreamType::events || stream.type == StreamType::frames)) {
       const PixelRegion& crop = *options.crop;
       if (stream.size && (crop.width > stream.size->width - crop.x || crop.height > stream.size->height - crop.y)) {
-        throw Error(fmt::format("{}: the crop {},{},{}x{} reaches beyond the {}x{} pixels of stream {}; expected one within",
+        throw Error(fmt::format("{}: the crop {},{},{}x{} exceeds the {}x{} pixels of stream {}; expected a crop inside them",
                                 in.string(), crop.x, crop.y, crop.width, crop.height, stream.size->width, stream.size->height,
                                 stream.id));
       }
@@ -157,88 +107,10 @@ void choose_streams(std::span<const Stream> streams, const fs::path& in, const C
     summary.streams.push_back({std::move(kept), 0});
   }
   if (summary.streams.empty())
-    throw Error(in.string() + ": no stream that the output could hold; expected events, frames, imu or triggers");
+    throw Error(in.string() + ": has no stream that the output format supports; expected events, frames, imu or triggers");
 }
 
-/// Where the elements go: a file of one of the formats.
-class Output {
- public:
-  virtual ~Output() = default;
-  virtual void write(std::int32_t stream_id, std::span<const Event> events) = 0;
-  virtual void write(std::int32_t, std::span<const ImuSample>) {}  // what it cannot hold does not come
-  virtual void write(std::int32_t, std::span<const Trigger>) {}
-  virtual void write(std::int32_t, const Frame&) {}
-  virtual std::uint64_t steps_back() const { return 0; }
-  virtual void close() = 0;
-};
-
-class Aedat4Output : public Output {
- public:
-  Aedat4Output(const fs::path& file, std::vector<Stream> streams, Compression compression)
-      : writer_(file, std::move(streams), {.compression = compression}) {}
-  void write(std::int32_t id, std::span<const Event> events) override { writer_.write_events(id, events); }
-  void write(std::int32_t id, std::span<const ImuSample> samples) override { writer_.write_imu(id, samples); }
-  void write(std::int32_t id, std::span<const Trigger> triggers) override { writer_.write_triggers(id, triggers); }
-  void write(std::int32_t id, const Frame& frame) override { writer_.write_frame(id, frame); }
-  void close() override { writer_.close(); }
-
- private:
-  RecordingWriter writer_;
-};
-
-class Hdf5Output : public Output {
- public:
-  Hdf5Output(const fs::path& file, std::span<const Stream> streams) : writer_(file, streams) {}
-  using Output::write;
-  void write(std::int32_t id, std::span<const Event> events) override { writer_.write_events(id, events); }
-  void write(std::int32_t id, std::span<const ImuSample> samples) override { writer_.write_imu(id, samples); }
-  void write(std::int32_t id, std::span<const Trigger> triggers) override { writer_.write_triggers(id, triggers); }
-  void close() override { writer_.close(); }
-
- private:
-  Hdf5RecordingWriter writer_;
-};
-
-/// CSV or NPZ: the events of one stream.
-template <class Writer>
-class EventOutput : public Output {
- public:
-  template <class... Arguments>
-  explicit EventOutput(Arguments&&... arguments) : writer_(std::forward<Arguments>(arguments)...) {}
-  using Output::write;
-  void write(std::int32_t, std::span<const Event> events) override { writer_.write(events); }
-  std::uint64_t steps_back() const override { return writer_.steps_back(); }
-  void close() override { writer_.close(); }
-
- private:
-  Writer writer_;
-};
-
-std::unique_ptr<Output> open_output(const fs::path& file, const fs::path& in, const ConvertSummary& summary) {
-  std::vector<Stream> streams;
-  const auto check_size = [&](const Stream& stream) {
-    if (stream.type == StreamType::events && !stream.size) {
-      throw Error(fmt::format("{}: its events have no sensor size (stream {}); expected a stream that declares one, or --crop",
-                              in.string(), stream.id));
-    }
-  };
-  for (const ConvertedStream& kept : summary.streams) streams.push_back(kept.stream);
-  switch (summary.to) {
-    case RecordingFormat::csv:
-      return std::make_unique<EventOutput<EventCsvWriter>>(file);
-    case RecordingFormat::npz:
-      check_size(streams.front());
-      return std::make_unique<EventOutput<EventNpzWriter>>(file, *summary.size);
-    case RecordingFormat::hdf5:
-      return std::make_unique<Hdf5Output>(file, streams);
-    case RecordingFormat::aedat4:
-      std::for_each(streams.begin(), streams.end(), check_size);
-      break;
-  }
-  return std::make_unique<Aedat4Output>(file, std::move(streams), *summary.compression);
-}
-
-/// The way of every element from input to output: cut, cropped, counted.
+/// Passes every element from input to output: cut, cropped, counted.
 class Passage {
  public:
   Passage(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary)
@@ -249,11 +121,11 @@ class Passage {
         whole_(out, options.replace ? IfThere::replace : IfThere::refuse),
         output_(open_output(whole_.path(), in, summary)) {}
 
-  /// Tells when the first element is; else what is passed first is it.
+  /// Gives the time of the first element. Without this call, it is the time of the first that is passed.
   void begin_at(CameraTime first) { cut_.begin_at(first); }
 
-  /// Where the elements of this stream go; nothing if they are left out.
-  ConvertedStream* place_of(std::int32_t stream_id) {
+  /// The output stream of this stream's elements; nullptr if they are omitted.
+  ConvertedStream* output_stream(std::int32_t stream_id) {
     const auto found = std::find_if(summary_.streams.begin(), summary_.streams.end(),
                                     [&](const ConvertedStream& s) { return s.stream.id == stream_id; });
     return found == summary_.streams.end() ? nullptr : &*found;
@@ -291,14 +163,14 @@ class Passage {
   }
 
   void finish() {
-    if (cut_.asked() && !written_.first && summary_.cropped_events == 0)
-      throw Error(fmt::format("{}: the cut {} us leaves nothing; {}, and a '+' in front counts from the first of them",
+    if (cut_.is_limited() && !written_.first && summary_.cropped_events == 0)
+      throw Error(fmt::format("{}: the cut {} us contains no element; {}. A '+' before a time counts from the first element",
                               in_.string(), cut_.text(), text_of(all_)));
     const bool any = std::any_of(summary_.streams.begin(), summary_.streams.end(), [](const ConvertedStream& s) {
       return s.elements > 0 && (s.stream.type == StreamType::events || s.stream.type == StreamType::frames);
     });
     if (summary_.cropped_events > 0 && !any) {
-      throw Error(fmt::format("{}: the crop leaves none of {} events; expected a region where there are some", in_.string(),
+      throw Error(fmt::format("{}: the crop contains none of {} events; expected a region with events", in_.string(),
                               summary_.cropped_events));
     }
     summary_.first_in = all_.first;
@@ -325,8 +197,8 @@ class Passage {
     output_->write(to.stream.id, inside);
   }
 
-  /// Notes the time of an element that is about to be written.
-  /// @throws Error  that names the input, if it steps back and the output is a recording, whose times never fall
+  /// Records the time of an element that is about to be written.
+  /// @throws Error  that names the input, if the time steps back and the output is a recording, whose times never fall
   void note_time(const ConvertedStream& to, CameraTime t) {
     written_.add(t);
     if (holds_one_stream(summary_.to)) return;
@@ -334,19 +206,19 @@ class Passage {
     if (!is_first && t < newest->second) {
       throw Error(
           fmt::format("{}: stream {} goes back in time, from {} to {} us; expected times that never fall: CSV and NPZ "
-                      "keep events as they are, and a cut leaves the step out, with --from-us above {} or --to-us up to {}",
+                      "keep events as they are; --from-us above {} or --to-us up to {} omits the step",
                       in_.string(), to.stream.id, us_of(newest->second), us_of(t), us_of(newest->second), us_of(t)));
     }
     newest->second = t;
   }
 
   fs::path in_;
-  Cut cut_;
+  TimeCut cut_;
   std::optional<PixelRegion> crop_;
   ConvertSummary& summary_;
   WholeFile whole_;
-  std::unique_ptr<Output> output_;
-  TimeRange all_, written_;
+  std::unique_ptr<RecordingOutput> output_;
+  TimesSeen all_, written_;
   std::map<std::int32_t, CameraTime> newest_;  ///< written of each stream
   std::vector<Event> events_kept_, events_cropped_;
   std::vector<ImuSample> imu_kept_;
@@ -361,14 +233,14 @@ void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertO
   Passage passage(in, out, options, summary);
   std::optional<CameraTime> first;
   for (const PacketRecord& packet : recording.packets()) {
-    if (packet.elements > 0 && passage.place_of(packet.stream_id) != nullptr)
+    if (packet.elements > 0 && passage.output_stream(packet.stream_id) != nullptr)
       first = std::min(first.value_or(packet.first), packet.first);
   }
   if (first) passage.begin_at(*first);
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
-    ConvertedStream* const to = passage.place_of(packet.stream_id);
-    if (to == nullptr) continue;  // every packet of a kept stream is read: the data table's times may be wrong
+    ConvertedStream* const to = passage.output_stream(packet.stream_id);
+    if (to == nullptr) continue;  // all packets are read, because the data table's times may be wrong
     switch (to->stream.type) {
       case StreamType::events:
         passage.pass(*to, std::span<const Event>(recording.read_events(packet)));
@@ -398,12 +270,14 @@ void convert_from_hdf5(const fs::path& in, const fs::path& out, const ConvertOpt
   Passage passage(in, out, options, summary);
   std::vector<std::int32_t> ids;
   for (const ConvertedStream& kept : summary.streams) ids.push_back(kept.stream.id);
-  const auto pass = [&](const Stream& stream, const auto& elements) { passage.pass(*passage.place_of(stream.id), elements); };
+  const auto pass = [&](const Stream& stream, const auto& elements) {
+    passage.pass(*passage.output_stream(stream.id), elements);
+  };
   recording.read(ids, {.events = pass, .imu = pass, .triggers = pass}, progress);
   passage.finish();
 }
 
-/// The sensor that a CSV's events need, 0x0 without events; checks every line on the way.
+/// The smallest sensor that contains a CSV's events, 0x0 without events. Checks every line.
 SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
   EventCsvReader csv(in);
   int last_x = -1, last_y = -1;
@@ -423,7 +297,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
   if (!size) {
     const SensorSize extent = extent_of(in, progress);
     if (extent.width == 0)
-      throw Error(in.string() + ": no events to tell the sensor's size from; expected events, or --size WxH");
+      throw Error(in.string() + ": has no events, so the sensor's size is unknown; expected events, or --size WxH");
     size = size_that_holds(extent);
     summary.size_guessed = true;
   }
@@ -448,10 +322,15 @@ std::string_view name_of(RecordingFormat format) {
   return names.at(static_cast<std::size_t>(format));
 }
 
-RecordingFormat recording_format_of(const fs::path& file) {
+std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+RecordingFormat recording_format_of(const fs::path& file) {
+  const std::string extension = lower_extension(file);
   if (extension == ".aedat4") return RecordingFormat::aedat4;
   if (extension == ".csv") return RecordingFormat::csv;
   if (extension == ".h5" || extension == ".hdf5") return RecordingFormat::hdf5;
@@ -467,7 +346,7 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   summary.to = recording_format_of(out);
   check_options(options, summary.from, summary.to);
   if (!fs::exists(in)) throw Error(in.string() + ": no such file; expected a recording");
-  if (!fs::is_regular_file(in)) throw Error(in.string() + ": is no regular file; expected a recording, which is read in places");
+  if (!fs::is_regular_file(in)) throw Error(in.string() + ": is not a regular file; expected a recording");
   check_target(out, in, options.replace);
   switch (summary.from) {
     case RecordingFormat::csv:

@@ -20,17 +20,17 @@ namespace {
 constexpr std::size_t record_bytes = 13;
 constexpr std::size_t buffered_records = 65'536;
 constexpr std::size_t array_head_bytes = 192;  // a multiple of 64, as NumPy aligns data, with room for any count
-constexpr std::uint32_t no_size = 0xFFFFFFFF;  // the true one stands in the 64-bit field
+constexpr std::uint32_t no_size = 0xFFFFFFFF;  // the real size is in the 64-bit field
 constexpr std::uint16_t zip_version = 45;      // 64-bit sizes
 constexpr std::uint16_t first_day = 0x0021;    // 1 January 1980, the earliest date that ZIP knows
 
-/// A value's bytes, little-endian as every machine that we build for has them.
+/// Appends a value's bytes. All supported machines are little-endian.
 template <class T>
 void put(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// What stands in front of an array's values, `size` bytes long.
+/// The head before an array's values, `size` bytes long.
 std::string array_head(std::string_view type, std::string_view shape, std::size_t size) {
   std::string head("\x93NUMPY\x01\x00", 8);
   const std::string text = fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': ({},), }}", type, shape);
@@ -51,7 +51,7 @@ struct Entry {
   std::uint32_t crc = 0;
 };
 
-/// What an entry's local and central headers share.
+/// The common part of an entry's local and central header.
 void put_common(std::string& bytes, const Entry& entry, std::uint16_t extra_size) {
   put<std::uint16_t>(bytes, zip_version);
   put<std::uint16_t>(bytes, 0);  // flags
@@ -90,7 +90,7 @@ std::string central_header(const Entry& entry) {
   put<std::uint16_t>(bytes, 0);               // first disk
   put<std::uint16_t>(bytes, 0);               // no text
   put<std::uint32_t>(bytes, 0100644U << 16);  // a plain file
-  put<std::uint32_t>(bytes, no_size);         // its place likewise
+  put<std::uint32_t>(bytes, no_size);         // its real place is in the 64-bit field
   bytes += entry.name;
   put_sizes(bytes, entry, 24);
   put<std::uint64_t>(bytes, entry.offset);
@@ -109,11 +109,11 @@ std::string archive_end(std::uint64_t entries, std::uint64_t directory_at, std::
   put<std::uint64_t>(bytes, entries);
   put<std::uint64_t>(bytes, directory_size);
   put<std::uint64_t>(bytes, directory_at);
-  put<std::uint32_t>(bytes, 0x07064b50);  // where that record stands
+  put<std::uint32_t>(bytes, 0x07064b50);  // the place of that record
   put<std::uint32_t>(bytes, 0);
   put<std::uint64_t>(bytes, directory_at + directory_size);
   put<std::uint32_t>(bytes, 1);
-  put<std::uint32_t>(bytes, 0x06054b50);  // the end that old readers look for
+  put<std::uint32_t>(bytes, 0x06054b50);  // the end record for old readers
   put<std::uint16_t>(bytes, 0);
   put<std::uint16_t>(bytes, 0);
   put<std::uint16_t>(bytes, 0xFFFF);

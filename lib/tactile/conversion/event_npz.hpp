@@ -9,12 +9,12 @@
 
 namespace tactile {
 
-/// Writes events as NumPy's `np.load(file)["events"]` has them: one structured array with the fields t_us (int64), x, y (uint16)
-/// and on (uint8), little-endian, 13 bytes each without gaps; and `sensor_size`, int32 [width, height]. The entries of the ZIP
-/// archive are stored as they are, in its 64-bit form, without times: the same events give the same bytes, of any number.
+/// Writes events for NumPy. `np.load(file)["events"]` is a structured array with the fields t_us (int64), x, y (uint16) and
+/// on (uint8), little-endian, 13 bytes each without gaps. `sensor_size` is int32 [width, height]. The entries of the ZIP archive
+/// are stored uncompressed, in the 64-bit form, without times: the same events always give the same bytes.
 ///
-/// Written from front to back with a fixed buffer; the head of the array, which counts the events, is filled in at the end. That
-/// is why no library writes the archive: they ask for an entry's contents only once they are all there.
+/// The file is written from front to back with a fixed buffer. The head of the array has the number of events and is written
+/// last. ZIP libraries do not allow that: they need an entry's complete contents at once.
 ///
 /// Source: NumPy's NEP 1 (format 1.0) and PKWARE's APPNOTE 6.3 (4.3.7, 4.3.9 to 4.3.16, 4.5.3).
 class EventNpzWriter {
@@ -25,9 +25,9 @@ class EventNpzWriter {
   EventNpzWriter(EventNpzWriter&&) noexcept;
   EventNpzWriter& operator=(EventNpzWriter&&) noexcept;
 
-  void write(std::span<const Event> events);  ///< places must be >= 0. @throws Error if the disk does not take them
+  void write(std::span<const Event> events);  ///< coordinates must be >= 0. @throws Error if writing fails
   std::uint64_t steps_back() const;           ///< in time, so far
-  void close();                               ///< ends the file; nothing may be written after. @throws Error likewise
+  void close();                               ///< completes the file; no further writes. @throws Error if writing fails
 
  private:
   struct State;

@@ -14,21 +14,22 @@
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
 
-// A recording as plain HDF5, which h5py opens as it is: `/events` (t_us, x, y, on), `/imu` (t_us, temperature_c, acceleration_g,
-// angular_rate_dps, magnetic_field_ut) and `/triggers` (t_us, type), one table a column, in compressed chunks. Of several streams
-// of one type the first has the plain name and each further one its id behind it, `/events_4`. docs/format.md has the types.
+// A recording as plain HDF5, readable by h5py: `/events` (t_us, x, y, on), `/imu` (t_us, temperature_c, acceleration_g,
+// angular_rate_dps, magnetic_field_ut) and `/triggers` (t_us, type). Each column is a table with compressed chunks. The first
+// stream of a type has the plain name; further streams append their id, `/events_4`. docs/format.md lists the types.
 namespace tactile {
 
-/// Writes one. Memory follows the chunk. Not for several threads at once.
+/// Writes such a file. Memory follows the chunk. Not thread-safe.
 class Hdf5RecordingWriter {
  public:
-  /// Streams of events, IMU and triggers. @throws Error if there is another, or the file cannot be made
+  /// @param streams  of events, IMU and triggers
+  /// @throws Error  if a stream has another type, or the file cannot be made
   Hdf5RecordingWriter(const std::filesystem::path& file, std::span<const Stream> streams);
   ~Hdf5RecordingWriter();
   Hdf5RecordingWriter(Hdf5RecordingWriter&&) noexcept;
   Hdf5RecordingWriter& operator=(Hdf5RecordingWriter&&) noexcept;
 
-  /// Places must be >= 0. @throws Error, as its siblings, if a stream's time goes back: what reads the file refuses that
+  // Each throws Error if a stream's time goes back, because readers refuse such files. Coordinates must be >= 0.
   void write_events(std::int32_t stream_id, std::span<const Event> events);
   void write_imu(std::int32_t stream_id, std::span<const ImuSample> samples);
   void write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers);
@@ -39,13 +40,13 @@ class Hdf5RecordingWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Reads one, also if another program made it: whole numbers of any width, a stream's attributes where they are there. A process
-/// of its own does the reading, since HDF5 may crash on a damaged file (`hdf5::read_apart`).
+/// Reads such a file, also from another program: integers may have any width, and the streams' attributes are optional. A
+/// separate process reads it, because HDF5 may crash on a damaged file (`hdf5::read_apart`).
 class Hdf5RecordingReader {
  public:
-  /// `size`, `source`: of the events where the file does not say them; it is an error to give what it says.
-  /// @throws Error  if the file is none, lacks a column, its columns differ in length, hold another type or shape, or claim more
-  ///                than the file can hold; or if it is the events file of a dataset
+  /// @param size, source  of the events, if the file does not declare them; otherwise they are an error
+  /// @throws Error  if the file is no such recording: a column is missing, has another length, type or shape, or claims more than
+  ///                the file can contain; or if it is the events file of a dataset
   explicit Hdf5RecordingReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt,
                                const std::optional<std::string>& source = std::nullopt);
   ~Hdf5RecordingReader();
@@ -54,15 +55,15 @@ class Hdf5RecordingReader {
 
   std::span<const Stream> streams() const;
 
-  /// Takes what is read, piece by piece.
+  /// Receives what is read, piece by piece.
   struct Taker {
     std::function<void(const Stream&, std::span<const Event>)> events;
     std::function<void(const Stream&, std::span<const ImuSample>)> imu;
     std::function<void(const Stream&, std::span<const Trigger>)> triggers;
   };
-  /// Reads the streams with these ids, their pieces by time so that they lie beside each other in what is made of them. Progress
-  /// counts elements.
-  /// @throws Error  that names the table and row of a time that goes back, or a value out of range
+  /// Reads the streams with these ids. Their pieces come in order of time, so that an output interleaves them. Progress counts
+  /// elements.
+  /// @throws Error  that names the table and the row of a time that goes back, or of a value out of range
   void read(std::span<const std::int32_t> stream_ids, const Taker& taker, const ProgressCallback& progress = {});
 
  private:

@@ -18,14 +18,14 @@ namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr microseconds sorted_span{20'000};                 // messages of several threads overlap by less
-constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; a faster camera's are sorted over less time
+constexpr microseconds sorted_span{20'000};                 // messages of several threads overlap by less than this
+constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; those of a faster camera are sorted over less time
 
 bool is_of_an_arm(const ToolPose& pose) {
   return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < beyond_any_arm; });
 }
 
-/// A speed over several steps is no higher than the highest of them.
+/// The mean speed over several steps is at most the highest speed of a step.
 bool is_reached(const ToolPose& before, const ToolPose& after) {
   const double most = beyond_any_arm * 1e-6 * static_cast<double>((after.t - before.t).count());
   const std::array<double, 3> turn = rotation_vector(turn_between(before.turn, after.turn));

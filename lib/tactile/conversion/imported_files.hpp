@@ -17,7 +17,7 @@
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/video/video_writer.hpp"
 
-// The files of a run, made of a bag's messages as they come.
+// The files of a run, written from a bag's messages.
 namespace tactile {
 
 /// A text file written line by line.
@@ -38,17 +38,17 @@ class LineFile {
   std::unique_ptr<std::FILE, Closer> file_;
 };
 
-/// Events into a recording in the order of time: each is held back while others may come before it, for 20 ms of the newest's
-/// time, and of a very fast camera for less. What comes later still is dropped and counted.
+/// Writes events to a recording in the order of time. It holds every event back until the newest is 20 ms later, for less with a
+/// very fast camera. Events that come later than that are dropped and counted.
 class EventSorter {
  public:
   EventSorter(RecordingWriter& writer, std::int32_t stream_id) : writer_(writer), stream_id_(stream_id) {}
 
   void add(std::span<const Event> events);
-  void finish();  ///< writes all that waits
+  void finish();  ///< writes all waiting events
 
   std::uint64_t written() const { return count_; }
-  std::uint64_t sorted() const { return sorted_; }  ///< that came out of order
+  std::uint64_t sorted() const { return sorted_; }  ///< events that came out of order
   std::uint64_t late() const { return late_; }      ///< dropped
   CameraTime first() const { return first_; }       ///< of those that are written
   CameraTime last() const { return last_; }
@@ -64,14 +64,14 @@ class EventSorter {
   bool is_sorted_ = true;
 };
 
-/// robot.csv, a row behind what comes: a row's speed needs the row behind it.
+/// robot.csv. A row is written when the next pose comes, because its speed depends on that pose.
 class ImportedRobotLog {
  public:
-  /// @param joints  where the joints are at first; nothing if the log has none
+  /// @param joints  the first positions of the joints; nothing if the log has none
   ImportedRobotLog(const std::filesystem::path& file, std::optional<JointPositions> joints);
 
-  void set(const JointPositions& joints);  ///< of the rows to come; those that it does not name stay where they are
-  /// Whether the row is later than the one before, and one that an arm could have come to; another is left out.
+  void set(const JointPositions& joints);  ///< for the next rows; joints that it does not name keep their positions
+  /// Adds a row. @return  false, and the row is omitted, if it is not later than the one before or an arm cannot reach it
   bool add(const ToolPose& pose, HostTime received);
   std::uint64_t rows() const { return rows_; }
   void close();
@@ -95,7 +95,7 @@ class ImportedFilm {
  public:
   ImportedFilm(const RunFolder& run, SensorSize size);
 
-  /// Whether the frame has the film's size and is later than the one before; another is left out.
+  /// Adds a frame. @return  false, and the frame is omitted, if it has another size or is not later than the one before
   bool add(const RosImage& image, HostTime received);
   std::uint64_t frames() const { return frames_; }
   std::optional<HostTime> first() const { return first_; }  ///< stamp

@@ -9,7 +9,7 @@
 
 namespace tactile {
 
-/// A rectangle of pixels; what lies in it is counted from its upper left corner once it is cut out.
+/// A rectangle of pixels. After a crop, coordinates count from its upper left corner.
 struct PixelRegion {
   int x = 0, y = 0;           ///< of its upper left corner, from the left, from the top [px] >= 0
   int width = 0, height = 0;  ///< [px] > 0
@@ -17,11 +17,11 @@ struct PixelRegion {
   friend bool operator==(const PixelRegion&, const PixelRegion&) = default;
 };
 
-/// Appends those of `events` that lie in the region to `kept`, their places counted from its corner.
+/// Appends the events inside the region to `kept`, with coordinates that count from its corner.
 void crop_events(std::span<const Event> events, const PixelRegion& region, std::vector<Event>& kept);
 
-/// The part of the frame that lies in the region, its position counted from the region's corner; nothing if none does.
-/// `bytes_per_pixel` of its format.
+/// The part of the frame inside the region, with a position that counts from the region's corner; nothing if they do not overlap.
+/// @param bytes_per_pixel  of the frame's format
 std::optional<Frame> cropped(const Frame& frame, const PixelRegion& region, std::size_t bytes_per_pixel);
 
 }  // namespace tactile

@@ -41,8 +41,8 @@ T number_at(Bytes bytes, std::size_t offset = 0) {
   return value;
 }
 
-/// The value of a field in a record's header, which is a row of lengths and `name=value`s; nothing if it is not there, or what is
-/// in front of it is broken.
+/// The value of a field in a record's header, which is a list of lengths and `name=value`s. Nothing if the field is missing, or a
+/// field before it is broken.
 std::optional<Bytes> field(Bytes header, std::string_view name) {
   while (header.size() >= 4) {
     const auto length = number_at<std::uint32_t>(header);
@@ -67,8 +67,7 @@ std::optional<std::string> text_field(Bytes header, std::string_view name) {
   return std::string(reinterpret_cast<const char*>(value->data()), value->size());
 }
 
-/// `stored` as bzip2 made it, into the front of `content`: whole only if it gives exactly `size` bytes; else what could be
-/// decompressed.
+/// Decompresses bzip2 to the front of `content`: whole only if it gives exactly `size` bytes; otherwise as much as possible.
 Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t size) {
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return {};
@@ -78,7 +77,7 @@ Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t siz
   } const end{stream};
   stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(stored.data()));
   stream.avail_in = static_cast<unsigned>(stored.size());
-  content.grow(size + 1, 0);  // one more than is right tells that it is too long; memory that is not written to takes none
+  content.grow(size + 1, 0);  // one byte more shows that it is too long; unused memory costs nothing
   std::size_t done = 0;
   while (done <= size) {
     const std::size_t room = size + 1 - done;
@@ -94,7 +93,7 @@ Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t siz
   return {.whole = false, .size = done};
 }
 
-/// What the front of an LZ4 frame gives, into the front of `content`; `size` bytes at the most.
+/// Decompresses the front of an LZ4 frame to the front of `content`, at most `size` bytes.
 std::size_t decompress_lz4_front(Bytes stored, PacketBuffer& content, std::size_t size) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) return 0;
@@ -125,7 +124,7 @@ struct RosBagReader::State {
   PacketBuffer stored, content;
   PacketDecompressor decompressor;
   Bytes rest;                ///< of the chunk being read
-  bool is_rest_cut = false;  ///< the file ends amid that chunk, which is counted already
+  bool is_rest_cut = false;  ///< the file ends inside that chunk, which is already counted
 
   void open(const fs::path& path) {
     name = path.string();
@@ -144,7 +143,7 @@ struct RosBagReader::State {
     at = magic.size();
   }
 
-  /// As far as the file goes.
+  /// Reads up to the end of the file.
   void read(std::uint64_t offset, std::span<std::byte> bytes) const {
     if (file.read_at(offset, bytes) >= 0) return;
     throw Error(fmt::format("{}: reading it failed half-way ({}); expected a readable file", name, std::strerror(errno)));
@@ -153,11 +152,11 @@ struct RosBagReader::State {
   struct Record {
     Bytes header;
     std::uint64_t data_at = 0;
-    std::uint32_t data_size = 0;  ///< that is there
-    bool is_cut = false;          ///< the file ends amid its data
+    std::uint32_t data_size = 0;  ///< in the file
+    bool is_cut = false;          ///< the file ends inside its data
   };
 
-  /// The next record of the file, its data not read yet; nothing where the file ends or is cut off, unless that is amid a chunk.
+  /// The next record of the file, without its data; nothing if the file ends or is cut off, except inside a chunk.
   std::optional<Record> next_record() {
     const auto cut_off = [this] {
       problems.truncated_bytes = size - at;
@@ -199,7 +198,7 @@ struct RosBagReader::State {
     if (!id || !topic || !type || !md5sum || connections.size() == most_connections) {
       ++problems.broken_records;
     } else {
-      connections.try_emplace(*id, BagConnection{*topic, *type, *md5sum});  // the index names them all once more
+      connections.try_emplace(*id, BagConnection{*topic, *type, *md5sum});  // the index repeats all of them
     }
   }
 
@@ -221,7 +220,7 @@ struct RosBagReader::State {
                       .data = data};
   }
 
-  /// Whether the chunk could be opened; `rest` is then what it holds, or of one that is cut off what can be had of its front.
+  /// Opens a chunk; `rest` then has its contents, or the readable front of an incomplete one. @return  whether that worked
   bool open_chunk(const Record& record) {
     const auto compression = text_field(record.header, "compression");
     const auto claimed = number_field<std::uint32_t>(record.header, "size");
@@ -236,7 +235,7 @@ struct RosBagReader::State {
     if (*compression == "lz4" && record.is_cut) {
       size_made = decompress_lz4_front(data, content, std::min<std::size_t>(*claimed, 255 * data.size()));
     } else if (*compression == "lz4") {
-      content.grow(std::min<std::size_t>(*claimed, 255 * data.size()) + lz4_spare, 0);  // else it grows by doubling
+      content.grow(std::min<std::size_t>(*claimed, 255 * data.size()) + lz4_spare, 0);  // otherwise it grows by doubling
       const Decompressed made = decompressor.decompress(Compression::lz4, data, content, *claimed);
       if (!made.whole || made.size != *claimed) return false;
     } else if (*compression == "bz2") {
@@ -250,7 +249,7 @@ struct RosBagReader::State {
     return true;
   }
 
-  /// The next message of the open chunk; nothing once it ends.
+  /// The next message of the open chunk; nothing at its end.
   std::optional<BagMessage> next_in_chunk() {
     while (!rest.empty()) {
       const auto part = [this]() -> std::optional<Bytes> {

@@ -19,12 +19,12 @@ constexpr std::pair<std::string_view, RosMessage> known_messages[] = {
     {"060021388200f6f0f447d0fcd9c64743", RosMessage::image},       {"6a62c6daae103f4ff57a132d6f95cec2", RosMessage::imu}};
 
 constexpr int most_pixels = std::numeric_limits<std::int16_t>::max();
-constexpr std::size_t most_events = std::size_t{8} << 20;  // of a message; those of drivers hold less than a hundredth of it
+constexpr std::size_t most_events = std::size_t{8} << 20;  // of a message; drivers send less than a hundredth of it
 constexpr std::size_t event_bytes = 13;                    // x, y, seconds, nanoseconds, polarity
 constexpr std::size_t libcaer_event_bytes = 8;             // place and polarity, microseconds
 constexpr double standard_gravity = 9.80665;               // [m/s^2]
 
-/// Reads a message from front to back. What lies beyond its end reads as 0 and leaves the cursor failed.
+/// Reads a message from front to back. Values after its end read as 0, and the cursor fails.
 class Cursor {
  public:
   explicit Cursor(Bytes bytes) : rest_(bytes) {}
@@ -47,7 +47,7 @@ class Cursor {
     rest_ = rest_.subspan(count);
     return bytes;
   }
-  /// How many elements of at least `least_bytes` each follow; fails if so many cannot.
+  /// The number of elements that follow, of at least `least_bytes` each; fails if the message is too short for them.
   std::size_t count(std::size_t least_bytes) {
     const auto elements = number<std::uint32_t>();
     if (elements > rest_.size() / least_bytes) ok_ = false;
@@ -61,7 +61,7 @@ class Cursor {
     const Bytes bytes = array(1);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  /// Seconds and nanoseconds; the latter may not reach a second.
+  /// Seconds and nanoseconds, less than 10^9 of them.
   std::int64_t stamp_us() {
     const std::int64_t seconds = number<std::uint32_t>();
     const std::int64_t nanoseconds = number<std::uint32_t>();
@@ -107,7 +107,7 @@ void add_event(RosEvents& into, std::int64_t t_us, unsigned x, unsigned y, bool 
   event.on = on ? 1 : 0;
 }
 
-/// The camera driver's own structs: bit 1 the polarity, 15 bits y, 15 bits x; then the lower 31 bits of the time.
+/// The camera driver's structs: bit 1 the polarity, 15 bits y, 15 bits x; then the lower 31 bits of the time.
 void decode_libcaer(Bytes data, std::int64_t base_ns, RosEvents& into) {
   constexpr std::int64_t overflow_us = std::int64_t{1} << 31;
   std::int64_t carried_us = 0, previous = 0;
@@ -121,7 +121,7 @@ void decode_libcaer(Bytes data, std::int64_t base_ns, RosEvents& into) {
   }
 }
 
-/// Words of 16 bits, what they are in the upper four. Times count from the message's base.
+/// Words of 16 bits, with their kind in the upper four. Times count from the message's base.
 void decode_compressed(Bytes data, std::int64_t base_ns, RosEvents& into) {
   enum Code : unsigned { time_high, time_low, address_x, address_y, vector_base_y, vector_8 };
   unsigned high = 0, low = 0, x = 0, base_y = 0;
@@ -157,7 +157,7 @@ void decode_compressed(Bytes data, std::int64_t base_ns, RosEvents& into) {
         base_y += 8;
         break;
       default:
-        break;  // codes of a later writer that carry no event we know
+        break;  // codes of a newer writer, without known events
     }
   }
 }
@@ -265,7 +265,7 @@ bool decode_tool_poses(Bytes message, std::vector<ToolPose>& into, std::uint64_t
     const double length = std::sqrt(pose.turn[0] * pose.turn[0] + pose.turn[1] * pose.turn[1] + pose.turn[2] * pose.turn[2] +
                                     pose.turn[3] * pose.turn[3]);
     const bool is_place = std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::isfinite(along); });
-    if (!is_place || !(std::abs(length - 1) < 0.1)) {  // a rotation of another length was never one
+    if (!is_place || !(std::abs(length - 1) < 0.1)) {  // a quaternion of another length is not a rotation
       ++unusable;
       continue;
     }

@@ -14,16 +14,16 @@
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 
-// The messages that a run is made of, in ROS 1's serialisation. Each decoder checks every length before it uses it, and gives
-// nothing where the bytes are not such a message, or hold more than 8 million events.
+// Decoders for the messages of a run, in ROS 1's serialisation. They check every length before use. They fail if the bytes are
+// not such a message, or have more than 8 million events.
 namespace tactile {
 
-/// What a topic is to us. One type's definition has one MD5 sum, whatever its name: tf/tfMessage is tf2_msgs/TFMessage.
+/// The type of a message. The MD5 sum identifies the definition, whatever its name: tf/tfMessage is tf2_msgs/TFMessage.
 enum class RosMessage : std::uint8_t { other, event_array, event_packet, joint_state, transforms, image, imu };
 
-RosMessage ros_message_with(std::string_view md5sum);  ///< `other` if it is none of ours
+RosMessage ros_message_with(std::string_view md5sum);  ///< `other` if it is unknown
 
-/// Events as a message carries them, in its order.
+/// The events of a message, in its order.
 struct RosEvents {
   SensorSize size;
   std::vector<Event> events;
@@ -35,8 +35,8 @@ struct RosEvents {
 /// dvs_msgs/EventArray.
 bool decode_event_array(std::span<const std::byte> message, RosEvents& into);
 
-/// event_camera_msgs/EventPacket in the encodings libcaer, libcaer_cmp and mono. A packet in another, or of big-endian numbers,
-/// is decoded up to its `encoding` only.
+/// event_camera_msgs/EventPacket in the encodings libcaer, libcaer_cmp and mono. Of a packet in another encoding, or with
+/// big-endian numbers, only the part up to `encoding` is decoded.
 enum class PacketDecoding : std::uint8_t { whole, broken, other_encoding };
 PacketDecoding decode_event_packet(std::span<const std::byte> message, RosEvents& into);
 
@@ -55,7 +55,7 @@ struct ToolPose {
   std::array<double, 4> turn{};   ///< quaternion x, y, z, w, of length 1
 };
 
-/// Every transform base -> tool0_controller of a tf2_msgs/TFMessage. `unusable` counts those whose numbers are no pose.
+/// Every transform base -> tool0_controller of a tf2_msgs/TFMessage. `unusable` counts those that are not a valid pose.
 bool decode_tool_poses(std::span<const std::byte> message, std::vector<ToolPose>& into, std::uint64_t& unusable);
 
 /// The rotation as axis times angle [rad], the angle at most pi.
@@ -66,7 +66,7 @@ std::array<double, 4> turn_between(const std::array<double, 4>& before, const st
 struct RosImage {
   HostTime t;            ///< its stamp
   std::string encoding;  ///< such as "bgr8"
-  cv::Mat pixels;        ///< 8-bit grey or BGR; empty if the encoding is none of those below
+  cv::Mat pixels;        ///< 8-bit grey or BGR; empty if the encoding is not listed below
 };
 
 /// sensor_msgs/Image: mono8, 8UC1, mono16, 16UC1 (the upper 8 bits), bgr8, 8UC3, rgb8, bgra8, 8UC4, rgba8.

@@ -8,7 +8,7 @@
 namespace tactile {
 namespace {
 
-/// Rounded, and held where int64 ends: a labels.json may hold any drift.
+/// Rounded, and limited to int64: labels.json may contain any drift.
 std::int64_t whole_us(double us) {
   constexpr double limit = 9.2e18;
   return std::isnan(us) ? 0 : std::llround(std::clamp(us, -limit, limit));

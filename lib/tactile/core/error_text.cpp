@@ -13,7 +13,7 @@
 namespace tactile {
 namespace {
 
-/// A kind of JSON value, of the library's name for it.
+/// A type of JSON value, from the library's name for it.
 std::string kind_in_words(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kinds{{{"null", "null"},
                                                                                 {"object", "an object"},
@@ -24,10 +24,10 @@ std::string kind_in_words(std::string_view name) {
   for (const auto& [theirs, ours] : kinds) {
     if (name.starts_with(theirs)) return std::string(ours);
   }
-  return "a value of another kind";
+  return "a value of another type";
 }
 
-/// What stands between `before` and `after` in `text`; empty if they do not stand there.
+/// The part of `text` between `before` and `after`; empty if they are not there.
 std::string_view between(std::string_view text, std::string_view before, std::string_view after) {
   const std::size_t begin = text.find(before);
   if (begin == std::string_view::npos) return {};
@@ -45,8 +45,8 @@ std::string plain_words(std::string_view text) {
   if (text.find("array index ") != std::string_view::npos) return "is a list that is too short";
   if (const auto found = between(text, ") with ", ""); !found.empty())
     return "is " + kind_in_words(found) + "; expected an object or a list";
-  if (text.find("out_of_range") != std::string_view::npos) return "holds a number that is too large";
-  return "is not laid out as expected";
+  if (text.find("out_of_range") != std::string_view::npos) return "contains a number that is too large";
+  return "has an unexpected structure";
 }
 
 std::string sentence_of(const std::exception& error, std::string_view about) {
@@ -59,7 +59,7 @@ std::string sentence_of(const std::exception& error, std::string_view about) {
   if (dynamic_cast<const nlohmann::json::exception*>(&error) != nullptr)
     return begin + "a value in a JSON file " + plain_words(error.what()) + "; expected a file as tactile writes it";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr || dynamic_cast<const std::length_error*>(&error) != nullptr)
-    return begin + "memory does not suffice; expected more of it, fewer --threads, or a smaller recording";
+    return begin + "not enough memory; expected more memory, fewer --threads, or a smaller recording";
   return begin + error.what();
 }
 

@@ -33,14 +33,14 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
 
 std::string_view without_dashes(std::string_view name) { return name.substr(std::min(name.find_first_not_of('-'), name.size())); }
 
-/// One letter in three at most is another, or one name is a piece of the other.
+/// At most one letter in three differs, or one name is part of the other.
 bool are_near(std::string_view a, std::string_view b, std::size_t edits) {
   const std::size_t longer = std::max(a.size(), b.size()), shorter = std::min(a.size(), b.size());
   if (edits < longer && edits <= std::max<std::size_t>(1, longer / 3)) return true;
   return shorter >= 3 && (a.find(b) != std::string_view::npos || b.find(a) != std::string_view::npos);
 }
 
-/// How many lists and objects lie within each other at the deepest; brackets inside texts do not count.
+/// The depth of nested lists and objects; brackets inside texts do not count.
 std::size_t depth_of(std::string_view text) {
   std::size_t depth = 0, deepest = 0;
   bool in_text = false;
@@ -60,23 +60,23 @@ std::size_t depth_of(std::string_view text) {
   return deepest;
 }
 
-/// What may stand where the parser stopped, in words, of its message that ends in "expected …"; a value where it does not say.
+/// What the parser expected where it stopped, from its message that ends in "expected …"; a value if it names nothing.
 std::string right_there(const std::string& message) {
   const std::string said = "expected ";
   const std::size_t begin = message.rfind(said);
   const std::string expected = begin == std::string::npos ? "" : message.substr(begin + said.size());
   if (expected == "string literal") return "a name in double quotes";
-  if (expected == "end of input") return "nothing behind the one value";
+  if (expected == "end of input") return "nothing after the value";
   if (expected == "'}'") return "',' or '}'";
   if (expected == "']'") return "',' or ']'";
-  if (expected == "':'") return "':' behind the name";
+  if (expected == "':'") return "':' after the name";
   return message.find("object key") != std::string::npos
              ? "a name in double quotes"
              : "a value: a text in double quotes, a number, true, false, null, a list "
                "or an object";
 }
 
-/// The word at `place`, or what else stands there, for people.
+/// The word at `place`, or a description of what is there.
 std::string word_at(std::string_view text, std::size_t place) {
   constexpr std::string_view ends = " \t\r\n,:[]{}";
   if (place >= text.size()) return "the end of the file";
@@ -94,7 +94,7 @@ std::string word_at(std::string_view text, std::size_t place) {
 }
 
 std::string what_is_no_json(std::string_view text, const nlohmann::json::parse_error& error) {
-  // It counts the bytes read, the first as 1; what it read last is what does not belong there.
+  // It counts the bytes read from 1; the last byte read is the wrong one.
   std::size_t place = error.byte > 0 ? error.byte - 1 : 0;
   const std::string message = error.what();
   const bool is_open_text = message.find("invalid string") != std::string::npos;
@@ -102,14 +102,15 @@ std::string what_is_no_json(std::string_view text, const nlohmann::json::parse_e
   const std::size_t line = 1 + static_cast<std::size_t>(std::count(
                                    text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(place, text.size())), '\n'));
   const std::string where = "line " + std::to_string(line) + " is no JSON";
-  if (is_open_text) return where + ": a text is not ended or holds what it may not; expected it in double quotes, on one line";
+  if (is_open_text)
+    return where + ": a text is not closed, or contains an invalid character; expected it in double quotes, on one line";
   return where + " at " + word_at(text, place) + "; expected " + right_there(message) + " there";
 }
 
 }  // namespace
 
 nlohmann::json read_json(const std::filesystem::path& file) {
-  constexpr std::size_t deepest = 100;  // copying and printing go down level by level, and the stack ends
+  constexpr std::size_t deepest = 100;  // copying and printing are recursive, and the stack is limited
   const std::string text = read_text(file, std::size_t{8} << 20);
   if (depth_of(text) > deepest)
     throw Error(file.string() + ": nests values " + std::to_string(depth_of(text)) + " deep; expected at most " +
@@ -135,7 +136,7 @@ std::string hash_of(const nlohmann::json& json) { return sha256_of(json_text(jso
 
 std::string differences(const nlohmann::json& before, const nlohmann::json& now) {
   constexpr std::size_t most = 4;
-  // By their paths: a value that only one of them has is null in the other.
+  // By path: a value that only one of them has is null in the other.
   const nlohmann::json flat_before = before.flatten(), flat_now = now.flatten();
   std::map<std::string, std::pair<nlohmann::json, nlohmann::json>> others;
   for (const auto& [path, value] : flat_before.items()) {

@@ -8,7 +8,7 @@
 namespace tactile {
 namespace {
 
-/// A value for a message: a number or a short text as it stands, anything else by its kind.
+/// A value for a message: a number or a short text itself, anything else by its type.
 std::string shown(const nlohmann::json& json) {
   constexpr std::size_t longest = 40;
   if (json.is_object()) return "an object";
@@ -78,7 +78,7 @@ double FieldReader::number(std::string_view name, const nlohmann::json& json, do
 std::int64_t FieldReader::whole_number(std::string_view name, const nlohmann::json& json, double low, double high) const {
   const std::string expected = "a whole number from " + from_to(low, high);
   if (!json.is_number_integer() || !lies_in(json.get<double>(), low, high)) refuse(name, json, expected);
-  // A bound of 2^63 itself would pass as a double.
+  // As a double, a limit of 2^63 would be accepted.
   if (json.is_number_unsigned() && !std::in_range<std::int64_t>(json.get<std::uint64_t>())) refuse(name, json, expected);
   return json.get<std::int64_t>();
 }

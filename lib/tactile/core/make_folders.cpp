@@ -16,7 +16,8 @@ void make_folders(const fs::path& folder) {
   const fs::path above = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
   make_folders(above);
   fs::create_directory(folder, failed);
-  if (failed) throw Error(folder.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
+  if (failed)
+    throw Error(folder.string() + ": the folder cannot be created (" + failed.message() + "); expected a writable place");
   sync_to_disk(above);
 }
 

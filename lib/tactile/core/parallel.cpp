@@ -30,7 +30,7 @@ void parallel_for(std::size_t count, unsigned threads, const std::function<void(
   try {
     for (std::size_t i = 1; i < std::min<std::size_t>(threads, count); ++i) helpers.emplace_back(take_work);
   } catch (const std::system_error&) {
-    // The machine gives no more threads: those that are there do the work.
+    // No more threads can be created: the existing ones do the work.
   }
   take_work();
   for (std::thread& helper : helpers) helper.join();

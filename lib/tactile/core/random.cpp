@@ -9,7 +9,7 @@
 namespace tactile {
 
 std::uint64_t Random::below(std::uint64_t count) {
-  const std::uint64_t unfair = (0 - count) % count;  // 2^64 mod count: so many values would come up once too often
+  const std::uint64_t unfair = (0 - count) % count;  // 2^64 mod count: these values would be too frequent by one
   std::uint64_t value = engine_();
   while (value < unfair) value = engine_();
   return value % count;
@@ -23,7 +23,7 @@ double Random::normal() {
 double Random::exponential() { return -std::log1p(-uniform()); }
 
 std::uint64_t Random::poisson(double mean) {
-  if (mean > 256.0) {  // the bell is indistinguishable by then
+  if (mean > 256.0) {  // a normal distribution is indistinguishable here
     const double drawn = std::round(mean + std::sqrt(mean) * normal());
     return drawn > 0.0 ? static_cast<std::uint64_t>(drawn) : 0;
   }

@@ -5,10 +5,6 @@
 
 namespace tactile {
 
-double median(std::span<const double> values) {
-  return values.size() % 2 == 1 ? upper_median(values) : (lower_median(values) + upper_median(values)) / 2;
-}
-
 std::vector<double> distances_from(double centre, std::span<const double> values) {
   std::vector<double> distances(values.begin(), values.end());
   for (double& value : distances) value = std::abs(value - centre);

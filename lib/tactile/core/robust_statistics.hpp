@@ -9,13 +9,13 @@
 
 namespace tactile {
 
-// Statistics that a few wild values do not move. None changes what it is given; each gives 0 where there are no values. Values
-// that are not doubles name their type: upper_median<float>(residuals).
+// Statistics that a few outliers do not change. None changes its argument; each gives 0 where there are no values. Values that
+// are not doubles name their type: median<float>(residuals).
 
 /// The median of |x| of normal noise around 0, times this, is the standard deviation: 1 / the quantile of the normal at 3/4.
 inline constexpr double sigma_per_median = 1.4826;
 
-/// The value that `rank` others do not exceed, were they sorted. @param rank  from 0, below their number
+/// The value at place `rank` of the sorted values. @param rank  from 0, below their number
 template <class T = double, class Less = std::less<T>>
 T value_of_rank(std::span<const std::type_identity_t<T>> values, std::size_t rank, Less less = {}) {
   if (values.empty()) return T{};
@@ -25,20 +25,23 @@ T value_of_rank(std::span<const std::type_identity_t<T>> values, std::size_t ran
   return *place;
 }
 
-/// The middle value; of two in the middle the lower.
+/// The middle value; of two in the middle their mean, for whole numbers rounded towards the lower.
+template <class T = double>
+T median(std::span<const std::type_identity_t<T>> values) {
+  if (values.empty()) return T{};
+  std::vector<T> copy(values.begin(), values.end());
+  const auto upper = copy.begin() + static_cast<std::ptrdiff_t>(copy.size() / 2);
+  std::nth_element(copy.begin(), upper, copy.end());
+  if (copy.size() % 2 == 1) return *upper;
+  const T lower = *std::max_element(copy.begin(), upper);
+  return static_cast<T>(lower + (*upper - lower) / 2);
+}
+
+/// The middle value; of two in the middle the lower: always one of the values.
 template <class T = double>
 T lower_median(std::span<const std::type_identity_t<T>> values) {
   return value_of_rank<T>(values, values.empty() ? 0 : (values.size() - 1) / 2);
 }
-
-/// The middle value; of two in the middle the upper.
-template <class T = double>
-T upper_median(std::span<const std::type_identity_t<T>> values) {
-  return value_of_rank<T>(values, values.size() / 2);
-}
-
-/// The middle value; of two in the middle their mean.
-double median(std::span<const double> values);
 
 /// |x - centre| of each. Their median around the values' own median is the median absolute deviation.
 std::vector<double> distances_from(double centre, std::span<const double> values);
@@ -75,8 +78,8 @@ struct UncertainPoint {
 /// Source: P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, JASA 63 (1968).
 double theil_sen_gradient(std::span<const UncertainPoint> points);
 
-/// What a residual counts in a sum of squares so that it pulls no harder than one of 1.345: min(1, 1.345 / residual). On normal
-/// noise this costs 5 % of the efficiency.
+/// The weight of a residual in a sum of squares, such that its influence is at most that of a residual of 1.345:
+/// min(1, 1.345 / residual). On normal noise this costs 5 % of the efficiency.
 /// @param residual  its absolute value, in standard deviations
 /// Source: P. J. Huber, Robust estimation of a location parameter, Annals of Mathematical Statistics 35 (1964).
 double huber_weight(double residual);

@@ -16,13 +16,13 @@ namespace {
 
 bool is_compared(const std::string& name) { return name != "labels.json" && name != "run.json"; }
 
-/// A name that leads nowhere but into the run's own folder.
+/// Whether a name is a file in the run's folder.
 bool is_plain_name(const std::string& name) {
   return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos &&
          name.find('\0') == std::string::npos;
 }
 
-/// What is wrong with the file listed as `entry`; empty if nothing is.
+/// What is wrong with the file of `entry`; empty if nothing is.
 std::string fault_in(const fs::path& file, const nlohmann::json& entry, FileComparison comparison,
                      const std::function<void(std::uint64_t)>& tell_bytes) {
   const std::string where = "run.json: '" + file.filename().string() + "'";

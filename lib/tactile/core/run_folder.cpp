@@ -41,7 +41,7 @@ fs::path recording_in(const fs::path& folder) {
   if (why && why != std::errc::no_such_file_or_directory)
     throw Error(file.string() + ": cannot be read (" + why.message() + "); expected a readable recording");
   const std::vector<RunFolder> runs = fs::is_directory(folder, why) ? find_runs(folder) : std::vector<RunFolder>{};
-  if (runs.empty()) throw Error(folder.string() + ": holds no events.aedat4; expected a run's folder or a recording");
+  if (runs.empty()) throw Error(folder.string() + ": has no events.aedat4; expected a run folder or a recording");
   throw Error(folder.string() + ": is a folder of " + (runs.size() == 1 ? "a run" : std::to_string(runs.size()) + " runs") +
               "; expected one run, such as " + runs.front().folder.string());
 }

@@ -16,7 +16,7 @@ constexpr int most_runs = 99;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// `02.discarded-1`, as `record` renames a run that is done again.
+/// `02.discarded-1`, as `record` renames a run that is redone.
 bool is_discarded(std::string_view name) {
   constexpr std::string_view middle = ".discarded-";
   if (name.size() <= 2 + middle.size() || !is_run_id(name.substr(0, 2)) || name.substr(2, middle.size()) != middle) return false;
@@ -28,7 +28,7 @@ std::string name_of(const fs::path& folder) { return folder.filename().string();
 
 std::string id_of(int number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
-/// The one number from 1 to 99 in `name`; 0 if it holds none or several.
+/// The number from 1 to 99 in `name`; 0 if there is none, or several.
 int number_in(std::string_view name) {
   int number = 0, count = 0;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -42,7 +42,7 @@ int number_in(std::string_view name) {
   return count == 1 && number <= most_runs ? number : 0;
 }
 
-/// The first id that `taken` lacks, `wished` before all others; empty if it has all of them.
+/// The first id that is not in `taken`, with `wished` first; empty if all are.
 std::string free_id(const std::set<std::string>& taken, int wished) {
   if (wished > 0 && !taken.contains(id_of(wished))) return id_of(wished);
   for (int number = 1; number <= most_runs; ++number) {
@@ -58,7 +58,7 @@ std::string not_readable(const fs::path& path, const std::error_code& why) {
 /// What is there by a name: `folder` stands for a file where a recording is asked for.
 enum class Found { nothing, it, unreadable };
 
-/// @param why  set where it is unreadable
+/// @param why  set if it is unreadable
 Found look_at(const fs::path& path, fs::file_type type, std::error_code& why) {
   const fs::file_status status = fs::status(path, why);
   if (status.type() == type) return Found::it;
@@ -68,7 +68,7 @@ Found look_at(const fs::path& path, fs::file_type type, std::error_code& why) {
   return leads_nowhere ? Found::unreadable : Found::nothing;
 }
 
-/// The names in a folder, and those of them that are folders.
+/// The names in a folder, and its subfolders.
 struct Listing {
   std::set<std::string> names;
   std::vector<fs::path> folders;  ///< by name, without hidden ones and discarded runs
@@ -80,7 +80,7 @@ class Search {
     const Listing objects = listing_of(data, is_object_name);
     taken_ = objects.names;
     for (const fs::path& object : objects.folders) look_into(object, taken_);
-    // Without any object they are the runs of one, whose own folder was asked for.
+    // Without any object, `data` is the folder of an object, and these are its runs.
     for (const fs::path& folder : in_place_of_objects_) {
       if (!found_.runs.empty()) report_recording_in_place_of_object(folder, taken_);
     }
@@ -91,7 +91,7 @@ class Search {
   RunsBelow found() && { return std::move(found_); }
 
  private:
-  /// What cannot be read counts as an object or a run if it bears the name of one.
+  /// An unreadable entry counts as an object or a run if it has the name of one.
   Listing listing_of(const fs::path& folder, bool (*is_named_well)(std::string_view)) {
     Listing listing;
     std::error_code failed;
@@ -144,14 +144,14 @@ class Search {
     const bool is_number = object.find_first_not_of("0123456789") == std::string::npos;
     if (found_.runs.empty() && is_number) return report_run(folder, names_beside);
     found_.misnamed.push_back(folder.string() +
-                              ": is left out, since it holds a recording where an object's runs belong; move it to " +
+                              ": is left out, because it has a recording where an object's runs belong; move it to " +
                               (folder.parent_path() / (is_number ? "<object>" : object) / "01").string());
   }
 
   void report_run(const fs::path& run, std::set<std::string>& taken) {
     const int wished = number_in(name_of(run));
     const std::string needed = free_id(taken, wished);
-    const std::string begin = run.string() + ": is left out, since a run's name is two digits from 01 on; ";
+    const std::string begin = run.string() + ": is left out, because a run's name is two digits from 01 on; ";
     if (needed.empty()) {
       found_.misnamed.push_back(begin + "rename it, once one of 01 to 99 is free");
       return;
@@ -166,7 +166,7 @@ class Search {
     const std::string needed = needed_object_name(name_of(object));
     std::string text = object.string() +
                        (recordings == 1 ? ": its run is" : ": its " + std::to_string(recordings) + " runs are") +
-                       " left out, since an object's name is lower-case letters, digits and inner hyphens; ";
+                       " left out, because an object's name is lower-case letters, digits and inner hyphens; ";
     if (needed.empty()) {
       text += "rename it, such as to usb-hub";
     } else if (taken.contains(needed)) {
@@ -180,8 +180,8 @@ class Search {
   }
 
   RunsBelow found_;
-  std::set<std::string> taken_;                ///< names in the data folder, and those that were proposed
-  std::vector<fs::path> in_place_of_objects_;  ///< folders of a recording that are named as runs are
+  std::set<std::string> taken_;                ///< names in the data folder, and proposed ones
+  std::vector<fs::path> in_place_of_objects_;  ///< folders with a recording and the name of a run
 };
 
 std::set<std::string> names_in(const fs::path& folder) {

@@ -56,7 +56,7 @@ std::string sha256_of_file(const std::filesystem::path& file, const std::functio
     digest.add(std::string_view(chunk.data(), static_cast<std::size_t>(in.gcount())));
     if (tell_bytes) tell_bytes(static_cast<std::uint64_t>(in.gcount()));
   }
-  if (in.bad()) throw Error(file.string() + ": reading it failed half-way; expected a readable file");
+  if (in.bad()) throw Error(file.string() + ": reading it failed; expected a readable file");
   return digest.hex();
 }
 

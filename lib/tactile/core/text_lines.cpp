@@ -62,7 +62,7 @@ std::string shell_word(const std::string& text) {
     return std::isalnum(c) != 0 || std::string_view("-_./,=+:@%").find(static_cast<char>(c)) != std::string_view::npos;
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  // Double quotes where they will do: commands are told within single ones.
+  // Double quotes if possible: messages quote commands in single ones.
   if (text.find_first_of("$`\"\\!") == std::string::npos) return "\"" + text + "\"";
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

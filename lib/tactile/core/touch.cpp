@@ -22,7 +22,7 @@ Touch touch_named(std::string_view name) {
   for (const Touch touch : all_touches) {
     if (name_of(touch) == name) return touch;
   }
-  throw Error("'" + std::string(name) + "' is no touch; expected none, press or slip");
+  throw Error("'" + std::string(name) + "' is not a touch; expected none, press or slip");
 }
 
 }  // namespace tactile

@@ -46,7 +46,7 @@ void remove_parts_in(const fs::path& folder, std::string_view prefix) {
     const int lock = ::open((part / lock_name).c_str(), O_RDWR | O_CLOEXEC);
     std::error_code ignored;
     if (lock < 0) {
-      if (errno == ENOENT) ::rmdir(part.c_str());  // killed before it had a lock: empty, or not ours
+      if (errno == ENOENT) ::rmdir(part.c_str());  // killed before it was locked: it is empty, or belongs to another program
       continue;
     }
     if (::flock(lock, LOCK_EX | LOCK_NB) == 0) fs::remove_all(part, ignored);
@@ -73,16 +73,16 @@ int result_of(int call) { return call == 0 ? 0 : errno; }
 int rename_with(const fs::path& from, const fs::path& to, unsigned flags) {
   return result_of(::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags));
 }
-/// Network file systems may know no flags of renameat2, old kernels no such call.
+/// Network file systems may not support the flags of renameat2, old kernels not the call.
 bool is_unsupported(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
 
-/// Gives `from` the name `to` unless that is taken: 0, EEXIST if it is, or what went wrong.
+/// Renames `from` to `to` unless `to` exists. @return  0, EEXIST, or another errno
 int rename_if_free(const fs::path& from, const fs::path& to) {
   const int error = rename_with(from, to, RENAME_NOREPLACE);
   if (!is_unsupported(error)) return error;
   if (is_there(to)) return EEXIST;
   if (!fs::is_directory(from)) {
-    const int linked = result_of(::link(from.c_str(), to.c_str()));  // a second name: fails if it is taken by now
+    const int linked = result_of(::link(from.c_str(), to.c_str()));  // a second name: fails if `to` exists
     if (linked == 0) return result_of(::unlink(from.c_str()));
     if (linked != EPERM && linked != EOPNOTSUPP) return linked;
   }
@@ -90,17 +90,17 @@ int rename_if_free(const fs::path& from, const fs::path& to) {
   return renamed == ENOTEMPTY || renamed == ENOTDIR ? EEXIST : renamed;
 }
 
-/// Gives the folder `from` the name `to`; a folder that has it then has the name `from`. 0, or what went wrong.
+/// Renames the folder `from` to `to`, and an existing folder `to` to `from`. @return  0 or errno
 int exchange_folders(const fs::path& from, const fs::path& to) {
   for (;;) {
     if (is_there(to) && !fs::is_directory(to)) return ENOTDIR;
     int error = rename_with(from, to, RENAME_EXCHANGE);
-    if (error == ENOENT) {  // nothing to exchange it with, unless another process is faster
+    if (error == ENOENT) {  // `to` does not exist, unless another process is faster
       error = rename_if_free(from, to);
       if (error == EEXIST) continue;
     }
     if (!is_unsupported(error)) return error;
-    // Not in one step then: the old folder keeps a name of its own meanwhile, which nothing removes as a leftover.
+    // Not in one step: the old folder has a temporary name that is never removed as a leftover.
     const fs::path aside = folder_of(to) / ("." + to.filename().string() + ".replaced");
     std::error_code failed;
     fs::rename(to, aside, failed);
@@ -118,7 +118,7 @@ int exchange_folders(const fs::path& from, const fs::path& to) {
 
 [[noreturn]] void throw_not_in_place(const fs::path& target, int error) {
   throw Error(target.string() + ": cannot be put in place (" + std::strerror(error) + "); expected a writable folder" +
-              (error == EISDIR || error == ENOTDIR ? ", and no folder in place of a file or the reverse" : ""));
+              (error == EISDIR || error == ENOTDIR ? ", and no folder in place of a file, or the reverse" : ""));
 }
 
 fs::path without_slash(fs::path target) {
@@ -132,11 +132,11 @@ PartFolder::PartFolder(const fs::path& target) {
   const fs::path folder = folder_of(target);
   make_folders(folder);
   remove_leftovers(target);
-  // Another process that looks for leftovers may take the folder for one until it is locked: then the next one is made.
+  // Another process may remove the folder as a leftover until it is locked: then the next one is created.
   for (;;) {
     std::string name = (folder / (part_prefix(target) + std::string(random_part))).string();
     if (::mkdtemp(name.data()) == nullptr) {
-      throw Error(target.string() + ": cannot be written, its folder takes no file (" + std::strerror(errno) +
+      throw Error(target.string() + ": cannot be written, because no file can be created in its folder (" + std::strerror(errno) +
                   "); expected a writable folder with room");
     }
     path_ = name;
@@ -147,7 +147,7 @@ PartFolder::PartFolder(const fs::path& target) {
       ::rmdir(path_.c_str());
       throw Error(target.string() + ": cannot be written (" + std::strerror(reason) + "); expected a writable place with room");
     }
-    // Where a disk locks no files, no process takes what it finds for a leftover.
+    // If a disk does not support locks, no process removes leftovers.
     static_cast<void>(::flock(lock_, LOCK_EX));
     struct stat lock {};
     if (::fstat(lock_, &lock) != 0 || lock.st_nlink > 0) return;
@@ -229,7 +229,7 @@ std::string read_text(const fs::path& file, std::size_t limit) {
     if (!unknown && size > limit)
       throw Error(file.string() + ": " + std::to_string(size) + " bytes long; expected at most " + std::to_string(limit));
   }
-  // A pipe has no size, one of /proc says 0, and a file may grow meanwhile: what comes is what counts.
+  // A pipe has no size, a file in /proc has size 0, and a file may grow meanwhile: only the bytes read count.
   std::string text;
   while (in) {
     const std::size_t had = text.size(), wanted = std::min(std::max(first_read, had), limit - had + 1);
@@ -240,7 +240,7 @@ std::string read_text(const fs::path& file, std::size_t limit) {
       throw Error(file.string() + ": more than " + std::to_string(limit) + " bytes long; expected at most " +
                   std::to_string(limit));
   }
-  if (!in.eof()) throw Error(file.string() + ": reading it failed half-way; expected a readable file");
+  if (!in.eof()) throw Error(file.string() + ": reading it failed; expected a readable file");
   return text;
 }
 

@@ -8,13 +8,13 @@
 
 namespace tactile {
 
-/// When what happens in camera time is on the host at the earliest: a line that lies below the arrivals of the last ten seconds.
+/// The earliest host time for each camera time: a line below the arrivals of the last ten seconds.
 ///
 ///   host - host_0 = (1 + drift) * (camera - camera_0) + offset
 ///
-/// An element may come late and never early, so no arrival lies below the line, and of all such lines it is the one whose delays
-/// are the least in sum. Drift is 0 until two seconds are known, and within 200 ppm then, as of two quartz clocks. Asks for no
-/// memory after the first ten seconds.
+/// An element can arrive late, but never early. Therefore no arrival lies below the line, and of all such lines it has the least
+/// sum of delays. Drift is 0 until two seconds are known, and then within 200 ppm, as of two quartz clocks. No memory is
+/// allocated after the first ten seconds.
 class ArrivalLine {
  public:
   ArrivalLine() { lowest_.reserve(most_points + 1), hull_.reserve(most_points + 1); }
@@ -26,9 +26,9 @@ class ArrivalLine {
   bool is_known() const { return known_; }
   double drift_ppm() const { return 1e6 * drift_; }
 
-  // Both held at the ends of their clocks; once it is known.
+  // Limited to the range of their clocks; only once the line is known.
   HostTime host_of(CameraTime t) const;
-  CameraTime camera_of(HostTime t) const;  ///< the inverse, to the microsecond or so
+  CameraTime camera_of(HostTime t) const;  ///< the inverse, within about a microsecond
 
   void restart() { known_ = false, lowest_.clear(), drift_ = offset_ = 0; }
 
@@ -45,7 +45,7 @@ class ArrivalLine {
   CameraTime camera_begin_{};
   HostTime host_begin_{};
   std::vector<Point> lowest_;  ///< ascending
-  std::vector<Point> hull_;    ///< of them, while a line is fitted
+  std::vector<Point> hull_;    ///< lower hull of `lowest_`, while a line is fitted
   double drift_ = 0, offset_ = 0;
 };
 

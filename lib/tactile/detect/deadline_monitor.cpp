@@ -8,7 +8,7 @@ namespace tactile {
 
 using std::chrono::nanoseconds;
 
-/// Below `steps` ns each has a bin of its own; from there on each octave has `steps` of them.
+/// Each nanosecond below `steps` has its own bin; above, each octave has `steps` bins.
 std::size_t DurationHistogram::bin_of(std::uint64_t ns) {
   if (ns < steps) return ns;
   const auto octave = static_cast<unsigned>(std::bit_width(ns)) - static_cast<unsigned>(std::bit_width(steps));
@@ -70,12 +70,12 @@ void to_json(nlohmann::json& json, const DurationHistogram& histogram) {
 }
 
 double DeadlineMonitor::Counts::missed_share() const {
-  const std::uint64_t all = told + skipped;
+  const std::uint64_t all = reported + skipped;
   return all > 0 ? static_cast<double>(missed()) / static_cast<double>(all) : 0;
 }
 
 void DeadlineMonitor::add(const TickTimes& times, std::uint64_t skipped) {
-  ++counts_.told;
+  ++counts_.reported;
   counts_.skipped += skipped;
   const nanoseconds work = times.rendering + times.network + times.output;
   rendering_.add(times.rendering);

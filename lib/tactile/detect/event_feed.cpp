@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 
@@ -13,9 +14,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds source_patience{50};  // within it the thread sees that it shall stop
+constexpr milliseconds source_patience{50};  // after which the thread checks whether to stop
 constexpr milliseconds first_pause{50}, longest_pause{1'000};
-constexpr microseconds between_tellings{1'000'000};
+constexpr microseconds between_reports{1'000'000};
 
 }  // namespace
 
@@ -23,9 +24,9 @@ const Stream& events_of(const CameraSource& source) {
   for (const Stream& stream : source.streams()) {
     if (stream.type != StreamType::events) continue;
     if (stream.size) return stream;
-    throw Error(source.name() + ": its events declare no size; expected their sensor's");
+    throw Error(source.name() + ": its events declare no size; expected the sensor's");
   }
-  throw Error(source.name() + ": has no stream of events; expected a source that has");
+  throw Error(source.name() + ": has no stream of events; expected one");
 }
 
 EventFeed::EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, EventFeedOptions options)
@@ -38,7 +39,7 @@ EventFeed::EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, E
 EventFeed::~EventFeed() { stop(); }
 
 void EventFeed::start() {
-  thread_ = std::thread([this] { options_.receives_ahead ? receive_all() : open_when_gone(); });
+  thread_ = std::thread([this] { options_.receives_ahead ? receive_all() : open_when_lost(); });
 }
 
 void EventFeed::stop() {
@@ -47,7 +48,7 @@ void EventFeed::stop() {
     stops_ = true;
   }
   wake_.notify_all();
-  queue_.close();  // nobody waits for room any more
+  queue_.close();  // ends a wait for room
   if (thread_.joinable()) thread_.join();
 }
 
@@ -67,9 +68,7 @@ SourceDrops EventFeed::drops() const {
   return drops += drops_;
 }
 
-void EventFeed::say(const char* kind, const std::string& text) const {
-  if (options_.fault) options_.fault({kind, text, host_now()});
-}
+void EventFeed::report(const char* kind, const std::string& text) const { options_.fault({kind, text, host_now()}); }
 
 void EventFeed::receive_all() {
   if (options_.prepare) options_.prepare();
@@ -78,26 +77,26 @@ void EventFeed::receive_all() {
     const std::scoped_lock lock(guard_);
     return stops_;
   };
-  for (bool goes_on = true; goes_on && !stops();) {
+  for (bool continues = true; continues && !stops();) {
     switch (receive(source_patience)) {
       case Outcome::packet:
         hand_over();
         break;
       case Outcome::nothing:
         break;
-      case Outcome::gone:
+      case Outcome::lost:
         if (queue_.push(packet_, true)) packet_ = queue_.take();
-        goes_on = open_again();
+        continues = open_again();
         break;
       case Outcome::over:
-        goes_on = false;
+        continues = false;
     }
   }
   queue_.close();
 }
 
-/// Opening takes long, and verdicts go on meanwhile.
-void EventFeed::open_when_gone() {
+/// A separate thread, because opening takes long, and verdicts continue meanwhile.
+void EventFeed::open_when_lost() {
   for (;;) {
     {
       std::unique_lock lock(guard_);
@@ -114,10 +113,10 @@ void EventFeed::open_when_gone() {
 
 bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) {
   if (options_.receives_ahead) return queue_.pop(packet, patience);
-  if (is_gone_) {
-    const bool goes_on = queue_.pop(packet, patience);
-    is_gone_ = packet.empty();
-    return goes_on;
+  if (is_lost_) {
+    const bool continues = queue_.pop(packet, patience);
+    is_lost_ = packet.empty();
+    return continues;
   }
   if (!queue_.is_open()) return false;
   if (packet_.empty()) packet_ = queue_.take();
@@ -128,9 +127,9 @@ bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microse
       break;
     case Outcome::nothing:
       break;
-    case Outcome::gone: {
+    case Outcome::lost: {
       packet = std::exchange(packet_, {});
-      is_gone_ = true;
+      is_lost_ = true;
       const std::scoped_lock lock(guard_);
       opens_ = true;
       wake_.notify_all();
@@ -143,11 +142,11 @@ bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microse
   return true;
 }
 
-/// Into `packet_`, which is empty and of the next `source_index` where the source is gone.
+/// Receives into `packet_`. If the source is lost, `packet_` is empty and has the next `source_index`.
 EventFeed::Outcome EventFeed::receive(microseconds patience) {
   CameraPacket& elements = packet_.front().elements;
   elements.clear();
-  const auto keep_drops = [this] {  // why the source is gone says it all
+  const auto keep_drops = [this] {  // without a report: the error says more
     const std::scoped_lock lock(guard_);
     drops_ = source_->drops();
   };
@@ -157,24 +156,24 @@ EventFeed::Outcome EventFeed::receive(microseconds patience) {
       case CameraSource::Received::packet:
         note_arrival();
         if (options_.see) options_.see(elements);
-        // One of another stream tells no verdict.
+        // Packets of other streams lead to no verdict.
         if (!elements.events.empty() || elements.empty()) outcome = Outcome::packet;
         break;
       case CameraSource::Received::nothing:
         break;
       case CameraSource::Received::ended:
         keep_drops();
-        return Outcome::over;  // as it should: it is not waited for
+        return Outcome::over;
     }
   } catch (const Error& e) {
     keep_drops();
-    return leave(e.what());
+    return lose(e.what());
   }
   note_drops();
   return outcome;
 }
 
-/// Makes it the empty packet that tells of another `source_index`.
+/// Makes it the empty packet that shows a new `source_index`.
 void EventFeed::mark(QueuedPacket& packet) const {
   packet.elements.clear();
   packet.source_index = index_;
@@ -185,7 +184,7 @@ void EventFeed::note_arrival() {
   QueuedPacket& packet = packet_.front();
   packet.source_index = index_;
   packet.arrived = packet.elements.arrived.value_or(host_now());
-  // While it was decoded others may have come.
+  // Others may have arrived while it was decoded.
   if (!options_.receives_ahead && !packet.elements.arrived) packet.elements.more_came = true;
 }
 
@@ -200,7 +199,7 @@ void EventFeed::hand_over() {
   }
 }
 
-/// Told at most once a second: damage mostly comes in heaps.
+/// Reports at most once a second: damage usually affects many packets.
 void EventFeed::note_drops() {
   const SourceDrops drops = source_->drops();
   if (!(drops == drops_)) {
@@ -210,18 +209,18 @@ void EventFeed::note_drops() {
   const LostElements all = drops.total();
   const std::uint64_t count = all.packets + all.events + all.others;
   const HostTime now = host_now();
-  if (count == drops_known_ || now - drops_told_ < between_tellings) return;
+  if (count == drops_known_ || now - drops_reported_ < between_reports) return;
   drops_known_ = count;
-  drops_told_ = now;
-  say("unsound", fmt::format("{}: {} packets and {} events so far could not be used: broken, outside the sensor, or earlier than "
-                             "those before them",
-                             name_, all.packets, all.events));
+  drops_reported_ = now;
+  report("unsound",
+         fmt::format("{}: {} packets and {} events so far could not be used: broken, outside the sensor, or back in time", name_,
+                     all.packets, all.events));
 }
 
-/// Why the source is gone is said once.
-EventFeed::Outcome EventFeed::leave(const std::string& why) {
+/// Reports once why the source is lost.
+EventFeed::Outcome EventFeed::lose(const std::string& why) {
   const bool tries = options_.open && options_.reconnect > milliseconds(0);
-  say("broken", why + (tries ? "; trying to open it again" : ""));
+  report("broken", why + (tries ? "; trying to open it again" : ""));
   const std::scoped_lock lock(guard_);
   if (!tries) {
     error_ = why;
@@ -229,15 +228,15 @@ EventFeed::Outcome EventFeed::leave(const std::string& why) {
   }
   drops_of_earlier_ += std::exchange(drops_, {});
   drops_known_ = 0;
-  why_gone_ = why, gone_at_ = host_now();
-  ++index_;  // what was known of the stream is not to be mixed with what comes
+  why_lost_ = why, lost_at_ = host_now();
+  ++index_;  // no verdict combines events from before and after
   mark(packet_.front());
-  return Outcome::gone;
+  return Outcome::lost;
 }
 
-/// That the source is back, or given up, is said once.
+/// Reports once that the source is back, or that the feed gave up.
 bool EventFeed::open_again() {
-  source_.reset();  // a camera opens but once, and some servers have one client
+  source_.reset();  // a camera can be open only once, and some servers accept one client
   std::string last_reason;
   milliseconds pause = first_pause;
   do {
@@ -248,25 +247,24 @@ bool EventFeed::open_again() {
     pause = std::min(2 * pause, longest_pause);
     try {
       std::unique_ptr<CameraSource> again = options_.open();
-      if (*events_of(*again).size != sensor_) throw Error(name_ + ": is another sensor now; expected one of the same size");
+      if (*events_of(*again).size != sensor_) throw Error(name_ + ": is another sensor now; expected the same size as before");
       source_ = std::move(again);
     } catch (const Error& e) {
       last_reason = e.what();
       continue;
     }
     ++index_, ++reopened_;
-    say("back", fmt::format("{}: is back after {:.1f} s", name_, 1e-6 * static_cast<double>((host_now() - gone_at_).count())));
+    report("back", fmt::format("{}: is back after {:.1f} s", name_, in_s(host_now() - lost_at_)));
     return true;
-  } while (host_now() - gone_at_ < options_.reconnect);
-  const microseconds tried = host_now() - gone_at_;
+  } while (host_now() - lost_at_ < options_.reconnect);
+  const microseconds tried = host_now() - lost_at_;
   const std::string prefix = name_ + ": ";
   if (last_reason.starts_with(prefix)) last_reason.erase(0, prefix.size());
-  say("gave up", fmt::format("{}gave up after {:.1f} s{}; expected it to be there again within {} s (--reconnect)", prefix,
-                             1e-6 * static_cast<double>(tried.count()), last_reason.empty() ? "" : " (" + last_reason + ")",
-                             1e-3 * static_cast<double>(options_.reconnect.count())));
+  report("gave up", fmt::format("{}gave up after {:.1f} s{}; expected it to be available again within {} s (--reconnect)", prefix,
+                                in_s(tried), last_reason.empty() ? "" : " (" + last_reason + ")", in_s(options_.reconnect)));
   const std::scoped_lock lock(guard_);
   gave_up_after_ = tried;
-  error_ = why_gone_;
+  error_ = why_lost_;
   return false;
 }
 

@@ -19,23 +19,23 @@
 namespace tactile {
 
 struct EventFeedOptions {
-  /// Opens the source again after it broke; one that cannot be opened again, such as a file, has none.
+  /// Opens the source again after it broke; empty if that is impossible.
   std::function<std::unique_ptr<CameraSource>()> open = {};
-  std::chrono::milliseconds reconnect{10'000};  ///< how long it is tried, >= 0
-  /// Whether a thread of its own receives; else whoever asks for the next packet does, which spares waking one thread by another.
-  /// That is for sources that tell when packets arrived, since they lie until they are asked for.
+  std::chrono::milliseconds reconnect{10'000};  ///< try to open it for this long, >= 0
+  /// Whether a separate thread receives packets. Otherwise `next` receives them, so that no thread has to wake another one. This
+  /// needs a source that reports arrival times, since packets wait until `next` is called.
   bool receives_ahead = true;
-  bool waits = false;                                 ///< for room in the queue; else what finds none is dropped and counted
-  std::function<void(const CameraPacket&)> see = {};  ///< shown every packet as it comes
-  /// Whether a packet is worth waking who takes them from the queue; each is if this is empty.
+  bool waits = false;  ///< wait for room in the queue; else packets without room are dropped and counted
+  std::function<void(const CameraPacket&)> see = {};  ///< called with every packet as it arrives
+  /// Whether a packet must wake the thread that waits in `next`; every packet does if this is empty.
   std::function<bool(const CameraPacket&)> wakes = {};
-  std::function<void()> prepare = {};  ///< done first on the thread that receives ahead
-  TellFault fault = {};
+  std::function<void()> prepare = {};  ///< called first on the thread that receives packets
+  ReportFault fault = [](const DetectionFault&) {};
 };
 
-/// Brings what a source sends until it ends, and opens the source again where it broke, on a thread of its own. Each opening has a
-/// `source_index` of its own, and so has each time between two: then one empty packet tells that the source is gone. What waits
-/// to be asked for is in a queue, which is closed when it is over.
+/// The packets of a source until it ends. If the source breaks, a separate thread opens it again. The packets of each opening
+/// have their own `source_index`. The time between two openings has one, too: an empty packet shows that the source is lost.
+/// Packets wait in a queue, which is closed in the end.
 class EventFeed final : public PacketSupply {
  public:
   /// @param queue  must outlive this
@@ -45,30 +45,30 @@ class EventFeed final : public PacketSupply {
   EventFeed& operator=(const EventFeed&) = delete;
 
   void start();
-  void stop();  ///< waits for what its thread is busy with, and closes the queue
+  void stop();  ///< waits for its thread, and closes the queue
 
   bool next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) override;
   void give_back(PacketQueue::Packet packet) override { queue_.give_back(std::move(packet)); }
   std::uint64_t lost_events() const override { return lost_.load(std::memory_order_relaxed); }
 
-  std::string error() const;  ///< why the source is gone for good; empty where it ended by itself
-  /// How long it was tried to open the source again before that was given up; nothing if it was not given up.
+  std::string error() const;  ///< why the source is lost; empty if it has ended
+  /// How long the feed tried to open the source again before it gave up; nothing if it did not give up.
   std::optional<microseconds> gave_up_after() const;
   SourceDrops drops() const;  ///< of all openings
   std::uint64_t reopened() const { return reopened_.load(std::memory_order_relaxed); }
 
  private:
-  enum class Outcome : std::uint8_t { packet, nothing, gone, over };
+  enum class Outcome : std::uint8_t { packet, nothing, lost, over };
   void receive_all();
-  void open_when_gone();
+  void open_when_lost();
   Outcome receive(microseconds patience);
   void mark(QueuedPacket& packet) const;
   void note_arrival();
   void hand_over();
   void note_drops();
-  Outcome leave(const std::string& why);
+  Outcome lose(const std::string& why);
   bool open_again();
-  void say(const char* kind, const std::string& text) const;
+  void report(const char* kind, const std::string& text) const;
 
   std::unique_ptr<CameraSource> source_;
   PacketQueue& queue_;
@@ -77,17 +77,17 @@ class EventFeed final : public PacketSupply {
   const SensorSize sensor_;
   std::size_t index_ = 0;
   PacketQueue::Packet packet_;  ///< to be filled
-  bool is_gone_ = false;        ///< the source, and so it is being opened; not where it is received ahead
+  bool is_lost_ = false;        ///< the source is being opened again; unused if a separate thread receives
   std::atomic<std::uint64_t> lost_{0}, reopened_{0};
-  HostTime drops_told_{};
+  HostTime drops_reported_{};
   std::uint64_t drops_known_ = 0;
 
-  HostTime gone_at_{};  ///< once it is, for whoever opens it
+  HostTime lost_at_{};  ///< for the thread that opens the source again
 
-  mutable std::mutex guard_;  ///< of all that follows; one thread alone writes `drops_`, and reads them without it
+  mutable std::mutex guard_;  ///< of all that follows; only one thread writes `drops_`, and reads them without it
   std::condition_variable wake_;
   bool stops_ = false, opens_ = false;
-  std::string why_gone_, error_;
+  std::string why_lost_, error_;
   std::optional<microseconds> gave_up_after_;
   SourceDrops drops_, drops_of_earlier_;
   std::thread thread_;

@@ -12,17 +12,16 @@
 
 namespace tactile {
 
-/// A source that gives what it is shown: so a stream is recorded while something else takes it. Where its memory is full packets
-/// are left out and counted, or waited with. It ends where the stream's time goes back, as it does when the camera begins anew:
-/// one recording has one clock.
+/// A source of copied packets, so that a stream can be recorded while a detector uses it. If its memory is full, it drops and
+/// counts packets, or waits. It ends where the stream's time goes back, as after a restart of the camera: a recording has one
+/// clock.
 class RecordedCopy final : public CameraSource {
  public:
-  /// @param original  must outlive this unless it is opened again; asked for what only it can do ahead of the first packet and
-  ///                  behind the last one
+  /// @param original  must outlive this, unless it is opened again; used before the first packet and after the last one
   RecordedCopy(CameraSource& original, bool waits);
 
   void put(const CameraPacket& packet);  ///< from one thread
-  void end();                            ///< nothing more will be put
+  void end();                            ///< after the last packet
   bool ended_early() const { return ended_early_; }
 
   std::string name() const override { return name_; }

@@ -16,17 +16,17 @@ struct RobotBitRule {
 
 /// When a bit that is high falls again.
 struct BitClearing {
-  bool never = false;    ///< not before the end
-  microseconds hold{0};  ///< so long, in camera time, after the last tick that raised it; >= 0
+  bool never = false;    ///< only at the end
+  microseconds hold{0};  ///< camera time after the last tick that raised it, >= 0
 };
 
-/// Bits for a robot from verdicts, tick by tick: high from the first tick that says what a bit stands for.
+/// Bits for a robot from verdicts, tick by tick. A bit rises at the first tick with one of its classes.
 class RobotBits {
  public:
   RobotBits(std::vector<RobotBitRule> rules, const BitClearing& clearing)
       : rules_(std::move(rules)), clearing_(clearing), raised_(rules_.size()) {}
 
-  /// The bits at the next tick, that of the first rule lowest.
+  /// The bits at the next tick; the first rule has the lowest bit.
   std::uint64_t next(CameraTime tick, Touch verdict) {
     for (std::size_t i = 0; i < rules_.size(); ++i) {
       if ((verdict == Touch::press && rules_[i].at_press) || (verdict == Touch::slip && rules_[i].at_slip)) raised_[i] = tick;
@@ -36,7 +36,7 @@ class RobotBits {
     return high();
   }
 
-  /// No verdict is known any more: what waits to fall falls.
+  /// No verdict is known any more: all bits fall, unless they never do.
   std::uint64_t forget() {
     if (!clearing_.never) raised_.assign(rules_.size(), std::nullopt);
     return high();

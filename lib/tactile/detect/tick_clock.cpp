@@ -6,14 +6,14 @@ namespace tactile {
 
 void TickClock::restart() {
   line_.restart();
-  first_event_.reset(), last_event_.reset(), last_told_.reset();
+  first_event_.reset(), last_event_.reset(), last_reported_.reset();
   next_ = 0;
   arrivals_.clear();
 }
 
 std::size_t TickClock::too_late(std::span<const Event> events) const {
-  if (!last_told_ || events.empty() || events.front().t >= *last_told_) return 0;
-  const auto is_late = [this](const Event& event) { return event.t < *last_told_; };
+  if (!last_reported_ || events.empty() || events.front().t >= *last_reported_) return 0;
+  const auto is_late = [this](const Event& event) { return event.t < *last_reported_; };
   return static_cast<std::size_t>(std::partition_point(events.begin(), events.end(), is_late) - events.begin());
 }
 
@@ -27,7 +27,7 @@ void TickClock::arrived(CameraTime first, CameraTime last, HostTime at) {
   last_event_ = last;
   const auto tick = next_tick();
   if (!tick || last < *tick) return;
-  // One that closes no further tick than the one before it tells nothing new.
+  // A packet that closes no further tick is not needed.
   if (arrivals_.empty() || ticks_until(last).count > ticks_until(arrivals_.back().last).count) arrivals_.push_back({last, at});
 }
 
@@ -61,7 +61,7 @@ std::optional<DueTick> TickClock::due(std::int64_t index, HostTime now) const {
     return tick;
   }
   if (closing == arrivals_.end()) return std::nullopt;
-  // Had the event that closes it not waited to be read, the host's time would have closed it.
+  // The closing event may have waited to be read: then the host's time closed the tick earlier.
   tick.closed = std::min(closing->at, by_host.value_or(closing->at));
   return tick;
 }
@@ -76,7 +76,7 @@ std::optional<DueTick> TickClock::newest(HostTime now) const {
   CameraTime until = *last_event_;
   if (host_closes()) until = std::max(until, line_.camera_of(now));
   std::int64_t index = std::min(all_.count, full_ticks(*first_event_, until, options_.history, options_.tick).count) - 1;
-  // By the host no tick closes before its slack is over: at first that many steps back.
+  // The host's time closes no tick before its slack is over: first go back by this many ticks.
   if (host_closes() && all_.at(std::max(index, next_)) > *last_event_) {
     const std::int64_t open = (std::max(options_.slack, longest_packet_) / options_.tick) + 1 +
                               between(*last_event_, until).count() / 10'000 / options_.tick.count();
@@ -98,9 +98,9 @@ std::optional<HostTime> TickClock::next_by_host() const {
   return closes_at(*tick);
 }
 
-void TickClock::told(const DueTick& tick) {
+void TickClock::reported(const DueTick& tick) {
   next_ += static_cast<std::int64_t>(tick.skipped) + 1;
-  last_told_ = tick.t;
+  last_reported_ = tick.t;
   const auto upcoming_tick = next_tick();
   const auto is_over = [&](const Arrival& arrival) { return !upcoming_tick || arrival.last < *upcoming_tick; };
   arrivals_.erase(arrivals_.begin(), std::find_if_not(arrivals_.begin(), arrivals_.end(), is_over));

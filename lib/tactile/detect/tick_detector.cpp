@@ -31,11 +31,11 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
   const Clock::time_point rendered = Clock::now();
   if (!verdict.gated) {
     const Logits logits = classify_(heatmap_);
-    verdict.said = verdict_of(logits);
+    verdict.predicted = verdict_of(logits);
     verdict.probabilities = probabilities_of(logits);
   }
   for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
-  verdict.verdict = confirmation_.next(verdict.said);
+  verdict.verdict = confirmation_.next(verdict.predicted);
   cost = {.rendering = rendered - begun, .network = Clock::now() - rendered};
   return verdict;
 }

@@ -6,17 +6,17 @@
 #include <utility>
 #include <vector>
 
-#include "tactile/detect/live_detector.hpp"
+#include "tactile/detect/reported_tick.hpp"
 
 namespace tactile {
 
-/// Takes ticks from the thread that tells them to one that shows and writes them, which may take its time. Of bounded size.
+/// Passes ticks from the thread that reports them to one that shows and writes them, which may be slow. Its size is bounded.
 class TickLog {
  public:
-  /// @param waits  where it is full, until there is room; else what finds none is left out and counted
+  /// @param waits  whether `add` waits for room; else ticks without room are left out and counted
   TickLog(std::size_t limit, bool waits) : limit_(limit), waits_(waits) { ticks_.reserve(limit); }
 
-  void add(const ToldTick& tick) {
+  void add(const ReportedTick& tick) {
     std::unique_lock lock(guard_);
     if (waits_) emptied_.wait(lock, [this] { return closed_ || ticks_.size() < limit_; });
     if (ticks_.size() < limit_) {
@@ -26,8 +26,8 @@ class TickLog {
     }
   }
 
-  /// All that came since, in place of what is in `ticks`, whose memory is used again.
-  void take(std::vector<ToldTick>& ticks) {
+  /// Replaces `ticks` by all ticks since the last call, and reuses its memory.
+  void take(std::vector<ReportedTick>& ticks) {
     ticks.clear();
     ticks.reserve(limit_);
     {
@@ -37,7 +37,7 @@ class TickLog {
     emptied_.notify_all();
   }
 
-  void close() {  ///< nobody waits any more
+  void close() {  ///< ends every wait for room
     {
       const std::scoped_lock lock(guard_);
       closed_ = true;
@@ -55,7 +55,7 @@ class TickLog {
   const bool waits_;
   mutable std::mutex guard_;
   std::condition_variable emptied_;
-  std::vector<ToldTick> ticks_;
+  std::vector<ReportedTick> ticks_;
   std::uint64_t left_out_ = 0;
   bool closed_ = false;
 };

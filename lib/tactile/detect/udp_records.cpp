@@ -32,16 +32,16 @@ class Writer {
   std::size_t at_ = 0;
 };
 
-std::uint32_t held(std::int64_t value) {
+std::uint32_t limited(std::int64_t value) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(value, 0, std::numeric_limits<std::uint32_t>::max()));
 }
-std::uint32_t held(std::uint64_t value) {
+std::uint32_t limited(std::uint64_t value) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(value, std::numeric_limits<std::uint32_t>::max()));
 }
 
 }  // namespace
 
-VerdictRecord verdict_record(const ToldTick& tick, HostTime sent) {
+VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent) {
   VerdictRecord record{};
   Writer writer(record);
   for (const char letter : {'T', 'A', 'C', 'V'}) writer.put(letter);
@@ -51,12 +51,12 @@ VerdictRecord verdict_record(const ToldTick& tick, HostTime sent) {
   writer.put(std::int64_t{us_of(tick.verdict.t)});
   writer.put(std::int64_t{us_of(sent)});
   for (const float probability : tick.verdict.probabilities) writer.put(probability);
-  writer.put(held(tick.verdict.events));
-  writer.put(held(std::int64_t{(sent - tick.due.closed).count()}));
-  writer.put(held(tick.due.skipped));
+  writer.put(limited(tick.verdict.events));
+  writer.put(limited(std::int64_t{(sent - tick.due.closed).count()}));
+  writer.put(limited(tick.due.skipped));
   writer.put(std::uint32_t{tick.beginning});
   writer.put(static_cast<std::uint8_t>(tick.verdict.verdict));
-  writer.put(static_cast<std::uint8_t>(tick.verdict.said));
+  writer.put(static_cast<std::uint8_t>(tick.verdict.predicted));
   writer.put(static_cast<std::uint8_t>((tick.verdict.gated ? 1 : 0) | (tick.due.by_events ? 0 : 2) | (tick.incomplete ? 4 : 0)));
   return record;
 }
@@ -66,7 +66,7 @@ UdpRecords::UdpRecords(const NetworkAddress& to) {
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
   const int error = ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found);
-  if (error != 0) throw Error("udp " + to.host + ": there is no such host (" + ::gai_strerror(error) + "); expected HOST:PORT");
+  if (error != 0) throw Error("udp " + to.host + ": no such host (" + ::gai_strerror(error) + "); expected HOST:PORT");
   for (const addrinfo* at = found; at != nullptr && socket_ < 0; at = at->ai_next) {
     socket_ = ::socket(at->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (socket_ >= 0 && ::connect(socket_, at->ai_addr, at->ai_addrlen) != 0) {
@@ -75,12 +75,12 @@ UdpRecords::UdpRecords(const NetworkAddress& to) {
     }
   }
   ::freeaddrinfo(found);
-  if (socket_ < 0) throw Error("udp " + to.host + ": cannot be sent to (" + std::strerror(errno) + "); expected HOST:PORT");
+  if (socket_ < 0) throw Error("udp " + to.host + ": cannot send there (" + std::strerror(errno) + "); expected HOST:PORT");
 }
 
 UdpRecords::~UdpRecords() { ::close(socket_); }
 
-bool UdpRecords::send(const ToldTick& tick) {
+bool UdpRecords::send(const ReportedTick& tick) {
   const VerdictRecord record = verdict_record(tick, host_now());
   const bool is_sent = ::send(socket_, record.data(), record.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(record.size());
   ++(is_sent ? sent_ : failed_);

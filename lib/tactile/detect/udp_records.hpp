@@ -5,19 +5,19 @@
 #include <cstdint>
 #include <string>
 
-#include "tactile/detect/live_detector.hpp"
-#include "tactile/network/network_address.hpp"
+#include "tactile/detect/reported_tick.hpp"
+#include "tactile/transport/network_address.hpp"
 
 namespace tactile {
 
 inline constexpr std::size_t verdict_record_size = 64;
 using VerdictRecord = std::array<std::byte, verdict_record_size>;
 
-/// One tick as it goes out by UDP: 64 bytes, little-endian; docs/format.md has the table.
-/// @param sent  host time, and so how long ago the tick closed
-VerdictRecord verdict_record(const ToldTick& tick, HostTime sent);
+/// One tick as a UDP record: 64 bytes, little-endian; docs/format.md has the table.
+/// @param sent  host time; also determines how long ago the tick closed
+VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent);
 
-/// Sends records, one datagram each, and never waits: what the network does not take at once is lost and counted.
+/// Sends records, one datagram each, and never waits. Records that the system does not accept at once are lost and counted.
 class UdpRecords {
  public:
   /// @throws Error  if there is no such host
@@ -26,10 +26,10 @@ class UdpRecords {
   UdpRecords(const UdpRecords&) = delete;
   UdpRecords& operator=(const UdpRecords&) = delete;
 
-  bool send(const ToldTick& tick);  ///< false if it is not sent
+  bool send(const ReportedTick& tick);  ///< false if it was not sent
 
   std::uint64_t sent() const { return sent_; }
-  std::uint64_t failed() const { return failed_; }  ///< that nobody listens on this machine counts too
+  std::uint64_t failed() const { return failed_; }  ///< also if no program on this machine listens
 
  private:
   int socket_ = -1;

@@ -30,13 +30,13 @@ Accuracy accuracy_by(std::span<const RunConfusion> runs,
 
 }  // namespace
 
-Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said) {
-  if (truth.size() != said.size()) {
-    throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(said.size()) +
+Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted) {
+  if (truth.size() != predicted.size()) {
+    throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(predicted.size()) +
                 " verdicts; expected one each");
   }
   Confusion confusion;
-  for (std::size_t i = 0; i < truth.size(); ++i) confusion.add(truth[i], said[i]);
+  for (std::size_t i = 0; i < truth.size(); ++i) confusion.add(truth[i], predicted[i]);
   return confusion;
 }
 
@@ -50,8 +50,7 @@ Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const Ru
   for (std::size_t i = 0; same && i < a.size(); ++i) {
     same = a[i].object == b[i].object;
   }
-  if (!same)
-    throw Error("difference of accuracies: the two are not of the same objects; expected the same runs in the same order");
+  if (!same) throw Error("difference of accuracies: different objects; expected the same runs in the same order");
   return accuracy_by(
       a,
       [a, b](std::span<const std::size_t> indexes) -> std::optional<double> {

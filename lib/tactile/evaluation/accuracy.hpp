@@ -13,14 +13,8 @@
 
 namespace tactile {
 
-/// Pairs of what is and what was said. @throws Error  if the two are not of one length
-Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> said);
-
-/// What was said of the balanced samples of one run.
-struct RunConfusion {
-  std::string object;
-  Confusion confusion;
-};
+/// Counts pairs of true and predicted class. @throws Error  if the two are not of one length
+Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted);
 
 /// Runs without samples are left out.
 Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options = {});
@@ -29,8 +23,8 @@ Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions&
 Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b,
                              const BootstrapOptions& options = {});
 
-/// Verdicts on the same runs with their objects in training and without, compared; neither models nor runs are named.
-/// @throws Error  likewise
+/// Compares verdicts on the same runs with their objects in training and without; the names of models and runs stay empty.
+/// @throws Error  as `accuracy_difference`
 UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
                                    const BootstrapOptions& options = {});
 

@@ -142,8 +142,6 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
   return accuracy;
 }
 
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
-
 }  // namespace
 
 OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
@@ -187,16 +185,6 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
     }
   }
   return run;
-}
-
-void to_json(nlohmann::json& json, const OverTime& over_time) {
-  json = {{"bin_ms", in_ms(over_time.options.bin)},
-          {"first_ms", in_ms(over_time.options.first)},
-          {"last_ms", in_ms(over_time.options.last)},
-          {"after_ms", in_ms(over_time.options.after)},
-          {"press", over_time.press},
-          {"slip", over_time.slip},
-          {"both", over_time.both}};
 }
 
 OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options,

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "tactile/core/error.hpp"
@@ -17,7 +16,9 @@ constexpr std::size_t unknowns = inputs * others;
 
 using Vector = Eigen::Vector<double, unknowns>;
 using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
-using Inputs = std::array<double, inputs>;
+using Inputs = Eigen::Vector<double, inputs>;  // standardised features, and 1
+using Weights = Eigen::Matrix<double, others, inputs, Eigen::RowMajor>;
+using Probabilities = Eigen::Vector<double, touch_count>;
 
 void check_one_each(std::size_t values, std::size_t samples, const char* baseline) {
   if (samples > 0 && values == samples) return;
@@ -34,56 +35,53 @@ void check_whole(std::span<const std::uint8_t> heatmap, SensorSize size) {
               std::to_string(size.height));
 }
 
-std::array<double, touch_count> softmax(const Inputs& x, const LogisticBaseline& model) {
-  std::array<double, touch_count> p{};
-  for (std::size_t c = 0; c < others; ++c) p[c + 1] = std::inner_product(x.begin(), x.end(), model.weights[c].begin(), 0.0);
-  const double largest = *std::max_element(p.begin(), p.end());
-  double sum = 0;
-  for (double& value : p) sum += value = std::exp(value - largest);
-  for (double& value : p) value /= sum;
-  return p;
+Eigen::Map<const Weights> weights_of(const LogisticBaseline& model) { return Eigen::Map<const Weights>(model.weights[0].data()); }
+
+Probabilities softmax(const Inputs& x, const Weights& weights) {
+  Probabilities p;
+  p << 0, weights * x;
+  p = (p.array() - p.maxCoeff()).exp();
+  return p / p.sum();
 }
 
 Inputs standardised(const Features& features, const LogisticBaseline& model) {
-  Inputs x{};
+  Inputs x;
   for (std::size_t i = 0; i < feature_count; ++i) x[i] = (features[i] - model.mean[i]) / model.deviation[i];
   x[feature_count] = 1;
   return x;
 }
 
-double loss_of(std::span<const Inputs> samples, std::span<const Touch> truth, const LogisticBaseline& model, double ridge) {
+double loss_of(std::span<const Inputs> samples, std::span<const Touch> truth, const Weights& weights, double ridge) {
   double loss = 0;
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    loss -= std::log(std::max(softmax(samples[n], model)[static_cast<std::size_t>(truth[n])], 1e-300));
-  }
-  loss /= static_cast<double>(samples.size());
-  for (const auto& row : model.weights) loss += ridge / 2 * std::inner_product(row.begin(), row.end(), row.begin(), 0.0);
-  return loss;
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    loss -= std::log(std::max(softmax(samples[n], weights)[static_cast<Eigen::Index>(truth[n])], 1e-300));
+  return loss / static_cast<double>(samples.size()) + ridge / 2 * weights.squaredNorm();
 }
 
-struct Slope {
+/// Of the loss by the weights, row by row.
+struct Derivatives {
   Vector gradient = Vector::Zero();
-  Matrix curvature = Matrix::Zero();
+  Matrix hessian = Matrix::Zero();
 };
 
-Slope slope_of(std::span<const Inputs> samples, std::span<const Touch> truth, const LogisticBaseline& model, double ridge) {
-  Slope slope;
+Derivatives derivatives_of(std::span<const Inputs> samples, std::span<const Touch> truth, const Weights& weights, double ridge) {
+  Derivatives derivatives;
   const double share = 1.0 / static_cast<double>(samples.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
-    const auto x = Eigen::Vector<double, inputs>::Map(samples[n].data());
-    const auto p = softmax(samples[n], model);
+    const Inputs& x = samples[n];
+    const Probabilities p = softmax(x, weights);
     for (std::size_t c = 0; c < others; ++c) {
       const double error = p[c + 1] - (static_cast<std::size_t>(truth[n]) == c + 1 ? 1.0 : 0.0);
-      slope.gradient.segment<inputs>(c * inputs) += share * error * x;
+      derivatives.gradient.segment<inputs>(c * inputs) += share * error * x;
       for (std::size_t d = 0; d < others; ++d) {
         const double spread = share * p[c + 1] * ((c == d ? 1.0 : 0.0) - p[d + 1]);
-        slope.curvature.block<inputs, inputs>(c * inputs, d * inputs) += spread * x * x.transpose();
+        derivatives.hessian.block<inputs, inputs>(c * inputs, d * inputs) += spread * x * x.transpose();
       }
     }
   }
-  for (std::size_t i = 0; i < unknowns; ++i) slope.gradient[i] += ridge * model.weights[i / inputs][i % inputs];
-  slope.curvature.diagonal().array() += ridge;
-  return slope;
+  derivatives.gradient += ridge * Vector::Map(weights.data());
+  derivatives.hessian.diagonal().array() += ridge;
+  return derivatives;
 }
 
 void standardise_by(std::span<const Features> features, LogisticBaseline& model) {
@@ -163,7 +161,7 @@ Touch EventCountBaseline::verdict(std::uint64_t events) const {
 
 EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth) {
   check_one_each(events.size(), truth.size(), "event_count");
-  // Cut c parts the samples with a count below values[c] from the rest; before[c][k] of those below are of touch k.
+  // Cut c separates the samples with a count below values[c]; before[c][k] of them are of touch k.
   std::vector<std::uint64_t> values(events.begin(), events.end());
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -186,7 +184,7 @@ EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::s
   for (std::size_t a = 0; a < touch_count; ++a) {
     for (std::size_t b = 0; b < touch_count; ++b) {
       for (std::size_t c = 0; c < touch_count; ++c) {
-        // right(i, j) = below i said a, from i to j said b, the rest c; the best i <= j is carried along as j grows.
+        // right(i, j): a is predicted below i, b from i to j, c beyond; the best i <= j is updated as j grows.
         std::size_t low = 0;
         for (std::size_t high = 0; high < before.size(); ++high) {
           if (before[high][a] - before[high][b] > before[low][a] - before[low][b]) low = high;
@@ -202,7 +200,8 @@ EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::s
 }
 
 std::array<double, touch_count> LogisticBaseline::probabilities(const Features& features) const {
-  return softmax(standardised(features, *this), *this);
+  const Probabilities p = softmax(standardised(features, *this), weights_of(*this));
+  return {p[0], p[1], p[2]};
 }
 
 Touch LogisticBaseline::verdict(const Features& features) const {
@@ -218,26 +217,27 @@ LogisticBaseline fit_logistic(std::span<const Features> features, std::span<cons
   samples.reserve(features.size());
   for (const Features& sample : features) samples.push_back(standardised(sample, model));
 
-  double loss = loss_of(samples, truth, model, options.ridge);
+  Weights weights = Weights::Zero();
+  double loss = loss_of(samples, truth, weights, options.ridge);
   for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {
-    const Slope slope = slope_of(samples, truth, model, options.ridge);
-    if (slope.gradient.lpNorm<Eigen::Infinity>() < options.tolerance) break;
-    const Vector direction = slope.curvature.llt().solve(slope.gradient);
-    double step = 1;
-    const LogisticBaseline from = model;
-    double stepped = loss;
+    const Derivatives derivatives = derivatives_of(samples, truth, weights, options.ridge);
+    if (derivatives.gradient.lpNorm<Eigen::Infinity>() < options.tolerance) break;
+    const Vector direction = derivatives.hessian.llt().solve(derivatives.gradient);
+    // Half the step until the loss falls.
+    const Weights from = weights;
+    double step = 1, stepped = loss;
     do {
-      for (std::size_t i = 0; i < unknowns; ++i)
-        model.weights[i / inputs][i % inputs] = from.weights[i / inputs][i % inputs] - step * direction[i];
-      stepped = loss_of(samples, truth, model, options.ridge);
+      weights = from - step * Eigen::Map<const Weights>(direction.data());
+      stepped = loss_of(samples, truth, weights, options.ridge);
       step /= 2;
     } while (!(stepped < loss) && step > 1e-10);
     if (!(stepped < loss)) {
-      model = from;
+      weights = from;
       break;
     }
     loss = stepped;
   }
+  Eigen::Map<Weights>(model.weights[0].data()) = weights;
   return model;
 }
 

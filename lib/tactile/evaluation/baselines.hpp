@@ -13,16 +13,16 @@ namespace tactile {
 inline constexpr std::size_t feature_count = 9;
 using Features = std::array<double, feature_count>;
 
-/// What a heatmap looks like from afar, with H / 255 as weight at every cell and places as shares of width and height in [0, 1]:
+/// Moments of a heatmap, with H / 255 as weight of every cell and positions as shares of width and height in [0, 1]:
 /// share of cells that are not 0, mean, standard deviation, largest value, centre x and y (0.5 where all is 0), variance in x and
 /// in y, covariance of x and y.
 /// @param heatmap  [height, width], row by row
 /// @throws Error  if its size is not width * height, or that is 0
 Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size);
 
-/// Where a heatmap's weight lies, whatever it looks like there and however much it is: the share of each of 3 x 3 equal fields of
-/// the image, row by row from the top left. The sensor has one pair of markers in each. 1/9 everywhere where all is 0.
-/// @throws Error  likewise
+/// Where a heatmap's weight lies, independent of its sum: the share of each of 3 x 3 equal fields of the image, row by row from
+/// the top left. The sensor has one pair of markers in each. 1/9 everywhere where all is 0.
+/// @throws Error  as `moments_of`
 Features shares_of_fields(std::span<const std::uint8_t> heatmap, SensorSize size);
 
 /// Always the touch that is most frequent in training; the earlier one of equals.
@@ -41,7 +41,7 @@ struct EventCountBaseline {
   Touch verdict(std::uint64_t events) const;
 };
 
-/// The thresholds and touches that say the most training samples right, found exactly; the lowest thresholds of equals.
+/// The thresholds and touches that predict the most training samples correctly, found exactly; the lowest thresholds of equals.
 /// Thresholds lie half-way between counts that occur.
 /// @throws Error  if there is no sample, or not one count for each
 EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth);
@@ -49,7 +49,7 @@ EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::s
 /// Multinomial logistic regression on standardised features; none's logit is 0.
 struct LogisticBaseline {
   Features mean{}, deviation{};  ///< of the training samples; a feature that never varies has deviation 1
-  std::array<std::array<double, feature_count + 1>, touch_count - 1> weights{};  ///< of press and slip; the last one stands alone
+  std::array<std::array<double, feature_count + 1>, touch_count - 1> weights{};  ///< of press and slip; the last one is the bias
 
   std::array<double, touch_count> probabilities(const Features& features) const;
   Touch verdict(const Features& features) const;  ///< the likeliest; the earlier one of equals
@@ -61,7 +61,7 @@ struct LogisticOptions {
   std::size_t iterations = 200;  ///< at most
 };
 
-/// Minimises mean cross-entropy plus ridge by Newton's method with step halving: deterministic, and the minimum is the only one.
+/// Minimises mean cross-entropy plus ridge by Newton's method with step halving. The minimum is unique, the result deterministic.
 /// @throws Error  if there is no sample, or no features for each
 LogisticBaseline fit_logistic(std::span<const Features> features, std::span<const Touch> truth,
                               const LogisticOptions& options = {});

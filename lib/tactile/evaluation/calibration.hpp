@@ -13,7 +13,7 @@ namespace tactile {
 
 inline constexpr std::size_t reliability_bins = 15;
 
-/// Samples by how sure the network was of what it said, its largest probability; bin i holds those in (i / 15, (i + 1) / 15].
+/// Samples by the network's largest probability; bin i holds those in (i / 15, (i + 1) / 15].
 struct Reliability {
   struct Bin {
     std::uint64_t samples = 0, correct = 0;
@@ -21,14 +21,15 @@ struct Reliability {
   };
   std::array<Bin, reliability_bins> bins{};
 
-  void add(double confidence, bool right);  ///< the probability of what was said, in [0, 1], and whether it is
+  void add(double confidence, bool right);  ///< the largest probability, in [0, 1], and whether its class is true
   Reliability& operator+=(const Reliability& other);
   std::uint64_t samples() const;
 };
 
 /// The expected calibration error, in [0, 1]:
 ///
-///   ECE = sum over bins of (samples in it / all samples) * | share of them said right - mean of their largest probability |
+///   ECE = sum over bins of (samples in it / all samples) * | share of them predicted correctly - mean of their largest
+///   probability |
 ///
 /// Source: Guo et al., On Calibration of Modern Neural Networks, ICML 2017, equation 3.
 double calibration_error(const Reliability& reliability);  ///< 0 without samples

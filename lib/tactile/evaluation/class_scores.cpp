@@ -3,27 +3,29 @@
 #include <functional>
 #include <optional>
 
+#include "tactile/evaluation/accuracy.hpp"
+
 namespace tactile {
 namespace {
 
-using CountsOfClass = std::function<std::optional<double>(double right, double said, double is)>;
+using CountsOfClass = std::function<std::optional<double>(double right, double predicted, double occurs)>;
 
 std::optional<double> share(double part, double of) { return of > 0 ? std::optional(part / of) : std::nullopt; }
 
 Statistic statistic_of(std::span<const RunConfusion> runs, std::size_t touch, CountsOfClass value) {
   return [runs, touch, value = std::move(value)](const RunsByObject& chosen) {
-    std::uint64_t right = 0, said = 0, is = 0;
+    std::uint64_t right = 0, predicted = 0, occurs = 0;
     for (const auto& object : chosen) {
       for (const std::size_t i : object) {
         const auto& counts = runs[i].confusion.counts;
         right += counts[touch][touch];
         for (std::size_t other = 0; other < touch_count; ++other) {
-          said += counts[other][touch];
-          is += counts[touch][other];
+          predicted += counts[other][touch];
+          occurs += counts[touch][other];
         }
       }
     }
-    return value(static_cast<double>(right), static_cast<double>(said), static_cast<double>(is));
+    return value(static_cast<double>(right), static_cast<double>(predicted), static_cast<double>(occurs));
   };
 }
 
@@ -32,29 +34,14 @@ std::array<ClassScore, touch_count> scores_of(std::span<const RunConfusion> runs
   std::array<ClassScore, touch_count> scores;
   for (std::size_t touch = 0; touch < touch_count; ++touch) {
     const auto of = [&](CountsOfClass value) { return figure(statistic_of(runs, touch, std::move(value))); };
-    scores[touch].precision = of([](double right, double said, double) { return share(right, said); });
-    scores[touch].recall = of([](double right, double, double is) { return share(right, is); });
-    scores[touch].f1 = of([](double right, double said, double is) { return share(2 * right, said + is); });
+    scores[touch].precision = of([](double right, double predicted, double) { return share(right, predicted); });
+    scores[touch].recall = of([](double right, double, double occurs) { return share(right, occurs); });
+    scores[touch].f1 = of([](double right, double predicted, double occurs) { return share(2 * right, predicted + occurs); });
   }
   return scores;
 }
 
-nlohmann::json json_of(const ClassScore& score) {
-  return {{"precision", score.precision}, {"recall", score.recall}, {"f1", score.f1}};
-}
-
 }  // namespace
-
-void to_json(nlohmann::json& json, const ClassScores& scores) {
-  json = nlohmann::json::object();
-  for (const Touch touch : all_touches) {
-    const auto index = static_cast<std::size_t>(touch);
-    nlohmann::json of_class = json_of(scores.all[index]);
-    of_class["objects"] = nlohmann::json::object();
-    for (const auto& [name, of_object] : scores.objects) of_class["objects"][name] = json_of(of_object[index]);
-    json[std::string(name_of(touch))] = of_class;
-  }
-}
 
 ClassScores class_scores_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
   const auto objects = runs_by_object(runs, [](const RunConfusion& run) { return run.confusion.samples() > 0; });

@@ -11,16 +11,10 @@
 
 namespace tactile {
 
-struct BootstrapOptions {
-  std::size_t draws = 2000;  ///< > 0
-  double confidence = 0.95;  ///< in (0, 1)
-  std::uint64_t seed = 1;
-};
-
 /// Runs by their index, one list for each object. A drawn object or run may stand in it several times.
 using RunsByObject = std::vector<std::vector<std::size_t>>;
 
-/// A figure of the runs given; nothing where they hold nothing to measure, as a delay of runs without a detection.
+/// A figure of the given runs; nothing where there is nothing to measure, such as a delay of runs without a detection.
 using Statistic = std::function<std::optional<double>(const RunsByObject&)>;
 
 /// The figure of one object: its runs are drawn with replacement, and the interval holds the middle 95 % of what the draws give.
@@ -35,8 +29,8 @@ Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic,
 /// A statistic that averages over objects what `of_object` gives of each one's runs; objects that give nothing are left out.
 Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object);
 
-/// How many of something rare are to be expected at most, where `count` were met: the mean m of a Poisson distribution with
-/// P(X <= count | m) = (1 - confidence) / 2, the upper end of the exact two-sided interval; 3.69 for none met, at 95 %.
+/// An upper bound on the expected number of rare events, where `count` occurred: the mean m of a Poisson distribution with
+/// P(X <= count | m) = (1 - confidence) / 2, the upper end of the exact two-sided interval; 3.69 for a count of 0, at 95 %.
 /// Source: F. Garwood, Fiducial limits for the Poisson distribution, Biometrika 28 (1936).
 double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
 

@@ -1,7 +1,5 @@
 #include "tactile/evaluation/detection_delay.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -85,18 +83,6 @@ DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject&
 
 }  // namespace
 
-std::string words_of(const Detection& detection) {
-  switch (detection.outcome) {
-    case DetectionOutcome::detected:
-      return fmt::format("{} ms", static_cast<double>(detection.delay.count()) / 1000);
-    case DetectionOutcome::missed:
-      return "missed";
-    case DetectionOutcome::early:
-      return "early";
-  }
-  return "";
-}
-
 std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
                                      std::span<const TouchInterval> intervals, const DelayOptions& options) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
@@ -132,39 +118,6 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
     detections.push_back(detection);
   }
   return detections;
-}
-
-std::string_view name_of(DetectionOutcome outcome) {
-  switch (outcome) {
-    case DetectionOutcome::detected:
-      return "detected";
-    case DetectionOutcome::missed:
-      return "missed";
-    case DetectionOutcome::early:
-      return "early";
-  }
-  return "missed";
-}
-
-void to_json(nlohmann::json& json, const Detection& detection) {
-  json = {
-      {"class", name_of(detection.interval.touch)},
-      {"start_us", us_of(detection.interval.start)},
-      {"end_us", us_of(detection.interval.end)},
-      {"outcome", name_of(detection.outcome)},
-      {"delay_ms", detection.outcome == DetectionOutcome::detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}};
-}
-
-void from_json(const JsonView& json, Detection& detection) {
-  detection.interval = {touch_named(json["class"].text()), camera_time(json["start_us"].whole_number()),
-                        camera_time(json["end_us"].whole_number())};
-  const JsonView outcome = json["outcome"];
-  const auto all = {DetectionOutcome::detected, DetectionOutcome::missed, DetectionOutcome::early};
-  const auto found = std::find_if(all.begin(), all.end(), [&](DetectionOutcome one) { return name_of(one) == outcome.text(); });
-  if (found == all.end()) throw Error(outcome.where() + " is '" + outcome.text() + "'; expected detected, missed or early");
-  detection.outcome = *found;
-  if (detection.outcome == DetectionOutcome::detected)
-    detection.delay = microseconds{std::llround(1000 * json["delay_ms"].number())};
 }
 
 Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks) {

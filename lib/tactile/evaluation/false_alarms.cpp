@@ -23,24 +23,7 @@ Zone zone_of(CameraTime tick, std::span<const TouchInterval> intervals, std::spa
   return std::any_of(unlabelled.begin(), unlabelled.end(), holds) ? Zone::unlabelled : Zone::none;
 }
 
-double in_minutes(microseconds us) { return static_cast<double>(us.count()) / 60e6; }
-
 }  // namespace
-
-FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
-  alarms += other.alarms;
-  after_intervals += other.after_intervals;
-  unlabelled += other.unlabelled;
-  none_time += other.none_time;
-  after_intervals_time += other.after_intervals_time;
-  unlabelled_time += other.unlabelled_time;
-  return *this;
-}
-
-std::optional<double> FalseAlarms::per_min() const {
-  if (none_time <= microseconds{0}) return std::nullopt;
-  return static_cast<double>(alarms) / in_minutes(none_time);
-}
 
 FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
                             std::span<const TouchInterval> unlabelled, std::span<const Detection> detections,
@@ -81,15 +64,6 @@ FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdi
     }
   }
   return found;
-}
-
-void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
-  json = {{"count", table.total.alarms},
-          {"none_min", in_minutes(table.total.none_time)},
-          {"per_min", table.per_min},
-          {"objects", table.objects},
-          {"after_intervals", {{"count", table.total.after_intervals}, {"min", in_minutes(table.total.after_intervals_time)}}},
-          {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}}};
 }
 
 void widen_by_few_alarms(Figure& per_min, const FalseAlarms& counted, double confidence, unsigned seeds) {

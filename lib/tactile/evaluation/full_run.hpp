@@ -16,16 +16,16 @@ namespace tactile {
 /// batch, and the ticks.
 ///
 /// @param threads  to classify on, > 0; the verdicts do not depend on it
-/// @param advance  told after each batch how many ticks it held, may be empty
-/// @param see      handed each tick as it is rendered, may be empty
-/// @param tick     another than the model's own
+/// @param advance  called after each batch with its number of ticks; may be empty
+/// @param see      called with each rendered tick; may be empty
+/// @param tick     instead of the model's own
 /// @throws Error   if the recording cannot be read, or its sensor gives heatmaps of another size than the model's
 FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
                           const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {},
                           std::optional<microseconds> tick = {});
 
-/// Takes the ticks with fewer than `limit` events for none, with the probabilities {1, 0, 0}, as if the network had not been
-/// asked. @return how many
+/// Sets the ticks with fewer than `limit` events to none, with the probabilities {1, 0, 0}, as if the network had not run.
+/// @return  the number of these ticks
 std::uint64_t apply_gate(FullRun& run, std::uint64_t limit);
 
 /// About how many full ticks a recording holds, from its list of packets.

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/confirmation.hpp"
 #include "tactile/core/run_folder.hpp"
-#include "tactile/evaluation/confirmation.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/full_run.hpp"
@@ -17,24 +17,24 @@
 
 namespace tactile {
 
-/// What a model says over the whole of one run, labelled or not.
+/// The predictions of a model over one whole run, with or without labels.
 struct RunPrediction {
   std::string run;  ///< "fan/03"
   bool simulated = false;
   FullRun full;
   std::vector<Touch> verdicts;  ///< confirmed, one for each tick
   RunTruth truth;
-  std::vector<Detection> detections;  ///< of the labelled intervals that are in no doubt
+  std::vector<Detection> detections;  ///< of the labelled intervals that are not in doubt
   FalseAlarms false_alarms;           ///< where the run has labels
   Confirmation confirmation;
 };
 
 struct PredictionOptions {
   Confirmation confirmation{};
-  std::optional<std::uint64_t> gate = std::nullopt;  ///< none below so many events in t_h
+  std::optional<std::uint64_t> gate = std::nullopt;  ///< the verdict is none below so many events in t_h
   DelayOptions delay{};
-  microseconds guard{100'000};   ///< after an interval, alarms are counted apart for so long, >= 0
-  bool include_flagged = false;  ///< flags stand in no interval's way
+  microseconds guard{100'000};   ///< how long after an interval alarms are counted separately, >= 0
+  bool include_flagged = false;  ///< flagged intervals are used too
   unsigned threads = 1;          ///< > 0
 };
 
@@ -42,13 +42,13 @@ struct PredictionOptions {
 RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
-/// How a run's labelled intervals were met: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class", "start_us",
-/// "end_us", "outcome", "delay_ms"}], "false_alarms": {"count", "after_intervals", "unlabelled"}}. Intervals whose labels are in
-/// doubt have the outcome "in doubt"; false alarms are null of a run without labels.
+/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class",
+/// "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": {"count", "after_intervals", "unlabelled"}}. Intervals whose
+/// labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
 nlohmann::json outcome_json(const RunPrediction& prediction);
 
 /// One row a tick: t_us, p_none, p_press, p_slip, verdict, label, truth, events, sample. `label` and `truth` are empty where the
-/// run has none; truth is "unlabelled" in motion that nobody labels; `sample` is the class where the tick is a balanced sample.
+/// run has none; truth is "unlabelled" in motion without labels; `sample` is the class where the tick is a balanced sample.
 /// Written whole or not at all.
 /// @param samples  class of each balanced sample by its tick; may be empty
 /// @throws Error   if it cannot be written

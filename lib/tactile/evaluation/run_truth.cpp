@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tactile/core/truth.hpp"
 #include "tactile/labels/labels.hpp"
-#include "tactile/simulation/truth.hpp"
 
 namespace tactile {
 

@@ -13,24 +13,24 @@
 
 namespace tactile {
 
-/// What a run holds to detect, by its labels and, if it is a simulated one, by its truth.
+/// The touches of a run: its labels and, of a simulated run, its truth.
 struct RunTruth {
   std::vector<SampledInterval> labels;           ///< by start; those whose labels are in doubt are not `used`
   bool has_truth = false;                        ///< the rest is empty without
   std::vector<TouchInterval> true_ones;          ///< that labels should have
   std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other
-  std::vector<TouchInterval> unlabelled;         ///< real motion that nobody labels
+  std::vector<TouchInterval> unlabelled;         ///< motion without labels
 
   std::vector<TouchInterval> all_labelled() const;
   std::vector<TouchInterval> used() const;
 };
 
 /// Reads labels.json and truth.json of a run; empty where there is none.
-/// @param include_flagged  flags stand in no interval's way
+/// @param include_flagged  flagged intervals are used too
 /// @throws Error  if one of them is damaged
 RunTruth read_run_truth(const RunFolder& run, bool include_flagged = false);
 
-/// What the tick lies in; none where it lies in no interval.
+/// The class of the interval that contains the tick; none where there is no such interval.
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals);
 
 }  // namespace tactile

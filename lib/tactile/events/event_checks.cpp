@@ -26,15 +26,14 @@ EventsCheck check_one_by_one(std::span<const Event> events, SensorSize size) {
 }
 
 #if defined(__x86_64__)
-/// Four events at a time, two to a register. As eight numbers of 16 bits an event is four of its time, x, y, the polarity below a
-/// byte of padding, and padding. That byte counts as polarity here: what this finds outside is worth another look.
+/// Checks four events at a time, two per register. An event is eight numbers of 16 bits: four of its time, x, y, the polarity
+/// with a byte of padding, and padding. That byte counts as polarity here, so events found outside must be checked again.
 __attribute__((target("avx2"))) EventsCheck check_in_pairs(std::span<const Event> events, SensorSize size) {
   const auto most_x = static_cast<std::int16_t>(size.width - 1), most_y = static_cast<std::int16_t>(size.height - 1);
   const __m256i most = _mm256_setr_epi16(-1, -1, -1, -1, most_x, most_y, 1, -1, -1, -1, -1, -1, most_x, most_y, 1, -1);
   __m256i largest[2] = {_mm256_setzero_si256(), _mm256_setzero_si256()}, falls = largest[0];
   const Event* event = events.data();
-  const std::size_t begin =
-      reinterpret_cast<std::uintptr_t>(event) % sizeof most == sizeof(Event) ? 1 : 0;  // loads are fastest so
+  const std::size_t begin = reinterpret_cast<std::uintptr_t>(event) % sizeof most == sizeof(Event) ? 1 : 0;  // for aligned loads
   __m256i before = _mm256_set1_epi64x(us_of(event[begin].t));
   std::size_t i = begin;
   for (; i + 4 <= events.size(); i += 4) {

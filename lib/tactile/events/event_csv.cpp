@@ -12,13 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {
 namespace {
 
 constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
-constexpr std::size_t longest_line = 4096;   // far beyond any event; a file without line ends is refused early
+constexpr std::size_t longest_line = 4096;   // much longer than an event; a file without line ends is refused early
 constexpr std::size_t longest_written = 48;  // 20 digits of time, two coordinates, polarity, separators
 constexpr SensorSize widest_sensor{std::numeric_limits<std::int16_t>::max() + 1, std::numeric_limits<std::int16_t>::max() + 1};
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
@@ -43,12 +44,12 @@ std::string shown(std::string_view text) {
   return "'" + plain + (text.size() > 40 ? "...'" : "'");
 }
 
-/// Reads a whole number and the comma behind it; false if there is none.
+/// Reads a whole number and the comma after it; false if there is none.
 template <class T>
 bool take(const char*& at, const char* end, T& value) {
-  const auto [behind, error] = std::from_chars(at, end, value);
-  if (error != std::errc{} || behind == end || *behind != ',') return false;
-  at = behind + 1;
+  const auto [rest, error] = std::from_chars(at, end, value);
+  if (error != std::errc{} || rest == end || *rest != ',') return false;
+  at = rest + 1;
   return true;
 }
 
@@ -121,19 +122,19 @@ struct EventCsvReader::State {
   SensorSize sensor;
   std::uint64_t size_bytes = 0;
   std::vector<char> buffer = std::vector<char>(chunk_bytes + longest_line);
-  std::size_t waiting = 0;  ///< bytes at the buffer's begin that were read and not yet parsed
+  std::size_t waiting = 0;  ///< bytes at the buffer's begin that are not parsed yet
   bool at_end = false;
   std::uint64_t bytes = 0;
   std::uint64_t line = 0;  ///< the last one parsed, from 1
   CameraTime latest = CameraTime::min();
-  std::vector<Event> events;  ///< parsed; the constructor parses the first chunk, for its header
+  std::vector<Event> events;  ///< parsed ones; the constructor parses the first chunk for the header
   bool handed_out = false;
 
   [[noreturn]] void refuse(const std::string& what) const { throw Error(fmt::format("{}:{}: {}", path.string(), line, what)); }
 
   void read_header(std::string_view text) {
     if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-    if (text != event_csv_header) refuse(fmt::format("{} is no header; expected '{}'", shown(text), event_csv_header));
+    if (text != event_csv_header) refuse(fmt::format("{} is not the header; expected '{}'", shown(text), event_csv_header));
   }
 
   void read_event(std::string_view text) {
@@ -153,22 +154,17 @@ struct EventCsvReader::State {
     events.push_back(event);
   }
 
-  /// Slow, and only for the message.
+  /// Finds the error for the message; slow.
   [[noreturn]] void refuse_event(std::string_view text) const {
-    std::vector<std::string_view> fields;
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t comma = std::min(text.find(',', begin), text.size());
-      fields.push_back(text.substr(begin, comma - begin));
-      begin = comma + 1;
-    }
+    const std::vector<std::string_view> fields = split_cells(text);
     if (text.empty()) refuse("the line is empty; expected an event, 't_us,x,y,on'");
     if (fields.size() != 4)
       refuse(fmt::format("{} has {} field{}; expected the four of '{}'", shown(text), fields.size(),
                          fields.size() == 1 ? "" : "s", event_csv_header));
     const auto check = [&](std::string_view name, std::string_view field, std::int64_t least, std::int64_t most) {
       std::int64_t value = 0;
-      const auto [behind, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-      if (error != std::errc{} || behind != field.data() + field.size() || value < least || value > most) {
+      const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+      if (error != std::errc{} || rest != field.data() + field.size() || value < least || value > most) {
         refuse(fmt::format("{} is {}; expected a whole number from {} to {}", name, shown(field), least, most));
       }
     };
@@ -184,12 +180,11 @@ struct EventCsvReader::State {
     line == 1 ? read_header(text) : read_event(text);
   }
 
-  /// Parses the whole lines of the next chunk; what is left of the last one moves to the front.
+  /// Parses the whole lines of the next chunk, and moves the rest to the front.
   void read_chunk() {
     const std::size_t got = std::fread(buffer.data() + waiting, 1, chunk_bytes, file.get());
     if (got < chunk_bytes && std::ferror(file.get()) != 0) {
-      throw Error(
-          fmt::format("{}: reading it failed half-way ({}); expected a readable file", path.string(), std::strerror(errno)));
+      throw Error(fmt::format("{}: reading failed ({}); expected a readable file", path.string(), std::strerror(errno)));
     }
     at_end = got == 0;
     bytes += got;

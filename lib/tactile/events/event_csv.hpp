@@ -11,9 +11,9 @@
 
 namespace tactile {
 
-/// Events as text: this line, then one event a line, four whole numbers without spaces: camera time [us], pixel from the left,
-/// pixel from the top, 1 brighter or 0 darker. Lines end in LF (CR LF is read too). A recording whose time steps back is written
-/// as it is; reading refuses it.
+/// Events as text: this header line, then one event per line, four whole numbers without spaces: camera time [us], pixel from the
+/// left, pixel from the top, 1 brighter or 0 darker. Lines end in LF (CR LF can be read too). Steps back in time are written, but
+/// refused when reading.
 inline constexpr std::string_view event_csv_header = "t_us,x,y,on";
 
 class EventCsvWriter {
@@ -23,9 +23,9 @@ class EventCsvWriter {
   EventCsvWriter(EventCsvWriter&&) noexcept;
   EventCsvWriter& operator=(EventCsvWriter&&) noexcept;
 
-  void write(std::span<const Event> events);  ///< @throws Error if the disk does not take them
+  void write(std::span<const Event> events);  ///< @throws Error if writing fails
   std::uint64_t steps_back() const;           ///< in time, so far
-  void close();                               ///< writes what waits; nothing may be written after. @throws Error likewise
+  void close();                               ///< writes the rest; no further writes. @throws Error if writing fails
 
  private:
   struct State;
@@ -35,7 +35,7 @@ class EventCsvWriter {
 /// Reads such a file in chunks; memory follows the chunk.
 class EventCsvReader {
  public:
-  /// `size`: the sensor that events must lie in; without it, coordinates are 0 to 32767.
+  /// @param size  of the sensor; without it, coordinates are limited to 0 to 32767
   /// @throws Error  if the file cannot be read or does not begin with the header
   explicit EventCsvReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt);
   ~EventCsvReader();
@@ -43,7 +43,7 @@ class EventCsvReader {
   EventCsvReader& operator=(EventCsvReader&&) noexcept;
 
   /// The next events, at least one until the file ends; valid until the next call.
-  /// @throws Error  that names the line, what is wrong and what would be right
+  /// @throws Error  with the line, what is wrong and what is expected
   std::span<const Event> next();
 
   std::uint64_t bytes_read() const;

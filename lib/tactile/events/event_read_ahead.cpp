@@ -17,13 +17,13 @@
 namespace tactile {
 namespace {
 
-/// A thread's own batches should stay in its second-level cache, which has 1 MiB or 512 KiB; with fewer it would often have to
-/// wait until the reader has come to one of them.
+/// The batches of a thread should fit its second-level cache of 1 MiB or 512 KiB. With fewer batches it would often wait for the
+/// reader.
 constexpr std::size_t batch_bytes = std::size_t{128} << 10;
 constexpr std::size_t batches_each = 4;
 constexpr std::size_t batch_packets = 16;
 constexpr std::size_t most_bytes_ahead = std::size_t{64} << 20;
-/// A buffer that a huge packet left behind is not kept for small ones.
+/// Larger buffers, after a huge packet, are not kept.
 constexpr std::size_t largest_kept_buffer = std::size_t{2} << 20;
 
 }  // namespace
@@ -41,7 +41,7 @@ bool EventPacketDecoder::load(const PacketRecord& packet, PacketBuffer& content,
     result = decompressor_.decompress(compression_, bytes, content, limit, expected);
   };
   if (!window_.use(file_->descriptor(), packet.payload_offset, packet.payload_size, file_->size(), decompress)) {
-    decompressor_ = {};  // it may have been left in the middle
+    decompressor_ = {};  // it may be in an intermediate state
     decompress(stored(packet));
   }
   size = result.size;
@@ -71,32 +71,31 @@ DecodedEvents EventPacketDecoder::decode(const PacketRecord& packet, SensorSize 
 }
 
 struct EventReadAhead::State {
-  /// Memory for a batch's contents. It stays with the thread that it was made for: another one's cache would first have to give
-  /// it up.
+  /// Memory for a batch's contents. It belongs to one thread, because moving it between caches is slow.
   using Memory = std::vector<PacketBuffer>;
   struct Worker {
     EventPacketDecoder decoder;
     std::vector<Memory> spare = std::vector<Memory>(batches_each);
   };
 
-  /// Some packets in a row that one thread decodes.
+  /// Consecutive packets that one thread decodes.
   struct Batch {
     enum class Stage : std::uint8_t { planned, taken, done } stage = Stage::planned;
     std::span<const EventPacket> packets;
-    std::vector<std::optional<DecodedEvents>> decoded;  ///< nothing where that failed or would have been too much
-    Worker* worker = nullptr;                           ///< who took it, and whose `contents` are
+    std::vector<std::optional<DecodedEvents>> decoded;  ///< nothing if that failed or exceeded the memory limit
+    Worker* worker = nullptr;                           ///< the thread that took it, and owns `contents`
     Memory contents;
     std::size_t bytes = 0;     ///< of the contents that are kept
-    std::size_t expected = 0;  ///< of them, by what is known beforehand
+    std::size_t expected = 0;  ///< their estimated size
   };
 
   std::vector<EventPacket> expected;
   std::size_t planned = 0;        ///< of those expected
-  std::size_t planned_bytes = 0;  ///< that are ahead, decoded or not [B]
+  std::size_t planned_bytes = 0;  ///< ahead of the reader, decoded or not [B]
 
   std::mutex guard;
   std::condition_variable work, progress;
-  std::deque<std::unique_ptr<Batch>> ahead;  ///< in the packets' order, what is read at the front
+  std::deque<std::unique_ptr<Batch>> ahead;  ///< in the order of packets; the reader is at the front
   std::vector<std::unique_ptr<Batch>> spare;
   std::atomic<std::size_t> bytes_ahead{0};
   bool stopping = false;
@@ -111,7 +110,7 @@ struct EventReadAhead::State {
     try {
       for (unsigned i = 0; i < count; ++i) helpers.emplace_back([this, i] { help(workers[i + 1]); });
     } catch (const std::system_error&) {
-      // The machine gives no more threads: those that are there do the work.
+      // No more threads are available: the existing ones do the work.
     }
   }
   ~State() {
@@ -123,7 +122,7 @@ struct EventReadAhead::State {
     for (std::thread& helper : helpers) helper.join();
   }
 
-  /// The next batch that this one can take. What is at the front finds memory always: none behind it is taken before it.
+  /// The next batch for this worker. Memory is always left for the batch at the front, because later ones are taken after it.
   Batch* next_for(const Worker& worker) {
     if (worker.spare.empty()) return nullptr;
     for (const auto& batch : ahead) {
@@ -139,7 +138,7 @@ struct EventReadAhead::State {
       try {
         batch.decoded[i] = decoder.decode(batch.packets[i].record, batch.packets[i].sensor, batch.contents[i]);
       } catch (const std::exception&) {
-        return;  // the reader meets it again when it comes to the packet
+        return;  // the reader gets the same error at this packet
       }
       batch.bytes += batch.decoded[i]->events.size_bytes();
       bytes_ahead += batch.decoded[i]->events.size_bytes();
@@ -168,7 +167,7 @@ struct EventReadAhead::State {
     }
   }
 
-  /// Plans as many batches as there is room for: fewer of large packets.
+  /// Plans as many batches as fit: fewer with large packets.
   void plan() {
     const std::size_t enough = workers.size() * batches_each * batch_bytes;
     while (!spare.empty() && planned < expected.size() && (planned_bytes < enough || ahead.size() <= workers.size())) {
@@ -191,7 +190,7 @@ struct EventReadAhead::State {
     work.notify_all();
   }
 
-  /// The batch at the front has been read, or is not wanted.
+  /// Drops the batch at the front, which was read or is not needed.
   void drop_front(std::unique_lock<std::mutex>& lock) {
     progress.wait(lock, [&] { return ahead.front()->stage != Batch::Stage::taken; });
     std::unique_ptr<Batch> batch = std::move(ahead.front());
@@ -209,7 +208,7 @@ struct EventReadAhead::State {
     cursor = 0;
   }
 
-  /// Until the batch at the front is done. Who waits works.
+  /// Waits until the batch at the front is done, and decodes meanwhile.
   void finish_front(std::unique_lock<std::mutex>& lock) {
     while (ahead.front()->stage != Batch::Stage::done) {
       if (Batch* batch = next_for(workers.front())) {
@@ -241,7 +240,7 @@ std::optional<DecodedEvents> EventReadAhead::take(const PacketRecord& packet) {
   if (state.ahead.empty() || state.cursor == 0 || is_before(state.ahead.front()->packets.back())) {
     std::unique_lock lock(state.guard);
     while (!state.ahead.empty() && is_before(state.ahead.front()->packets.back())) state.drop_front(lock);
-    if (state.ahead.empty()) {  // far ahead of what was planned
+    if (state.ahead.empty()) {  // far ahead of the planned packets
       const auto left = state.expected.begin() + static_cast<std::ptrdiff_t>(state.planned);
       state.planned += static_cast<std::size_t>(std::partition_point(left, state.expected.end(), is_before) - left);
     }

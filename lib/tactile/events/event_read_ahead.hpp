@@ -11,31 +11,31 @@
 #include "tactile/events/file_window.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
-#include "tactile/events/recording_index.hpp"
+#include "tactile/events/recording_file.hpp"
 
 namespace tactile {
 
-/// The events of one packet, with what must be known to put them to use.
+/// The events of one packet, and their state.
 struct DecodedEvents {
   Contents contents = Contents::broken;
-  std::span<Event> events;    ///< inside the sensor and of a polarity; in the buffer that was decoded into
-  std::uint64_t dropped = 0;  ///< those that were not
+  std::span<Event> events;    ///< inside the sensor and with a valid polarity; in the buffer of the decoder
+  std::uint64_t dropped = 0;  ///< other events
   bool ascending = true;
 };
 
-/// Decodes packets one after the other, with one set of working memory. Nothing in it depends on other packets, so several may
-/// work on one file at the same time.
+/// Decodes packets, with memory that is reused. It keeps no state between packets, so several decoders may use one file
+/// concurrently.
 class EventPacketDecoder {
  public:
   EventPacketDecoder(const RecordingFile& file, Compression compression)
       : file_(&file), compression_(compression), window_(file.parts()) {}
 
-  /// Brings a packet's contents to the front of `content`; false if they do not decompress. @throws Error if the file cannot be
-  /// read
+  /// Loads a packet's contents to the front of `content`; false if they cannot be decompressed. @throws Error  if the file cannot
+  /// be read
   bool load(const PacketRecord& packet, PacketBuffer& content, std::size_t& size, Expected expected = Expected::anything);
-  /// Its events. @param sensor 1 to 32768 pixels each way. @throws Error likewise
+  /// The events of a packet. @param sensor  1 to 32768 pixels in each direction. @throws Error  if the file cannot be read
   DecodedEvents decode(const PacketRecord& packet, SensorSize sensor, PacketBuffer& content);
-  /// The bytes as they are stored; valid until the next call of any of these. @throws Error likewise
+  /// The stored bytes; valid until the next call of any function. @throws Error  if the file cannot be read
   std::span<const std::byte> stored(const PacketRecord& packet);
 
  private:
@@ -52,21 +52,21 @@ struct EventPacket {
   SensorSize sensor;
 };
 
-/// Decodes packets ahead of the one that reads them, on threads of its own; the reader helps where it would have to wait. What is
-/// ahead is bounded: a few batches of some packets each, and 64 MiB of contents beside the packets that are being decoded.
+/// Decodes packets ahead of their reader, on its own threads; the reader helps instead of waiting. It is limited to a few batches
+/// of packets, and to 64 MiB of contents in addition to the packets being decoded.
 class EventReadAhead {
  public:
-  /// @param helpers  threads to start, > 0; where the machine gives none, the reader does all of it
+  /// @param helpers  number of threads, > 0; if none can be started, the reader decodes all packets
   EventReadAhead(const RecordingFile& file, Compression compression, unsigned helpers);
   ~EventReadAhead();
   EventReadAhead(const EventReadAhead&) = delete;
   EventReadAhead& operator=(const EventReadAhead&) = delete;
 
-  /// The packets that will be asked for, in the order of their places; takes the place of what was to come before.
+  /// Sets the packets that will be requested, in the order of their places. Replaces earlier expectations.
   void expect(std::vector<EventPacket> packets);
 
-  /// The events of one of them, valid until the next call, and once only. Nothing if it is none of them, comes before one asked
-  /// for already, or could not be had ahead: it is to be decoded by the asker then.
+  /// The events of an expected packet, once only, and valid until the next call. Nothing if the packet is not expected, lies
+  /// before an earlier request, or was not decoded ahead. Then the caller decodes it.
   std::optional<DecodedEvents> take(const PacketRecord& packet);
 
  private:

@@ -8,11 +8,11 @@
 namespace tactile {
 namespace {
 
-/// Parts begin at multiples of this, so that threads a few packets from each other meet in one; each is longer by what a packet
-/// may have. Only what is touched becomes part of this process.
+/// Parts begin at multiples of this, so that threads at near packets share one. Each is longer by the size of a packet. Only
+/// accessed pages use memory.
 constexpr std::size_t part_size = std::size_t{4} << 20, overlap = std::size_t{1} << 20;
 
-/// What this thread looks at, and where it goes on when that cannot be read.
+/// The bytes that this thread accesses, and the place to resume if they cannot be read.
 struct Guarded {
   const std::byte* begin = nullptr;
   const std::byte* end = nullptr;
@@ -29,7 +29,7 @@ void leave(int, siginfo_t* info, void*) {
     guarded = {};
     siglongjmp(*way_out, 1);
   }
-  ::sigaction(SIGBUS, &action_before, nullptr);  // not ours: it is raised again on return, and met as before
+  ::sigaction(SIGBUS, &action_before, nullptr);  // not ours: it is raised again on return, with the former action
 }
 
 bool watch_for_bus_errors() {

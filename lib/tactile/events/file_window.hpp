@@ -10,8 +10,8 @@
 
 namespace tactile {
 
-/// The parts of a file that are mapped into memory. Who looks at the same part shares it, and the last one lets it go: its pages
-/// come and go once, whichever threads read them.
+/// The parts of a file that are mapped into memory. Threads that use the same part share it, and the last one unmaps it. So its
+/// pages are loaded only once.
 class FileParts {
  public:
   struct Part {
@@ -27,7 +27,7 @@ class FileParts {
     std::size_t size;
   };
 
-  /// A part that has `size` bytes from `offset` on; nothing where it cannot be mapped.
+  /// A part that contains `size` bytes from `offset` on; nothing if it cannot be mapped.
   std::shared_ptr<const Part> part(int file, std::uint64_t offset, std::size_t size, std::uint64_t file_size);
 
  private:
@@ -35,17 +35,17 @@ class FileParts {
   std::vector<std::weak_ptr<const Part>> parts_;
 };
 
-/// A part of a file as the kernel holds it, which saves copying it. Memory follows the part, not the file.
+/// A mapped part of a file, which avoids a copy. Memory follows the part, not the file.
 ///
-/// Where the file has become shorter or its disk fails, touching such bytes raises SIGBUS, which would end the program: they are
-/// touched in `use` only, which survives it.
+/// If the file has become shorter or its disk fails, access to the bytes raises SIGBUS, which would end the program. Therefore
+/// only `use` accesses them: it handles SIGBUS.
 class FileWindow {
  public:
   explicit FileWindow(FileParts& parts) : parts_(&parts) {}
 
-  /// Calls `work` with `size` bytes from `offset` on, which lay inside the file when its size was `file_size`. Where they turn
-  /// out not to be readable, it is left where it stands: nothing in it may need a destructor then, and what it has changed
-  /// half-way must be thrown away. @return whether it ended; false also where the file cannot be viewed at all
+  /// Calls `work` with `size` bytes from `offset` on, which must lie inside the file when its size was `file_size`. If they
+  /// cannot be read, `work` is aborted without calling destructors: it must not need them, and its results must be discarded.
+  /// @return  whether `work` finished; false also if the file cannot be mapped
   template <class Work>
   bool use(int file, std::uint64_t offset, std::size_t size, std::uint64_t file_size, const Work& work) {
     if (!open(file, offset, size, file_size)) return false;
@@ -54,7 +54,7 @@ class FileWindow {
     guard(&way_out);
     try {
       work(std::span<const std::byte>(part_->data + (offset - part_->begin), size));
-    } catch (...) {  // no object with a destructor instead: the way out would pass it by
+    } catch (...) {  // a destructor instead would be skipped by the jump
       guard(nullptr);
       throw;
     }

@@ -7,13 +7,13 @@
 namespace tactile {
 namespace {
 
-constexpr unsigned long_length = 15;       ///< of literals or of a match: it goes on in bytes of its own
-constexpr std::size_t shortest_match = 4;  ///< which a match's length counts from [B]
+constexpr unsigned long_length = 15;       ///< of literals or of a match: further bytes follow
+constexpr std::size_t shortest_match = 4;  ///< added to the stored length of a match [B]
 
-/// What `take_short` may read and write at a time: 5 literals and 18 bytes of a match, in writes of 8 bytes [B].
+/// The most that `take_short` reads and writes: 5 literals and 18 bytes of a match, in writes of 8 bytes [B].
 constexpr std::ptrdiff_t short_stored = 9, short_made = 24;
 
-/// The first bytes of eight, as many as there are literals.
+/// Masks for the literals in eight bytes.
 constexpr std::array<std::uint64_t, 6> masks{0, 0xff, 0xffff, 0xffffff, 0xffffffff, 0xffffffffff};
 
 template <class Number>
@@ -23,13 +23,13 @@ Number number_at(const std::uint8_t* bytes) {
   return number;
 }
 
-/// How far a block has been decoded.
+/// The state of the decoding of a block.
 struct Progress {
   const std::uint8_t* in;
   const std::uint8_t* in_end;
   std::uint8_t* out;
   std::uint8_t* out_end;
-  const std::uint8_t* oldest;  ///< that a match may begin with
+  const std::uint8_t* oldest;  ///< first byte that a match may use
 
   explicit Progress(const Lz4Block& block)
       : in(reinterpret_cast<const std::uint8_t*>(block.stored.data())),
@@ -38,12 +38,12 @@ struct Progress {
         out_end(out + block.room.size()),
         oldest(out - block.before) {}
 
-  /// So many short sequences can be taken without a look at the ends.
+  /// The number of short sequences that surely fit, so that the ends need no check.
   std::ptrdiff_t sure_of() const { return std::min((in_end - in) / short_stored, (out_end - out) / short_made); }
 };
 
-/// Takes a sequence of at most 5 literals and of a match of 4 to 18 bytes, no less than 8 back; false, and nothing is changed, if
-/// the next one is another. There must be room.
+/// Decodes a sequence of at most 5 literals and a match of 4 to 18 bytes at a distance of at least 8. False, without a change,
+/// for any other sequence. There must be room.
 [[gnu::always_inline]] inline bool take_short(const std::uint8_t*& in, std::uint8_t*& out, const std::uint8_t* oldest) {
   const std::size_t token = *in, literals = token >> 4, match = token & 15;
   if (literals >= masks.size() || match == long_length) [[unlikely]]
@@ -51,7 +51,7 @@ struct Progress {
   const std::size_t back = number_at<std::uint16_t>(in + 1 + literals);
   if (back < 8 || back > static_cast<std::size_t>(out - oldest)) [[unlikely]]
     return false;
-  // What is repeated by its 8 bytes, the literals in place of the first of them.
+  // The first 8 bytes of the match, overwritten by the literals.
   const std::uint8_t* from = out - back;
   auto bytes = number_at<std::uint64_t>(from);
   bytes ^= (bytes ^ number_at<std::uint64_t>(in + 1)) & masks[literals];
@@ -64,7 +64,7 @@ struct Progress {
   return true;
 }
 
-/// A length that its token's part may not say whole; nothing if the block ends in it.
+/// A length, which may continue after its token; nothing if the block ends inside it.
 std::optional<std::size_t> whole_length(std::size_t length, Progress& block) {
   if (length < long_length) return length;
   for (;;) {
@@ -77,7 +77,7 @@ std::optional<std::size_t> whole_length(std::size_t length, Progress& block) {
 
 void repeat(std::uint8_t* out, std::size_t back, std::size_t length) {
   const std::uint8_t* from = out - back;
-  while (length > back) {  // all that is there by now, again
+  while (length > back) {  // repeat all bytes so far
     std::memcpy(out, from, back);
     out += back;
     length -= back;
@@ -88,7 +88,7 @@ void repeat(std::uint8_t* out, std::size_t back, std::size_t length) {
 
 enum class Sequence : std::uint8_t { taken, last, broken };
 
-/// Takes any sequence.
+/// Decodes any sequence.
 [[gnu::noinline]] Sequence take(Progress& block) {
   if (block.in == block.in_end) return Sequence::broken;
   const std::size_t token = *block.in++;
@@ -112,7 +112,7 @@ enum class Sequence : std::uint8_t { taken, last, broken };
   return Sequence::taken;
 }
 
-/// Takes all that is left; false if the block is broken.
+/// Decodes the rest; false if the block is damaged.
 bool finish(Progress& block) {
   Sequence sequence = Sequence::taken;
   while (sequence == Sequence::taken) {

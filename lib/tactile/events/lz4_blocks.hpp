@@ -7,26 +7,27 @@
 
 namespace tactile {
 
-/// A block of LZ4, which frames of LZ4 are made of, and the place for its contents.
+/// A block of an LZ4 frame, and the memory for its contents.
 struct Lz4Block {
   std::span<const std::byte> stored;
   std::span<std::byte> room;
-  std::size_t before = 0;  ///< so many bytes in front of `room` are there, and contents may repeat them [B]
+  std::size_t before = 0;  ///< available bytes before `room`, which the contents may repeat [B]
 };
 
-/// Decodes a block into the front of its room; what is behind its contents is left in any state. Nothing outside of `stored`, the
-/// room and what is before it is touched, whatever the bytes.
+/// Decodes a block to the front of its room; the rest of the room is undefined. Never accesses memory outside `stored`, the room
+/// and the bytes before it, whatever the input.
 ///
-/// It is made for events: each takes one to three sequences of few bytes, which repeat those of an event just before. A
-/// processor is slow to read again what it has written a moment ago unless it reads no more than one write put there; so here a
-/// sequence is put together in a register, from where it begins, and not copied part by part.
-/// @return  the contents' size [B]; nothing where the block is broken, or its contents do not fit. Of blocks that liblz4 refuses
-///          it takes some, those with a match too near to the end
+/// It is optimised for events: each takes one to three short sequences, which repeat those of a recent event. A processor is slow
+/// to read recently written bytes unless one write contains all of them. Therefore a sequence is composed in a register and
+/// written at once, not copied part by part.
+/// @return  the size of the contents [B]; nothing if the block is damaged, or its contents do not fit. Unlike liblz4, it accepts
+/// blocks
+///          with a match close to the end
 /// Source: the LZ4 block format, https://github.com/lz4/lz4/blob/dev/doc/lz4_Block_format.md
 std::optional<std::size_t> decode_lz4_block(const Lz4Block& block);
 
-/// Likewise two, in turn: where a sequence begins is known only once the one before has been looked at, and a processor has time
-/// for another block while it waits for that. Neither may be in the other's room or, by `before`, need its contents.
+/// Decodes two blocks alternately: the begin of a sequence depends on the one before, and a processor can work on the other block
+/// meanwhile. Neither may overlap the other's room or, by `before`, need its contents.
 std::optional<std::array<std::size_t, 2>> decode_lz4_blocks(const Lz4Block& first, const Lz4Block& second);
 
 }  // namespace tactile

@@ -7,7 +7,7 @@
 
 namespace tactile {
 
-/// What the inertial sensor felt. Source: AEDAT4's IMU table.
+/// A sample of the inertial sensor. Source: AEDAT4's IMU table.
 struct ImuSample {
   CameraTime t;
   float temperature_c = 0;
@@ -16,13 +16,13 @@ struct ImuSample {
   float magnetic_field_ut[3] = {};  ///< [µT]
 };
 
-/// A signal at the camera's trigger input or a mark of its own. Source: AEDAT4's Trigger table.
+/// A signal at the camera's trigger input, or an internal mark. Source: AEDAT4's Trigger table.
 struct Trigger {
   CameraTime t;
   std::int8_t type = 0;  ///< 0 reset of time, 1/2/3 external edge up/down/pulse, 4/5 generator's edges, 6..9 frame and exposure
 };
 
-/// One picture. `format` = 8 * (channels - 1) + depth, as OpenCV counts depths, so 0 grey, 16 BGR, 24 BGRA of 8 bits.
+/// One picture. `format` = 8 * (channels - 1) + depth, in OpenCV's order of depths: 0 grey, 16 BGR, 24 BGRA of 8 bits.
 struct Frame {
   CameraTime t;
   CameraTime frame_start, frame_end, exposure_start, exposure_end;

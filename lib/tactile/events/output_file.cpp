@@ -12,7 +12,7 @@ void check_target(const fs::path& target, const fs::path& input, bool replace) {
   std::error_code failed;
   if (fs::equivalent(target, input, failed)) {
     throw Error(target.string() + ": the output is the input, " + input.string() +
-                "; expected another file, the input is never written over");
+                "; expected another file, the input is never replaced");
   }
   const fs::file_status status = fs::symlink_status(target, failed);
   if (!fs::exists(status)) return;

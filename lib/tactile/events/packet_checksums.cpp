@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tactile/events/recording_index.hpp"
+#include "tactile/events/recording_file.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::string_view first_line = "#!TACTILE-CRC1\r\n";
 constexpr std::size_t record_size = 24, own_at = 20;
-constexpr std::size_t packet_header_size = 8;
 constexpr std::size_t longest_header = std::size_t{16} << 20;
 enum Kind : std::uint32_t { header_kind, packet_kind, end_kind };
 
@@ -26,7 +25,7 @@ std::uint32_t crc_of(std::span<const std::byte> bytes, std::uint32_t before = 0)
   return static_cast<std::uint32_t>(::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Of a recording's bytes up to its first packet, as they were before the table's position was written.
+/// The checksum of a recording's bytes before its first packet, without the table's position.
 std::uint32_t crc_of_header(std::vector<std::byte> bytes, std::size_t table_position) {
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table_position), sizeof(std::int64_t), std::byte{0xFF});
   return crc_of(bytes);
@@ -83,7 +82,7 @@ PacketChecksums::PacketChecksums(const RecordingReader& recording)
   if (file_.is_open()) find_header_and_end(recording);
 }
 
-/// The next record that is whole; false at the end of the file, or where it cannot be read.
+/// The next valid record; false at the end of the file, or if it cannot be read.
 bool PacketChecksums::next(Record& record) {
   for (;;) {
     if (read_size_ - used_ < record_size) {
@@ -95,16 +94,11 @@ bool PacketChecksums::next(Record& record) {
     }
     const std::span<const std::byte> bytes = std::span(read_).subspan(used_, record_size);
     used_ += record_size;
-    const auto u32_at = [&](std::size_t at) {
-      std::uint32_t value = 0;
-      std::memcpy(&value, bytes.data() + at, sizeof value);
-      return value;
-    };
-    if (u32_at(own_at) != crc_of(bytes.first(own_at))) continue;
+    if (u32_at(bytes, own_at) != crc_of(bytes.first(own_at))) continue;
     std::memcpy(&record.position, bytes.data(), sizeof record.position);
-    record.size = u32_at(8);
-    record.kind = u32_at(12);
-    record.checksum = u32_at(16);
+    record.size = u32_at(bytes, 8);
+    record.kind = u32_at(bytes, 12);
+    record.checksum = u32_at(bytes, 16);
     return true;
   }
 }
@@ -145,11 +139,11 @@ PacketCheck PacketChecksums::check(const PacketRecord& packet, std::span<const s
     has_record_ = true;
   }
   if (position_ != position) return PacketCheck::not_covered;
-  // The bytes in front as the reader takes them: it may have put a wrong size right.
-  std::array<std::byte, packet_header_size> front{};
-  std::memcpy(front.data(), &packet.stream_id, sizeof packet.stream_id);
-  std::memcpy(front.data() + sizeof packet.stream_id, &packet.payload_size, sizeof packet.payload_size);
-  const bool same = size_ == packet_header_size + stored.size() && crc_of(stored, crc_of(front)) == checksum_;
+  // The packet's header as the reader understands it: it may have corrected a wrong size.
+  std::array<std::byte, packet_header_size> packet_header{};
+  std::memcpy(packet_header.data(), &packet.stream_id, sizeof packet.stream_id);
+  std::memcpy(packet_header.data() + sizeof packet.stream_id, &packet.payload_size, sizeof packet.payload_size);
+  const bool same = size_ == packet_header_size + stored.size() && crc_of(stored, crc_of(packet_header)) == checksum_;
   return same ? PacketCheck::whole : PacketCheck::damaged;
 }
 

@@ -11,18 +11,18 @@
 
 namespace tactile {
 
-/// A recording that is being written has no hash yet. A file beside it holds a checksum of its header and of each packet:
+/// A recording that is being written has no hash yet. A file beside it has a checksum of its header and of each packet:
 ///
 ///   the line "#!TACTILE-CRC1\r\n", then records of 24 bytes, little-endian:
-///   uint64 position   packet: where it begins [B]; header: where it has the data table's position; end: where the packets end
-///   uint32 size       of the header, or of the packet with its 8 bytes in front [B]; 0 of the end
+///   uint64 position   packet: its begin [B]; header: the place of the data table's position; end: the end of the packets
+///   uint32 size       of the header, or of the packet with its header of 8 bytes [B]; 0 for the end
 ///   uint32 kind       0 header, 1 packet, 2 end
 ///   uint32 checksum   CRC-32 of these bytes; the table's position in the header, which is written last, counts as -1
-///   uint32 own        CRC-32 of the 20 bytes before: a record that a kill or a power cut left torn has another one
+///   uint32 own        CRC-32 of the 20 bytes before, which detects a record that was not completely written
 std::filesystem::path checksums_beside(const std::filesystem::path& recording);
 
-/// Writes the checksums of a recording that is being written. Where that fails it stops, and the recording is written on: the
-/// packets from there on have no checksum.
+/// Writes the checksums of a recording that is being written. If that fails, the following packets have no checksum, and the
+/// recording is still written.
 class PacketChecksumWriter {
  public:
   PacketChecksumWriter() = default;  ///< writes nothing
@@ -42,18 +42,18 @@ class PacketChecksumWriter {
 
 enum class PacketCheck : std::uint8_t { whole, damaged, not_covered };
 
-/// Compares a recording with the checksums beside it. Those that are missing, torn or of what the recording does not have are
-/// passed over: after a power cut either file may be the longer one. Memory does not follow the file.
+/// Compares a recording with its checksums. Missing or damaged checksums, and those of missing packets, are ignored: after a
+/// power cut either file may be longer. Memory does not follow the file.
 class PacketChecksums {
  public:
-  /// Uses none where the file is not there, or of another recording: one whose header leads to a data table was closed, and its
-  /// checksums must end where its packets do. @throws Error if the recording cannot be read
+  /// Uses no checksums if the file is missing or belongs to another recording: if the header names a data table, the recording
+  /// was closed, and the checksums must end with its packets. @throws Error  if the recording cannot be read
   explicit PacketChecksums(const RecordingReader& recording);
 
   bool used() const { return file_.is_open(); }
   bool header_damaged() const { return header_damaged_; }
 
-  /// Whether the packet is what was written. To be asked in the order of the file.
+  /// Whether the packet is intact. Must be called in the order of the file.
   PacketCheck check(const PacketRecord& packet, std::span<const std::byte> stored);
 
  private:

@@ -18,12 +18,13 @@
 namespace tactile {
 namespace {
 
-/// LZ4 decodes a block in place only where a whole block still fits; this is the size of the vendor's.
+/// LZ4 decodes a block in place only if a whole block fits. This is the vendor's block size.
 constexpr std::size_t lz4_block = std::size_t{64} << 10;
 
-constexpr std::size_t most_at_once = std::size_t{8} << 20;  ///< that a buffer grows by half to; beyond, to what is asked for [B]
+constexpr std::size_t most_at_once = std::size_t{8}
+                                     << 20;  ///< up to this size a buffer grows by half, beyond it only as needed [B]
 
-/// What a packet says of its own length with its first four bytes, once they are there.
+/// The length of a packet according to its first four bytes; 0 if they are not decoded yet.
 std::size_t length_by_prefix(const std::byte* content, std::size_t known) {
   std::uint32_t prefix = 0;
   if (known < sizeof prefix) return 0;
@@ -31,7 +32,7 @@ std::size_t length_by_prefix(const std::byte* content, std::size_t known) {
   return std::size_t{prefix} + sizeof prefix;
 }
 
-/// Room for more than `known` bytes: as much as the packet says it needs, else twice as much. False at the limit.
+/// Makes room for more than `known` bytes: as much as the packet claims, otherwise twice as much. False at the limit.
 bool make_room(PacketBuffer& content, std::size_t known, std::size_t limit) {
   const std::size_t claimed = length_by_prefix(content.data(), known);
   if (known >= limit || claimed > limit) return false;
@@ -40,17 +41,17 @@ bool make_room(PacketBuffer& content, std::size_t known, std::size_t limit) {
   return true;
 }
 
-/// The frames that recordings have: blocks of 64 KiB without checksums or a size, linked or not. Their headers and its checksum.
+/// The frame headers, with their checksum, in usual recordings: blocks of 64 KiB without checksums or size, linked or not.
 constexpr std::array<std::uint8_t, 7> linked_frame{0x04, 0x22, 0x4D, 0x18, 0x40, 0x40, 0xC0};
 constexpr std::array<std::uint8_t, 7> unlinked_frame{0x04, 0x22, 0x4D, 0x18, 0x60, 0x40, 0x82};
 
-/// A block as a frame has it; the mark of the end where `stored` is empty.
+/// A block of a frame; the end mark if `stored` is empty.
 struct FrameBlock {
   std::span<const std::byte> stored;
   bool compressed = false;
 };
 
-/// The block at `at`, which is led behind it; nothing where the frame ends in it.
+/// The block at `at`, which is advanced after it; nothing if the frame ends inside the block.
 std::optional<FrameBlock> next_block(std::span<const std::byte> frame, std::size_t& at) {
   std::uint32_t head = 0;
   if (frame.size() - at < sizeof head) return std::nullopt;
@@ -62,7 +63,8 @@ std::optional<FrameBlock> next_block(std::span<const std::byte> frame, std::size
   return FrameBlock{.stored = frame.subspan(at - size, size), .compressed = head >> 31 == 0};
 }
 
-/// Such a frame of events, faster than the library. What is another or not sound is the library's: then nothing is whole here.
+/// Decompresses such a frame of events faster than the library. Not whole for any other frame, or a damaged one: then the library
+/// is used.
 Decompressed decompress_usual_lz4(std::span<const std::byte> stored, PacketBuffer& content, std::size_t limit) {
   const auto starts_with = [&](const auto& head) {
     return stored.size() >= head.size() && std::memcmp(stored.data(), head.data(), head.size()) == 0;
@@ -88,15 +90,15 @@ Decompressed decompress_usual_lz4(std::span<const std::byte> stored, PacketBuffe
       continue;
     }
     if (!linked && content.capacity() - made >= 2 * lz4_block) {
-      std::size_t behind = at;
-      const std::optional<FrameBlock> next = next_block(stored, behind);
+      std::size_t after_next = at;
+      const std::optional<FrameBlock> next = next_block(stored, after_next);
       if (next && next->compressed && !next->stored.empty()) {
         const auto sizes = decode_lz4_blocks(room_for(*block, made), room_for(*next, made + lz4_block));
         if (!sizes) return {};
         const auto [first, second] = *sizes;
         if (first < lz4_block) std::memmove(content.data() + made + first, content.data() + made + lz4_block, second);
         made += first + second;
-        at = behind;
+        at = after_next;
         continue;
       }
     }
@@ -122,7 +124,7 @@ Decompressed decompress_lz4(LZ4F_dctx* context, std::span<const std::byte> store
     if (made == content.capacity()) {
       if (!make_room(content, made, limit)) return {};
     } else if (input == 0 && output == 0) {
-      return {};  // the frame goes on behind the packet's end
+      return {};  // the frame continues after the end of the packet
     }
   }
 }
@@ -186,14 +188,13 @@ void check_zstd(std::size_t result) {
 LZ4F_preferences_t lz4_preferences(int level) {
   LZ4F_preferences_t preferences{};
   preferences.frameInfo.blockSizeID = LZ4F_max64KB;
-  // Blocks on their own are compressed faster than linked ones (by 8 to 19 %), to sizes that differ little either way; the slow
-  // level is chosen for size.
+  // Independent blocks are compressed 8 to 19 % faster than linked ones, to similar sizes. The slow level is chosen for size.
   preferences.frameInfo.blockMode = level == 0 ? LZ4F_blockIndependent : LZ4F_blockLinked;
   preferences.compressionLevel = level;
   return preferences;
 }
 
-/// As the vendor's software has them.
+/// The levels of the vendor's software.
 int level_of(Compression compression) {
   switch (compression) {
     case Compression::lz4_high:
@@ -211,7 +212,7 @@ int level_of(Compression compression) {
 
 std::size_t largest_content(Compression compression, std::size_t stored_size) {
   if (compression == Compression::none) return stored_size;
-  // A byte of LZ4 stands for 255 bytes at most; zstd knows no such bound.
+  // A byte of LZ4 expands to at most 255 bytes; zstd has no such limit.
   if (is_lz4(compression) && stored_size < packet_limit / 255) return 255 * stored_size;
   return packet_limit;
 }
@@ -247,8 +248,7 @@ Decompressed PacketDecompressor::decompress(Compression compression, std::span<c
       state_->lz4.reset(context);
     }
     const Decompressed result = decompress_lz4(state_->lz4.get(), stored, content, limit);
-    // A frame broken off leaves the size it announced behind (liblz4 1.9), which its reset does not clear and the next one fails
-    // by.
+    // After an incomplete frame, liblz4 1.9 keeps its announced size even after a reset, so the next frame would fail.
     if (!result.whole) state_->lz4.reset();
     return result;
   }
@@ -319,17 +319,17 @@ void PacketCompressor::State::lz4_pieces(int level, const std::function<void(con
   LZ4F_cctx* context = lz4_context();
   const LZ4F_preferences_t preferences = lz4_preferences(level);
   PacketBuffer frame;
-  const auto hand_on = [&](std::size_t made) {
+  const auto pass_on = [&](std::size_t made) {
     check_lz4(made);
     if (made > 0) sink({frame.data(), made});
   };
   frame.grow(LZ4F_HEADER_SIZE_MAX + LZ4F_compressBound(0, &preferences), 0);
-  hand_on(LZ4F_compressBegin(context, frame.data(), frame.capacity(), &preferences));
+  pass_on(LZ4F_compressBegin(context, frame.data(), frame.capacity(), &preferences));
   make([&](std::span<const std::byte> piece) {
     frame.grow(LZ4F_compressBound(piece.size(), &preferences), 0);
-    hand_on(LZ4F_compressUpdate(context, frame.data(), frame.capacity(), piece.data(), piece.size(), nullptr));
+    pass_on(LZ4F_compressUpdate(context, frame.data(), frame.capacity(), piece.data(), piece.size(), nullptr));
   });
-  hand_on(LZ4F_compressEnd(context, frame.data(), frame.capacity(), nullptr));
+  pass_on(LZ4F_compressEnd(context, frame.data(), frame.capacity(), nullptr));
 }
 
 void PacketCompressor::State::zstd_pieces(int level, std::uint64_t size, const std::function<void(const ByteSink&)>& make,

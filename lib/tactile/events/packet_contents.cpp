@@ -20,7 +20,7 @@ static_assert(sizeof(aedat4::EventStruct) == sizeof(Event) && alignof(aedat4::Ev
 constexpr std::size_t prefix_size = sizeof(std::uint32_t);
 constexpr std::size_t identifier_end = 12;  ///< prefix, offset of the root, identifier
 
-/// How long the contents say they are, prefix included; 0 if they cannot be.
+/// The size that the contents claim, prefix included; 0 if it is impossible.
 std::size_t claimed_size(PacketBuffer& packet, std::size_t size) {
   if (size < identifier_end || size >= std::numeric_limits<std::int32_t>::max() - prefix_size) return 0;
   std::uint32_t prefix = 0;
@@ -29,8 +29,8 @@ std::size_t claimed_size(PacketBuffer& packet, std::size_t size) {
   return claimed < identifier_end || claimed > size ? 0 : claimed;
 }
 
-/// Checks everything that leads to the contents and hands out their root. Writers align 8-byte members from the prefix on, or
-/// from behind it: the second kind is moved by half such a member.
+/// Checks the contents and returns their root. Writers align 8-byte members relative to the prefix, or to the byte after it. The
+/// second kind is moved by 4 bytes.
 template <class Root>
 Contents verify(PacketBuffer& packet, std::size_t size, const char* identifier, std::size_t tables, const Root*& root) {
   const std::size_t claimed = claimed_size(packet, size);
@@ -45,18 +45,18 @@ Contents verify(PacketBuffer& packet, std::size_t size, const char* identifier, 
   }
   packet.grow(claimed + prefix_size, claimed);
   std::memmove(packet.data() + prefix_size, packet.data(), claimed);
-  const auto* behind_prefix = reinterpret_cast<const std::uint8_t*>(packet.data()) + 2 * prefix_size;
-  if (!flatbuffers::Verifier(behind_prefix, claimed - prefix_size, 64, max_tables, true).VerifyBuffer<Root>(identifier)) {
+  const auto* after_prefix = reinterpret_cast<const std::uint8_t*>(packet.data()) + 2 * prefix_size;
+  if (!flatbuffers::Verifier(after_prefix, claimed - prefix_size, 64, max_tables, true).VerifyBuffer<Root>(identifier)) {
     return Contents::broken;
   }
-  root = flatbuffers::GetRoot<Root>(behind_prefix);
+  root = flatbuffers::GetRoot<Root>(after_prefix);
   return Contents::whole;
 }
 
-/// A table and the offset that leads to it take 8 bytes at least, so no sound packet holds more of them.
+/// A table and its offset take at least 8 bytes, so a sound packet has at most this many.
 std::size_t most_tables(std::size_t size) { return size / 8 + 2; }
 
-std::size_t hand_over(const flatbuffers::FlatBufferBuilder& builder, PacketBuffer& packet, std::size_t reserved) {
+std::size_t copy_to(const flatbuffers::FlatBufferBuilder& builder, PacketBuffer& packet, std::size_t reserved) {
   packet.grow(reserved + builder.GetSize(), 0);
   std::memcpy(packet.data() + reserved, builder.GetBufferPointer(), builder.GetSize());
   return builder.GetSize();
@@ -154,13 +154,13 @@ Contents decode_table(PacketBuffer& table, std::size_t size, std::vector<PacketR
 void write_event_packet_head(std::byte* head, std::size_t count) {
   const auto put = [head](std::size_t at, auto value) { std::memcpy(head + at, &value, sizeof value); };
   put(0, static_cast<std::uint32_t>(event_packet_head - prefix_size + count * sizeof(Event)));
-  put(4, std::uint32_t{16});  // the root table stands at 4 + 16
+  put(4, std::uint32_t{16});  // the root table is at 4 + 16
   std::memcpy(head + 8, aedat4::EventPacketIdentifier(), 4);
   put(12, std::uint16_t{0});
-  put(14, std::uint16_t{6});  // its vtable: own size, table's size, where its one field stands
+  put(14, std::uint16_t{6});  // its vtable: its size, the table's size, the place of the only field
   put(16, std::uint16_t{8});
   put(18, std::uint16_t{4});
-  put(20, std::int32_t{6});  // the table: how far back its vtable is, how far on its vector is
+  put(20, std::int32_t{6});  // the table: distances back to its vtable and forward to its vector
   put(24, std::uint32_t{4});
   put(28, static_cast<std::uint32_t>(count));
 }
@@ -176,7 +176,7 @@ std::size_t encode_imu(std::span<const ImuSample> samples, PacketBuffer& packet,
   }
   const auto vector = builder.CreateVector(elements);
   aedat4::FinishSizePrefixedImuPacketBuffer(builder, aedat4::CreateImuPacket(builder, vector));
-  return hand_over(builder, packet, reserved);
+  return copy_to(builder, packet, reserved);
 }
 
 std::size_t encode_triggers(std::span<const Trigger> triggers, PacketBuffer& packet, std::size_t reserved) {
@@ -188,7 +188,7 @@ std::size_t encode_triggers(std::span<const Trigger> triggers, PacketBuffer& pac
   }
   const auto vector = builder.CreateVector(elements);
   aedat4::FinishSizePrefixedTriggerPacketBuffer(builder, aedat4::CreateTriggerPacket(builder, vector));
-  return hand_over(builder, packet, reserved);
+  return copy_to(builder, packet, reserved);
 }
 
 std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t reserved) {
@@ -199,11 +199,11 @@ std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t r
       builder, aedat4::CreateFrameTable(builder, us_of(frame.t), us_of(frame.frame_start), us_of(frame.frame_end),
                                         us_of(frame.exposure_start), us_of(frame.exposure_end), frame.format, frame.width,
                                         frame.height, frame.position_x, frame.position_y, pixels, exposure));
-  return hand_over(builder, packet, reserved);
+  return copy_to(builder, packet, reserved);
 }
 
 std::size_t bytes_per_pixel(std::int8_t format) {
-  constexpr std::array<std::size_t, 8> depths{1, 1, 2, 2, 4, 4, 8, 2};  // as OpenCV counts them, u8 to f16
+  constexpr std::array<std::size_t, 8> depths{1, 1, 2, 2, 4, 4, 8, 2};  // in OpenCV's order, u8 to f16
   if (format < 0) return 0;
   const auto bits = static_cast<std::size_t>(format);
   return depths[bits % 8] * (bits / 8 + 1);

@@ -12,34 +12,34 @@
 
 namespace tactile {
 
-/// How a packet's contents turned out.
+/// The state of a packet's contents.
 enum class Contents : std::uint8_t { whole, mismatched, broken };
 
-// Reading: `size` decompressed bytes, the size prefix first, stand at the front of `packet`. Everything in them is checked before
-// it is used. Contents are rearranged in the buffer where they lie at addresses that the machine would have to read byte by byte.
+// Reading: `packet` begins with `size` decompressed bytes, with their size prefix. Everything in them is checked before use.
+// Contents at unaligned addresses are moved inside the buffer.
 
-/// The events in place: valid as long as the buffer is left alone.
+/// The events in place: valid until the buffer changes.
 Contents decode_events(PacketBuffer& packet, std::size_t size, std::span<Event>& events);
 Contents decode_imu(PacketBuffer& packet, std::size_t size, std::vector<ImuSample>& samples);
 Contents decode_triggers(PacketBuffer& packet, std::size_t size, std::vector<Trigger>& triggers);
-Contents decode_frame(PacketBuffer& packet, std::size_t size, Frame& frame);  ///< broken also if its pixels do not fill its size
+Contents decode_frame(PacketBuffer& packet, std::size_t size,
+                      Frame& frame);  ///< also broken if the number of pixels does not fit its size
 
-/// The data table, offsets as they stand in the file.
+/// The data table, with the offsets of the file.
 Contents decode_table(PacketBuffer& table, std::size_t size, std::vector<PacketRecord>& records);
 
-// Writing: contents with their size prefix, behind `reserved` bytes of `packet`; each returns their size.
+// Writing: contents with their size prefix, after `reserved` bytes of `packet`. Each returns their size.
 
-/// What an EVTS packet has in front of its events [B].
+/// The head of an EVTS packet before its events [B].
 inline constexpr std::size_t event_packet_head = 32;
-/// Fills in that head for `count` events. The layout is what FlatBuffers makes of such a packet, and the vendor's files have it
-/// too.
+/// Writes that head for `count` events, in the layout of FlatBuffers, which the vendor's files have too.
 void write_event_packet_head(std::byte* head, std::size_t count);
 
 std::size_t encode_imu(std::span<const ImuSample> samples, PacketBuffer& packet, std::size_t reserved);
 std::size_t encode_triggers(std::span<const Trigger> triggers, PacketBuffer& packet, std::size_t reserved);
 std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t reserved);
 
-/// Bytes of a pixel of this format; 0 if there is no such format.
+/// The bytes per pixel of a format; 0 for an unknown one.
 std::size_t bytes_per_pixel(std::int8_t format);
 
 }  // namespace tactile

@@ -7,30 +7,31 @@
 #include <span>
 
 #include "tactile/core/time.hpp"
+#include "tactile/events/recording_header.hpp"
 
 namespace tactile {
 namespace {
 
-constexpr std::size_t packet_header_size = 8;
 constexpr std::size_t piece_size = std::size_t{64} << 10;
 
 constexpr std::uint32_t head_size = 32;   ///< prefix, offset of the root, identifier, root and its vtable, count
-constexpr std::uint32_t entry_size = 48;  ///< 44 and what the next one's alignment wants
-constexpr std::array<std::uint16_t, 7> entry_vtable{14, 44, 4, 36, 12, 20, 28};  ///< own size, entry's size, its fields' places
+constexpr std::uint32_t entry_size = 48;  ///< 44, and padding for the alignment of the next
+constexpr std::array<std::uint16_t, 7> entry_vtable{14, 44, 4, 36,
+                                                    12, 20, 28};  ///< its size, the entry's size, the places of the fields
 
 std::uint64_t number_of(CameraTime t) { return static_cast<std::uint64_t>(us_of(t)); }
 
-/// Differences wrap around, which loses nothing; small ones of either sign become small numbers.
+/// Maps differences, which wrap around, so that small ones of either sign become small numbers.
 std::uint64_t folded(std::uint64_t difference) { return difference << 1 ^ (difference >> 63 != 0 ? ~std::uint64_t{0} : 0); }
 std::uint64_t unfolded(std::uint64_t number) { return number >> 1 ^ ((number & 1) != 0 ? ~std::uint64_t{0} : 0); }
 
-/// Where the first entry stands: 4 bytes before its 64-bit numbers, which are aligned, and behind the offsets and the vtable.
+/// The place of the first entry: after the offsets and the vtable, and 4 bytes before its aligned 64-bit numbers.
 std::uint64_t first_entry(std::uint64_t packets) {
   const std::uint64_t offsets_end = head_size + 4 * packets;
   return (offsets_end + sizeof entry_vtable + 3) / 8 * 8 + 4;
 }
 
-/// Gathers what is put, and hands it on piece by piece.
+/// Collects values and passes them on in pieces.
 class Pieces {
  public:
   explicit Pieces(const ByteSink& sink) : sink_(sink), bytes_(piece_size) {}
@@ -43,16 +44,16 @@ class Pieces {
   }
   void flush() {
     if (used_ > 0) sink_(std::span(bytes_).first(used_));
-    handed_on_ += used_;
+    passed_on_ += used_;
     used_ = 0;
   }
-  std::uint64_t position() const { return handed_on_ + used_; }
+  std::uint64_t position() const { return passed_on_ + used_; }
 
  private:
   const ByteSink& sink_;
   std::vector<std::byte> bytes_;
   std::size_t used_ = 0;
-  std::uint64_t handed_on_ = 0;
+  std::uint64_t passed_on_ = 0;
 };
 
 }  // namespace
@@ -84,13 +85,13 @@ std::uint64_t PacketTable::content_size() const {
 }
 
 void PacketTable::write_contents(const ByteSink& sink) const {
-  assert(content_size() < (std::uint64_t{1} << 31) && "such a table has no place for its own offsets");
+  assert(content_size() < (std::uint64_t{1} << 31) && "a larger table exceeds its own offsets");
   Pieces out(sink);
   out.put(static_cast<std::uint32_t>(content_size() - 4));
-  out.put(std::uint32_t{16});  // the root table stands at 4 + 16
+  out.put(std::uint32_t{16});  // the root table is at 4 + 16
   out.put(std::array{'F', 'T', 'A', 'B'});
   out.put(std::array<std::uint16_t, 4>{0, 6, 8, 4});  // padding, and the root's vtable
-  out.put(std::uint32_t{6});                          // the root: how far back its vtable is, how far on its vector is
+  out.put(std::uint32_t{6});                          // the root: distances back to its vtable and forward to its vector
   out.put(std::uint32_t{4});
   out.put(static_cast<std::uint32_t>(packets_));
   if (packets_ == 0) return out.flush();

@@ -10,28 +10,28 @@
 
 namespace tactile {
 
-/// The data table of a recording in the making. A packet takes a few bytes, for it is kept as what tells it from the one before
-/// it of its stream: an hour of packets of 1 ms some 25 MB. They never move, so that memory does not double from time to time.
+/// The data table of a recording that is being written. A packet takes a few bytes, because only the differences to the packet
+/// before it in its stream are stored: about 25 MB for an hour of packets of 1 ms. The memory is never copied to grow.
 class PacketTable {
  public:
-  /// @param begin  where the first packet's header stands in the file [B]
+  /// @param begin  the place of the first packet's header in the file [B]
   explicit PacketTable(std::uint64_t begin = 0) : begin_(begin) {}
 
-  /// The next packet of the file. It begins where the one before it ends: its `payload_offset` is not looked at.
+  /// Adds the next packet of the file. It begins at the end of the one before it; its `payload_offset` is not used.
   void add(const PacketRecord& packet);
 
   std::size_t packets() const { return packets_; }
-  std::size_t held_bytes() const { return bytes_.size(); }  ///< of memory, for the packets
+  std::size_t held_bytes() const { return bytes_.size(); }  ///< memory for the packets
 
-  /// As the file's FTAB contents, with their size prefix.
+  // The FTAB contents of the file, with their size prefix.
   std::uint64_t content_size() const;          ///< [B]
-  void write_contents(const ByteSink&) const;  ///< in pieces of 64 KiB at most. There may be up to 40 million packets
+  void write_contents(const ByteSink&) const;  ///< in pieces of at most 64 KiB; at most 40 million packets
 
  private:
-  /// What is known of a stream on the way, forwards as backwards.
+  /// The last packet of a stream, while encoding or decoding.
   struct StreamState {
     std::int32_t id = 0;
-    std::uint64_t size = 0, elements = 0, last = 0, span = 0;  ///< of its packet before; the times in us
+    std::uint64_t size = 0, elements = 0, last = 0, span = 0;  ///< of its last packet; times in us
   };
 
   void put(std::uint64_t number);
@@ -39,7 +39,7 @@ class PacketTable {
   std::uint64_t begin_;
   std::size_t packets_ = 0;
   std::vector<StreamState> streams_;
-  std::deque<std::uint8_t> bytes_;  ///< five numbers a packet, seven bits a byte
+  std::deque<std::uint8_t> bytes_;  ///< five numbers per packet, seven bits per byte
 };
 
 }  // namespace tactile

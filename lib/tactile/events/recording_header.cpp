@@ -66,8 +66,8 @@ Stream stream_in(const pugi::xml_node& node, std::int32_t id) {
   return stream;
 }
 
-/// Streams in the order they are declared. What has no number for a name or no type is no stream; of two with one id the first
-/// counts.
+/// The streams in the order of their declaration. A node without a type, or whose name is not a number, is no stream. Of two with
+/// the same id the first counts.
 std::vector<Stream> streams_in(std::string_view xml, std::string_view where) {
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size(), pugi::parse_default, pugi::encoding_utf8);
@@ -202,7 +202,7 @@ std::string_view identifier_of(StreamType type) {
 
 RecordingHeader read_header(std::span<const std::byte> bytes, std::string_view where) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
-  // The identifier is looked at last: one known writer leaves it out, and what its files lack first of all is a stream.
+  // The identifier is checked last: one known writer omits it, but the more useful message is that its files declare no stream.
   flatbuffers::Verifier verifier(data, bytes.size(), 64, 1'000'000, true);
   if (!verifier.VerifySizePrefixedBuffer<aedat4::IoHeader>(nullptr)) {
     throw Error(std::string(where) + ": its header does not decode; expected an AEDAT4 IOHE header");
@@ -226,9 +226,14 @@ RecordingHeader read_header(std::span<const std::byte> bytes, std::string_view w
   return result;
 }
 
+const Stream* RecordingHeader::declared(std::int32_t id) const {
+  const auto found = std::find_if(streams.begin(), streams.end(), [id](const Stream& stream) { return stream.id == id; });
+  return found == streams.end() ? nullptr : &*found;
+}
+
 HeaderImage header_image(Compression compression, std::span<const Stream> streams) {
   flatbuffers::FlatBufferBuilder builder;
-  builder.ForceDefaults(true);  // else -1 would be left out, and the position could not be patched in
+  builder.ForceDefaults(true);  // otherwise -1 is omitted, and the position cannot be written later
   const auto xml = builder.CreateString(xml_of(compression, {streams.begin(), streams.end()}));
   aedat4::FinishSizePrefixedIoHeaderBuffer(builder, aedat4::CreateIoHeader(builder, static_cast<int>(compression), -1, xml));
   const std::uint8_t* data = builder.GetBufferPointer();

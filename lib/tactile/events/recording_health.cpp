@@ -10,7 +10,10 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/core/ticks.hpp"
 #include "tactile/events/packet_checksums.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/stream_time.hpp"
 
 namespace tactile {
 namespace {
@@ -18,14 +21,6 @@ namespace {
 constexpr std::size_t longest_difference_us = 20'000;
 constexpr std::uint64_t fewest_differences = 50;
 constexpr double fewest_active_share = 0.01;
-
-/// The begin of the tick that holds `t`: whole multiples of `tick`, also before 0.
-CameraTime tick_begin_of(CameraTime t, microseconds tick) {
-  const std::int64_t us = us_of(t);
-  std::int64_t rest = us % tick.count();
-  if (rest < 0) rest += tick.count();
-  return camera_time(saturating_subtract(us, rest));
-}
 
 std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
   return fmt::format("{} {}", n, n == 1 ? thing : things);
@@ -37,7 +32,8 @@ std::string name_of(const Stream& stream) {
 
 bool overlap(const Gap& a, const Gap& b) { return a.begin < b.end && b.begin < a.end; }
 
-/// An inertial sensor samples steadily. Its silence says something only if it usually samples far more often than the limit.
+/// Marks the gaps in which the inertial sensor is silent too. Its silence is evidence only if it usually samples far more often
+/// than the limit.
 void compare_gaps_with_imu(std::vector<StreamHealth>& streams, microseconds limit) {
   for (StreamHealth& events : streams) {
     if (!events.events) continue;
@@ -59,13 +55,13 @@ void judge_packets(RecordingHealth& health) {
   auto& notes = health.notes;
   if (problems.truncated_bytes > 0)
     reasons.push_back(
-        fmt::format("truncated: {} behind the last whole packet", counted(problems.truncated_bytes, "byte", "bytes")));
+        fmt::format("truncated: {} after the last whole packet", counted(problems.truncated_bytes, "byte", "bytes")));
   if (problems.skipped_bytes > 0)
-    reasons.push_back(fmt::format("damaged: {} between packets that belong to none, and what they held is lost",
+    reasons.push_back(fmt::format("damaged: {} between the packets; what they contained is lost",
                                   counted(problems.skipped_bytes, "byte", "bytes")));
   if (problems.resized_packets > 0) {
     reasons.push_back(counted(problems.resized_packets, "packet had", "packets had") +
-                      " a wrong size in front; put right on reading");
+                      " a wrong size in the header; corrected while reading");
   }
   if (!problems.table.empty()) reasons.push_back("the data table cannot be used: " + problems.table);
   if (problems.missing_packets > 0) {
@@ -84,19 +80,18 @@ void judge_packets(RecordingHealth& health) {
   }
   if (problems.out_of_range_events > 0) {
     reasons.push_back(counted(problems.out_of_range_events, "event lies", "events lie") +
-                      " outside the sensor or has no polarity; dropped on reading");
+                      " outside the sensor or of no valid polarity; dropped while reading");
   }
   if (health.index == PacketIndex::scan && problems.table.empty() && problems.truncated_bytes + problems.skipped_bytes == 0) {
     notes.emplace_back("never closed: no data table, but every packet is whole; 'tactile repair' adds the table");
   }
   if (problems.header_not_patched) {
-    notes.emplace_back(
-        "never closed: the data table is there and sound, but the header does not say where; 'tactile repair' writes it");
+    notes.emplace_back("never closed: the data table is sound, but the header lacks its position; 'tactile repair' writes it");
   }
   if (problems.empty_packets > 0) notes.push_back(counted(problems.empty_packets, "packet is", "packets are") + " empty");
   if (problems.unwrapped_packets > 0) {
     notes.push_back(counted(problems.unwrapped_packets, "packet was", "packets were") +
-                    " 2^32 us too early; put right on reading");
+                    " 2^32 us too early; corrected while reading");
   }
 }
 
@@ -107,8 +102,8 @@ void count(ChecksumHealth& checked, PacketCheck check, const ChecksumHealth::Pac
 
 std::string text_of(const ChecksumHealth::Packet& packet, std::optional<CameraTime> begin) {
   const PacketRecord& record = packet.record;
-  const std::string place =
-      fmt::format("packet {} of stream {} at byte {}", packet.index, record.stream_id, record.payload_offset - 8);
+  const std::string place = fmt::format("packet {} of stream {} at byte {}", packet.index, record.stream_id,
+                                        record.payload_offset - packet_header_size);
   if (record.elements == 0 || !begin) return place;
   return place + fmt::format(", at {:.6f} s", std::chrono::duration<double>(between(*begin, record.first)).count());
 }
@@ -116,19 +111,18 @@ std::string text_of(const ChecksumHealth::Packet& packet, std::optional<CameraTi
 void judge_checksums(RecordingHealth& health) {
   if (!health.checksums) return;
   const ChecksumHealth& checksums = *health.checksums;
-  if (checksums.header_damaged) health.reasons.emplace_back("the header is not what was written, by its checksum");
+  if (checksums.header_damaged) health.reasons.emplace_back("the header has a wrong checksum");
   if (checksums.damaged > 0) {
     std::string list;
     constexpr std::size_t shown = 3;
     for (std::size_t i = 0; i < std::min(shown, checksums.first_damaged.size()); ++i)
       list += (i == 0 ? "" : "; ") + text_of(checksums.first_damaged[i], health.first());
-    health.reasons.push_back(fmt::format("{} not what was written, by the checksums: {}{}",
-                                         counted(checksums.damaged, "packet is", "packets are"), list,
-                                         checksums.damaged > shown ? " ..." : ""));
+    health.reasons.push_back(fmt::format("{} a wrong checksum: {}{}", counted(checksums.damaged, "packet has", "packets have"),
+                                         list, checksums.damaged > shown ? " ..." : ""));
   }
   if (checksums.not_covered > 0) {
     health.notes.push_back(counted(checksums.not_covered, "packet has", "packets have") +
-                           " no checksum: whether bits of it have flipped cannot be seen");
+                           " no checksum, so damage in them cannot be detected");
   }
 }
 
@@ -145,17 +139,17 @@ void judge_stream(const StreamHealth& stream, const HealthOptions& options, Reco
   if (!stream.stream.size) {
     health.reasons.push_back(name + ": no sensor size declared");
   } else if (!stream.events->pixels_counted) {
-    health.reasons.push_back(fmt::format("{}: {}x{} is no sane sensor size, so hot pixels were not looked for", name,
+    health.reasons.push_back(fmt::format("{}: {}x{} is not a valid sensor size, so hot pixels cannot be found", name,
                                          stream.stream.size->width, stream.stream.size->height));
   }
   const auto lost =
       std::count_if(stamps.longest_gaps.begin(), stamps.longest_gaps.end(), [](const Gap& gap) { return gap.imu_silent; });
   if (lost > 0) {
-    health.reasons.push_back(fmt::format("{}: {} without events and IMU samples alike: data is missing", name,
-                                         counted(static_cast<std::uint64_t>(lost), "time", "times")));
+    health.reasons.push_back(fmt::format("{}: {} with neither events nor IMU samples: data is missing", name,
+                                         counted(static_cast<std::uint64_t>(lost), "period", "periods")));
   }
   if (stamps.gaps > static_cast<std::uint64_t>(lost)) {
-    health.notes.push_back(fmt::format("{}: {} longer than {} us; normal where the scene is quiet", name,
+    health.notes.push_back(fmt::format("{}: {} longer than {} us; normal if the scene is quiet", name,
                                        counted(stamps.gaps, "silence", "silences"), options.gap.count()));
   }
   if (stream.events->hot_pixels > 0) {
@@ -163,6 +157,74 @@ void judge_stream(const StreamHealth& stream, const HealthOptions& options, Reco
         fmt::format("{}: {} with {:.1f} % of the events", name, counted(stream.events->hot_pixels, "hot pixel", "hot pixels"),
                     100.0 * static_cast<double>(stream.events->hot_events) / static_cast<double>(stamps.elements)));
   }
+}
+
+void judge(RecordingHealth& health, const HealthOptions& options, std::uint64_t misdescribed) {
+  compare_gaps_with_imu(health.streams, options.gap);
+  judge_packets(health);
+  judge_checksums(health);
+  if (misdescribed > 0) {
+    health.reasons.push_back("the data table disagrees with the elements of " + counted(misdescribed, "packet", "packets") +
+                             "; a cut by time may miss some");
+  }
+  if (std::none_of(health.streams.begin(), health.streams.end(),
+                   [](const StreamHealth& stream) { return stream.events.has_value(); })) {
+    health.reasons.emplace_back("no event stream declared");
+  }
+  for (const StreamHealth& stream : health.streams) judge_stream(stream, options, health);
+}
+
+/// The meters of one stream.
+struct Examination {
+  Examination(const Stream& stream, const HealthOptions& options) : stamps(options.gap, options.listed) {
+    health.stream = stream;
+    if (stream.type == StreamType::events) events.emplace(stream.size, options);
+  }
+
+  StreamHealth health;
+  StampMeter stamps;
+  std::optional<EventMeter> events;
+};
+
+/// Whether the data table agrees with the elements of a packet. It describes what is stored, so it cannot be compared with
+/// elements that were dropped, corrected or not decoded.
+template <class Element>
+bool table_agrees(const RecordingReader& recording, const PacketRecord& packet, std::span<const Element> elements) {
+  if (recording.index() != PacketIndex::table || elements.empty() || recording.was_corrected(packet)) return true;
+  const auto [first, last] = time_extent_of(elements);
+  // Some writers store the earliest and the latest time, others the times of the first and the last element.
+  return packet.elements == static_cast<std::int64_t>(elements.size()) &&
+         (packet.first == first || packet.first == elements.front().t) &&
+         (packet.last == last || packet.last == elements.back().t);
+}
+
+/// Reads a packet into the meters of its stream. @return  whether the data table agrees with it
+bool examine_packet(RecordingReader& recording, const PacketRecord& packet, Examination& examination) {
+  ++examination.health.packets;
+  examination.health.bytes += packet_header_size + packet.payload_size;
+  examination.stamps.begin_packet();
+  const auto add = [&]<class Element>(std::span<const Element> elements) {
+    for (const Element& element : elements) examination.stamps.add(element.t);
+    return table_agrees(recording, packet, elements);
+  };
+  switch (examination.health.stream.type) {
+    case StreamType::events: {
+      const std::span<const Event> events = recording.read_events(packet);
+      examination.events->add_packet(events);
+      return table_agrees(recording, packet, events);
+    }
+    case StreamType::imu:
+      return add(std::span<const ImuSample>(recording.read_imu(packet)));
+    case StreamType::triggers:
+      return add(std::span<const Trigger>(recording.read_triggers(packet)));
+    case StreamType::frames: {
+      const std::optional<Frame> frame = recording.read_frame(packet);
+      return !frame || add(std::span<const Frame>(&*frame, 1));
+    }
+    case StreamType::other:
+      break;
+  }
+  return true;
 }
 
 }  // namespace
@@ -192,8 +254,8 @@ StampHealth StampMeter::health() const {
 
 EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& options)
     : options_(options), stamps_(options.gap, options.listed), differences_(longest_difference_us + 1) {
-  const bool sane = size && size->width > 0 && size->height > 0 && std::int64_t{size->width} * size->height <= most_pixels;
-  if (!sane) return;
+  const bool is_valid = size && size->width > 0 && size->height > 0 && std::int64_t{size->width} * size->height <= most_pixels;
+  if (!is_valid) return;
   size_ = *size;
   counts_.resize(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height));
 }
@@ -209,7 +271,7 @@ void EventMeter::add_packet(std::span<const Event> events) {
       latest_ = event.t;
     }
     if (!any_ || event.t < tick_begin_ || event.t >= tick_end_) {
-      tick_begin_ = tick_begin_of(event.t, options_.tick);
+      tick_begin_ = last_tick_until(event.t, options_.tick);
       tick_end_ = after(tick_begin_, options_.tick);
       tick_events_ = 0;
     }
@@ -256,7 +318,7 @@ void EventMeter::find_hot_pixels(EventHealth& health) const {
     for (int x = 0; x < size_.width; ++x) {
       const std::uint32_t count = count_at(x, y);
       if (count < least) continue;
-      std::uint32_t largest = 0, second = 0;  // of the 24 around it
+      std::uint32_t largest = 0, second = 0;  // of the 24 neighbours
       for (int dy = -2; dy <= 2; ++dy) {
         for (int dx = -2; dx <= 2; ++dx) {
           const std::uint32_t other = dx == 0 && dy == 0 ? 0 : count_at(x + dx, y + dy);
@@ -276,7 +338,7 @@ void EventMeter::find_hot_pixels(EventHealth& health) const {
 }
 
 std::optional<double> EventMeter::readout_period_us() const {
-  std::vector<std::uint64_t> up_to(differences_.size());  // how many differences are at most the index
+  std::vector<std::uint64_t> up_to(differences_.size());  // number of differences that are at most the index
   std::partial_sum(differences_.begin(), differences_.end(), up_to.begin());
   const std::uint64_t total = up_to.back();
   if (total < fewest_differences) return std::nullopt;
@@ -293,7 +355,7 @@ std::optional<double> EventMeter::readout_period_us() const {
   };
   for (double low = 1; low <= last_index; ++low) {
     if (20 * share_between(low, low * 1.05 / 0.95) < total) continue;
-    // The window that slid in from below holds only the near side of the crowd: let it follow its own median into the middle.
+    // Coming from below, the window holds only the lower part of the cluster. It follows its own median into the middle.
     double period = median_between(low, low * 1.05 / 0.95);
     for (int step = 0; step < 100; ++step) {
       const double next = median_between(std::max(1.0, 0.95 * period), 1.05 * period);
@@ -333,81 +395,28 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
   RecordingReader recording(file, options.threads);
   std::optional<std::int32_t> chosen;
   if (!options.stream.empty()) chosen = event_stream(recording, options.stream).id;
-
-  struct Examination {
-    Examination(const Stream& stream, const HealthOptions& options) : stamps(options.gap, options.listed) {
-      health.stream = stream;
-      if (stream.type == StreamType::events) events.emplace(stream.size, options);
-    }
-    StreamHealth health;
-    StampMeter stamps;
-    std::optional<EventMeter> events;
-  };
   std::vector<Examination> examinations;
   for (const Stream& stream : recording.streams()) {
     if (stream.type == StreamType::events && chosen && stream.id != *chosen) continue;
     examinations.emplace_back(stream, options);
   }
 
-  std::uint64_t misdescribed = 0;  // by the table
-  const auto compare = [&](const PacketRecord& packet, const auto& elements) {
-    // The table describes what is stored: what was dropped or put right since tells nothing of it, nor what cannot be decoded.
-    if (recording.index() != PacketIndex::table || std::empty(elements) || recording.was_put_right(packet)) return;
-    const auto by_time = [](const auto& a, const auto& b) { return a.t < b.t; };
-    const auto [first, last] = std::minmax_element(std::begin(elements), std::end(elements), by_time);
-    // Some writers take the first and the last in time for it, some those in place.
-    const bool agrees = packet.elements == static_cast<std::int64_t>(std::size(elements)) &&
-                        (packet.first == first->t || packet.first == std::begin(elements)->t) &&
-                        (packet.last == last->t || packet.last == std::prev(std::end(elements))->t);
-    misdescribed += agrees ? 0 : 1;
-  };
-
   std::optional<PacketChecksums> checksums;
   if (options.checksums) checksums.emplace(recording);
-  ChecksumHealth checked;
+  RecordingHealth health;
+  if (checksums && checksums->used()) health.checksums.emplace().header_damaged = checksums->header_damaged();
+  std::uint64_t misdescribed = 0;  // packets with which the table disagrees
   std::size_t index = 0;
   for (const PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), file.filename().string());
-    if (checksums && checksums->used())
-      count(checked, checksums->check(packet, recording.read_stored(packet)), {index, packet}, options.listed);
+    if (health.checksums)
+      count(*health.checksums, checksums->check(packet, recording.read_stored(packet)), {index, packet}, options.listed);
     ++index;
     const auto found = std::find_if(examinations.begin(), examinations.end(),
                                     [&](const Examination& e) { return e.health.stream.id == packet.stream_id; });
-    if (found == examinations.end()) continue;
-    ++found->health.packets;
-    found->health.bytes += 8 + std::uint64_t{packet.payload_size};
-    found->stamps.begin_packet();
-    switch (found->health.stream.type) {
-      case StreamType::events: {
-        const std::span<const Event> events = recording.read_events(packet);
-        found->events->add_packet(events);
-        compare(packet, events);
-        break;
-      }
-      case StreamType::imu: {
-        const std::vector<ImuSample> samples = recording.read_imu(packet);
-        for (const ImuSample& sample : samples) found->stamps.add(sample.t);
-        compare(packet, samples);
-        break;
-      }
-      case StreamType::triggers: {
-        const std::vector<Trigger> triggers = recording.read_triggers(packet);
-        for (const Trigger& trigger : triggers) found->stamps.add(trigger.t);
-        compare(packet, triggers);
-        break;
-      }
-      case StreamType::frames:
-        if (const auto frame = recording.read_frame(packet)) {
-          found->stamps.add(frame->t);
-          compare(packet, std::span(&*frame, 1));
-        }
-        break;
-      case StreamType::other:
-        break;
-    }
+    if (found != examinations.end() && !examine_packet(recording, packet, *found)) ++misdescribed;
   }
 
-  RecordingHealth health;
   health.file = file;
   health.file_size = recording.file_size();
   health.compression = recording.compression();
@@ -419,22 +428,7 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
     stream.stamps = examination.events ? examination.events->stamps() : examination.stamps.health();
     if (examination.events) stream.events = examination.events->health();
   }
-  if (checksums && checksums->used()) {
-    checked.header_damaged = checksums->header_damaged();
-    health.checksums = std::move(checked);
-  }
-  compare_gaps_with_imu(health.streams, options.gap);
-  judge_packets(health);
-  judge_checksums(health);
-  if (misdescribed > 0) {
-    health.reasons.push_back("the data table is at odds with the elements of " + counted(misdescribed, "packet", "packets") +
-                             "; a cut by time may miss some");
-  }
-  if (std::none_of(health.streams.begin(), health.streams.end(),
-                   [](const StreamHealth& stream) { return stream.events.has_value(); })) {
-    health.reasons.emplace_back("no event stream declared");
-  }
-  for (const StreamHealth& stream : health.streams) judge_stream(stream, options, health);
+  judge(health, options, misdescribed);
   return health;
 }
 

@@ -15,13 +15,13 @@
 
 namespace tactile {
 
-/// When a pixel is hot: it fires on its own, whatever the scene does. No absolute rate tells (a read-out of 200 us allows 5000
-/// events/s at most, and a trembling edge reaches hundreds), so a pixel with n events in a recording of length T is hot if all of
-/// these hold:
+/// When a pixel is hot: it fires by itself, whatever the scene does. An absolute rate does not decide: a read-out of 200 us
+/// allows at most 5000 events/s, and a trembling edge reaches hundreds. A pixel with n events in a recording of length T is hot
+/// if all of these hold:
 ///
-///   n >= over_median * m        m = median count of the pixels that fired; 1 where fewer than 1 % of the sensor's did
-///   n >= over_neighbours * n2   n2 = second largest count among the 24 pixels around it: edges are rows of pixels, hot ones
-///                               stand alone or in pairs
+///   n >= over_median * m        m = median count of the pixels that fired; 1 if fewer than 1 % of the pixels fired
+///   n >= over_neighbours * n2   n2 = second largest count among the 24 pixels around it: edges are rows of pixels, hot pixels
+///                               are single or in pairs
 ///   n >= min_events
 ///   n / T >= min_rate_hz
 struct HotPixelRule {
@@ -32,17 +32,17 @@ struct HotPixelRule {
 };
 
 struct HealthOptions {
-  std::string stream{};       ///< the one event stream to examine, by id or source; all if empty
+  std::string stream{};       ///< the event stream to examine, by id or source; all if empty
   microseconds gap{100'000};  ///< a longer silence is reported, > 0
-  microseconds tick{2'000};   ///< the peak rate is that of the fullest tick, > 0; ticks lie at whole multiples of it
+  microseconds tick{2'000};   ///< the peak rate is that of the fullest tick, > 0; ticks begin at whole multiples of it
   std::size_t listed = 10;    ///< how many gaps, hot pixels and damaged packets are listed; all are counted
   HotPixelRule hot{};
-  bool checksums = false;  ///< compare the packets with the checksums beside the recording, where there are any
-  unsigned threads = 1;    ///< to read on, > 0
+  bool checksums = false;  ///< compare the packets with the checksums beside the recording, if there are any
+  unsigned threads = 1;    ///< threads that read, > 0
 };
 
-/// A silence longer than the limit: nothing in `begin < t < end`. A quiet scene has them too; where the inertial sensor of the
-/// same camera, which never rests, is silent as well, data is missing.
+/// A silence longer than the limit: nothing in `begin < t < end`. A quiet scene has silences too. The inertial sensor samples all
+/// the time: if it is silent as well, data is missing.
 struct Gap {
   CameraTime begin{}, end{};
   bool imu_silent = false;
@@ -50,19 +50,18 @@ struct Gap {
   microseconds length() const { return between(begin, end); }
 };
 
-/// How the time stamps of one stream run. Only what advances the latest stamp so far can leave a gap behind it.
+/// The time stamps of one stream. Only a stamp later than all before it can end a gap.
 struct StampHealth {
   std::uint64_t elements = 0;
-  CameraTime first{}, last{};               ///< earliest and latest; meaningless without elements
-  std::uint64_t steps_back_in_packets = 0;  ///< a stamp earlier than the one before it in its packet
-  std::uint64_t steps_back_between_packets =
-      0;  ///< a packet whose first stamp is earlier than the last one of the packet before it
+  CameraTime first{}, last{};                    ///< earliest and latest; meaningless without elements
+  std::uint64_t steps_back_in_packets = 0;       ///< a stamp earlier than the one before it in its packet
+  std::uint64_t steps_back_between_packets = 0;  ///< a packet's first stamp earlier than the last stamp of the packet before it
   std::uint64_t gaps = 0;
   microseconds silent{};          ///< total length of the gaps
-  std::vector<Gap> longest_gaps;  ///< the longest of them, in order of time
+  std::vector<Gap> longest_gaps;  ///< the longest ones, in order of time
 
   microseconds duration() const { return elements == 0 ? microseconds{} : between(first, last); }
-  std::optional<double> rate_hz() const;  ///< elements / duration; nothing where the duration is 0
+  std::optional<double> rate_hz() const;  ///< elements / duration; nothing if the duration is 0
 };
 
 /// Takes the time stamps of a stream packet by packet.
@@ -104,21 +103,21 @@ struct HotPixel {
   double rate_hz = 0;
 };
 
-/// What is true of event streams only.
+/// Health of an event stream.
 struct EventHealth {
-  std::uint64_t on = 0;                ///< events that are brighter
+  std::uint64_t on = 0;                ///< events of polarity 1
   std::uint64_t peak_tick_events = 0;  ///< in the fullest tick
-  double peak_rate_hz = 0;             ///< that, over the length of a tick
+  double peak_rate_hz = 0;             ///< peak_tick_events / length of a tick
   std::uint64_t pixels_fired = 0;
-  bool pixels_counted = false;  ///< whether the sensor's size is declared and sane, so that hot pixels could be looked for
+  bool pixels_counted = false;  ///< whether the sensor's size is declared and valid; required for hot pixels
   std::uint64_t hot_pixels = 0;
   std::uint64_t hot_events = 0;   ///< of the hot pixels
-  std::vector<HotPixel> hottest;  ///< with the most events first
+  std::vector<HotPixel> hottest;  ///< sorted by events, most first
 
-  /// Time from one read-out of the sensor to the next [us]; nothing below 50 differences to go by. Read-outs in which nothing
-  /// fired leave no stamp and busy ones take longer, so this is no mean: of the differences of successive distinct stamps up to
-  /// 20 ms, the shortest around which (+-5 %) at least 5 % of them lie; the median of those. 1 to 10 us means that there is no
-  /// common read-out.
+  /// Time from one read-out of the sensor to the next [us]; nothing with fewer than 50 differences. A mean would be wrong: empty
+  /// read-outs leave no stamp, and busy ones take longer. Of the differences of successive distinct stamps up to 20 ms, it is the
+  /// shortest with at least 5 % of all differences within +-5 %, and then the median of those. 1 to 10 us means that pixels are
+  /// not read out together.
   std::optional<double> readout_period_us;
 };
 
@@ -146,7 +145,7 @@ class EventMeter {
   std::uint64_t tick_events_ = 0, peak_tick_events_ = 0;
   CameraTime latest_{};
   bool any_ = false;
-  std::vector<std::uint32_t> counts_;       ///< per pixel, row by row; held at the largest value
+  std::vector<std::uint32_t> counts_;       ///< per pixel, row by row; limited to the largest value
   std::vector<std::uint64_t> differences_;  ///< of distinct stamps; the index is the difference [us]
 };
 
@@ -155,10 +154,10 @@ struct StreamHealth {
   std::uint64_t packets = 0;
   std::uint64_t bytes = 0;  ///< as stored, packet headers included
   StampHealth stamps;
-  std::optional<EventHealth> events;  ///< of an event stream that was examined
+  std::optional<EventHealth> events;  ///< only of an examined event stream
 };
 
-/// What the packets' checksums show, of all streams.
+/// What the checksums of the packets show, over all streams.
 struct ChecksumHealth {
   bool header_damaged = false;
   std::uint64_t whole = 0, damaged = 0, not_covered = 0;  ///< packets
@@ -169,20 +168,20 @@ struct ChecksumHealth {
   std::vector<Packet> first_damaged;
 };
 
-/// What a recording holds, and whether it is sound.
+/// What a recording contains, and whether it is sound.
 struct RecordingHealth {
   std::filesystem::path file;
   std::uint64_t file_size = 0;
   Compression compression = Compression::none;
   PacketIndex index = PacketIndex::table;
   RecordingProblems problems;
-  std::vector<StreamHealth> streams;        ///< as declared; without the event streams that were not chosen
-  std::optional<ChecksumHealth> checksums;  ///< where they were used
-  std::vector<std::string> reasons;         ///< why it is sick: truncated, damaged between packets, broken or foreign packets, an
-                                     ///< unusable data table, events out of range, time that steps back, no events, no sane
-                                     ///< sensor size, a time without events and IMU samples alike, a wrong checksum
-  std::vector<std::string> notes;  ///< what is worth knowing and no sickness: never closed (all packets whole, but no table, or
-                                   ///< none that the header names), gaps, hot pixels, empty packets, times put right
+  std::vector<StreamHealth> streams;        ///< as declared, without event streams that were not chosen
+  std::optional<ChecksumHealth> checksums;  ///< if they were used
+  std::vector<std::string> reasons;  ///< why it is not healthy: truncated, damaged between packets, broken or foreign packets,
+                                     ///< an unusable data table, events out of range, time that steps back, no events, no valid
+                                     ///< sensor size, a period with neither events nor IMU samples, a wrong checksum
+  std::vector<std::string> notes;    ///< worth knowing, but not unhealthy: never closed (all packets whole, but no table, or none
+                                     ///< that the header names), gaps, hot pixels, empty packets, corrected times
 
   bool healthy() const { return reasons.empty(); }
   std::uint64_t packets() const;
@@ -192,7 +191,7 @@ struct RecordingHealth {
 };
 
 /// Reads every packet once; memory follows the packet.
-/// @throws Error  if the file is none of AEDAT4, or has no event stream named `options.stream`
+/// @throws Error  if the file is not AEDAT4, or has no event stream named `options.stream`
 RecordingHealth examine_recording(const std::filesystem::path& file, const HealthOptions& options = {},
                                   const ProgressCallback& progress = {});
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -16,16 +15,15 @@
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_index.hpp"
+#include "tactile/events/stream_time.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t wrap = std::int64_t{1} << 32;
-
 template <class Element>
 bool is_ascending(std::span<const Element> elements) {
-  bool falls = false;  // without a branch: most packets are sound
+  bool falls = false;  // no branch: most packets are sound
   for (std::size_t i = 1; i < elements.size(); ++i) falls |= elements[i].t < elements[i - 1].t;
   return !falls;
 }
@@ -40,80 +38,12 @@ void shift_times(Frame& frame, std::int64_t shift) {
   }
 }
 
-/// How far the times of a stream have come, put right.
-///
-/// A step back by more than 2^31 us and at most 2^32 is an overflow, for adding 2^32 us makes a shorter step on of it: a writer
-/// cut its times to 32 bits and extended their sign. A damaged time makes such a step too, before it or behind it. So the place
-/// that a leap started from is kept, and where the stream comes back to it soon, nothing has overflowed.
-class StreamTime {
- public:
-  enum class Step : std::uint8_t { on, overflow, back };
-
-  /// Goes on to a time as it is stored; `back` takes all shifts since the leap away again.
-  Step go_to(CameraTime stored) {
-    Step result = Step::on;
-    const std::int64_t step = begun_ ? step_between(last_, after(stored, microseconds{shift_})) : 0;
-    const bool leaps = step > leap || step < -leap;
-    const std::int64_t step_there = step_between(left_at_, after(stored, microseconds{shift_there_}));
-    // A leap within reach of an overflow may be a silence: then one behind it explains a step back as well as its undoing does.
-    const std::int64_t going_on = strayed_far_ || is_near(step) || step > 0 ? step : saturating_add(step, wrap);
-    if (strayed_ && is_near(step_there) && size_of(step_there) < size_of(going_on)) {
-      result = Step::back;
-      shift_ = shift_there_;
-      strayed_ = false;
-    } else if (leaps) {
-      if (!strayed_ || !strayed_far_) {
-        strayed_ = leapt_ = true;
-        strayed_far_ = !is_near(step);
-        left_at_ = last_;
-        shift_there_ = shift_;
-      }
-      const std::int64_t shift_before = shift_;
-      if (!is_near(step) && step < 0 && step >= -wrap) shift_ += wrap;
-      if (!is_near(step) && step > 0 && step <= wrap && shift_ > 0) shift_ -= wrap;
-      if (shift_ != shift_before) result = Step::overflow;
-    }
-    begun_ = true;
-    last_ = after(stored, microseconds{shift_});
-    return result;
-  }
-
-  /// Likewise to the last of a packet's times, which ascend and lie close together.
-  bool is_steady(CameraTime first, CameraTime last) const {
-    return shift_ == 0 && !strayed_ && step_between(first, last) <= leap;
-  }
-
-  /// Who leapt and goes on from there for a whole packet does not come back.
-  void end_packet() {
-    strayed_ = strayed_ && leapt_;
-    leapt_ = false;
-  }
-
-  std::int64_t shift() const { return shift_; }  ///< to be added to what is stored [us]
-
- private:
-  static constexpr std::int64_t leap = wrap / 64;  ///< a minute, which no stream of a camera is silent for unless all is still
-
-  static std::int64_t step_between(CameraTime a, CameraTime b) { return saturating_subtract(us_of(b), us_of(a)); }
-  static double size_of(std::int64_t step) { return std::abs(static_cast<double>(step)); }
-  static bool is_near(std::int64_t step) { return step >= -wrap / 2 && step <= wrap / 2; }
-
-  CameraTime last_{};
-  std::int64_t shift_ = 0;
-  CameraTime left_at_{};  ///< where the stream strayed from
-  std::int64_t shift_there_ = 0;
-  bool begun_ = false;
-  bool strayed_ = false;
-  bool strayed_far_ = false;  ///< by more than 2^31 us
-  bool leapt_ = false;        ///< in this packet
-};
-
-/// What has been found out about one packet.
+/// What is known of one packet.
 struct PacketNote {
-  StreamTime before;       ///< it
+  StreamTime before;       ///< of its stream, before this packet
   bool counted = false;    ///< its problems are in the counts
-  bool unwrapped = false;  ///< likewise that its times were put right
-  bool put_right = false;  ///< its elements are not quite those that are stored
+  bool unwrapped = false;  ///< its overflow is in the counts
+  bool corrected = false;  ///< its elements differ from those that are stored
 };
 
 }  // namespace
@@ -132,11 +62,11 @@ struct RecordingReader::State {
 
   PacketBuffer content;
   EventPacketDecoder decoder;
-  std::unique_ptr<EventReadAhead> ahead;  ///< once packets of events are read one after the other
-  std::size_t ahead_until = 0;            ///< the first packet behind those that it knows of
+  std::unique_ptr<EventReadAhead> ahead;  ///< exists once packets of events are read in sequence
+  std::size_t ahead_until = 0;            ///< the first packet after those that it knows
   std::set<std::int32_t> streams_read;    ///< streams of events that were read from
-  std::size_t next_events = 0;            ///< the packet of those that follows the one read last
-  unsigned in_a_row = 0;                  ///< packets read one after the other
+  std::size_t next_events = 0;            ///< the next packet of those streams
+  unsigned in_a_row = 0;                  ///< packets read in sequence
 
   State(fs::path recording, unsigned thread_count)
       : path(std::move(recording)),
@@ -152,10 +82,7 @@ struct RecordingReader::State {
     index == PacketIndex::table ? follow_table_times() : scan();
   }
 
-  const Stream* declared(std::int32_t id) const;
   SensorSize sensor_of(const PacketRecord& record) const;
-  bool is_events(const PacketRecord& record) const { return declared(record.stream_id)->type == StreamType::events; }
-
   void follow_table_times();
   void scan();
 
@@ -165,7 +92,7 @@ struct RecordingReader::State {
   template <class Decode>
   bool decode(std::size_t i, const Decode& decode_content);
   template <class Element>
-  void put_times_right(std::size_t i, std::span<Element> elements, bool ascending);
+  void correct_times(std::size_t i, std::span<Element> elements, bool ascending);
   template <class Element>
   void note_elements(std::size_t i, std::span<const Element> elements);
 
@@ -176,27 +103,21 @@ struct RecordingReader::State {
   std::optional<Frame> frame(std::size_t i);
 };
 
-const Stream* RecordingReader::State::declared(std::int32_t id) const {
-  const std::vector<Stream>& streams = start.header.streams;
-  const auto found = std::find_if(streams.begin(), streams.end(), [id](const Stream& s) { return s.id == id; });
-  return found == streams.end() ? nullptr : &*found;
-}
-
 SensorSize RecordingReader::State::sensor_of(const PacketRecord& record) const {
-  return bounds_of(declared(record.stream_id)->size);
+  return bounds_of(start.header.declared(record.stream_id)->size);
 }
 
-/// Puts times right that a table has as they are stored.
+/// Corrects overflows in the times of a table.
 void RecordingReader::State::follow_table_times() {
   for (std::size_t i = 0; i < records.size(); ++i) {
     PacketRecord& record = records[i];
     if (record.elements == 0) continue;
     StreamTime& time = times[record.stream_id];
     notes[i].before = time;
-    time.go_to(record.first);
+    time.advance_to(record.first);
     const std::int64_t shift_at_first = time.shift();
-    time.go_to(record.last);
-    // Where they differ, one of them is an outlier: it stays, and the packet's times are all between them.
+    time.advance_to(record.last);
+    // If the shifts differ, one of the two times is an outlier. It stays as it is.
     const std::int64_t shift = time.shift() == shift_at_first ? shift_at_first : notes[i].before.shift();
     time.end_packet();
     shift_time(record.first, shift);
@@ -208,14 +129,14 @@ void RecordingReader::State::follow_table_times() {
   }
 }
 
-/// Completes the records by decoding every packet once.
+/// Completes the records: decodes every packet once.
 void RecordingReader::State::scan() {
   scanning = true;
   for (const Stream& stream : start.header.streams) {
     if (stream.type == StreamType::events) streams_read.insert(stream.id);
   }
   for (std::size_t i = 0; i < records.size(); ++i) {
-    switch (declared(records[i].stream_id)->type) {
+    switch (start.header.declared(records[i].stream_id)->type) {
       case StreamType::events:
         note_elements(i, std::span<const Event>(events(i)));
         break;
@@ -243,11 +164,10 @@ void RecordingReader::State::scan() {
 template <class Element>
 void RecordingReader::State::note_elements(std::size_t i, std::span<const Element> elements) {
   if (elements.empty()) return;
-  const auto by_time = [](const Element& a, const Element& b) { return a.t < b.t; };
-  const auto [first, last] = std::minmax_element(elements.begin(), elements.end(), by_time);
+  const auto [first, last] = time_extent_of(elements);
   records[i].elements = static_cast<std::int64_t>(elements.size());
-  records[i].first = first->t;
-  records[i].last = last->t;
+  records[i].first = first;
+  records[i].last = last;
 }
 
 std::size_t RecordingReader::State::index_of(const PacketRecord& packet) const {
@@ -261,12 +181,12 @@ std::size_t RecordingReader::State::index_of(const PacketRecord& packet) const {
 
 std::size_t RecordingReader::State::index_of(const PacketRecord& packet, StreamType type) const {
   const std::size_t i = index_of(packet);
-  const Stream& stream = *declared(records[i].stream_id);
+  const Stream& stream = *start.header.declared(records[i].stream_id);
   if (stream.type == type) return i;
   throw Error(fmt::format("{}: stream {} holds {}; expected {}", file.name(), stream.id, name_of(stream.type), name_of(type)));
 }
 
-/// Counts a packet that is not, once.
+/// Counts a packet that is not whole, once.
 bool RecordingReader::State::is_whole(std::size_t i, Contents contents) {
   if (contents != Contents::whole && !std::exchange(notes[i].counted, true)) {
     ++(contents == Contents::broken ? problems.broken_packets : problems.mismatched_packets);
@@ -280,9 +200,9 @@ bool RecordingReader::State::decode(std::size_t i, const Decode& decode_content)
   return is_whole(i, decoder.load(records[i], content, size) ? decode_content(size) : Contents::broken);
 }
 
-/// Adds 2^32 us once for every wrap of the stream so far. In a scan this is also where the wraps between packets are found.
+/// Adds 2^32 us for every overflow of the stream so far. In a scan this also finds the overflows between packets.
 template <class Element>
-void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> elements, bool ascending) {
+void RecordingReader::State::correct_times(std::size_t i, std::span<Element> elements, bool ascending) {
   if (elements.empty()) return;
   if (scanning) notes[i].before = times[records[i].stream_id];
   StreamTime time = notes[i].before;
@@ -292,10 +212,10 @@ void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> e
   };
   std::vector<Run> runs;
   std::size_t k = 0;
-  const auto go_on = [&] {
-    const StreamTime::Step step = time.go_to(elements[k].t);
+  const auto advance = [&] {
+    const StreamTime::Step step = time.advance_to(elements[k].t);
     if (step == StreamTime::Step::back) {
-      // Runs since the leap are no runs. One that began before it has the shift that is in force again.
+      // Runs since the leap are void. A run from before the leap has the shift that applies again.
       while (!runs.empty() && runs.back().shift != time.shift()) runs.pop_back();
       if (runs.empty() && time.shift() != 0) runs.push_back({0, time.shift()});
     } else if (step == StreamTime::Step::overflow || (k == 0 && time.shift() != 0)) {
@@ -303,11 +223,11 @@ void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> e
     }
     ++k;
   };
-  go_on();
+  advance();
   if (ascending && time.is_steady(elements.front().t, elements.back().t)) {
-    time.go_to(elements.back().t);
+    time.advance_to(elements.back().t);
   } else {
-    while (k < elements.size()) go_on();
+    while (k < elements.size()) advance();
   }
   time.end_packet();
   if (scanning) times[records[i].stream_id] = time;
@@ -319,11 +239,11 @@ void RecordingReader::State::put_times_right(std::size_t i, std::span<Element> e
     for (Element& element : elements.subspan(runs[run].begin, end - runs[run].begin)) shift_times(element, runs[run].shift);
   }
   if (!shifted) return;
-  notes[i].put_right = true;
+  notes[i].corrected = true;
   if (!std::exchange(notes[i].unwrapped, true) && !notes[i].counted) ++problems.unwrapped_packets;
 }
 
-/// What was decoded ahead of being asked for, if it was. Who reads packet after packet of some streams is taken to go on so.
+/// The packet, if it was decoded ahead. A caller that reads packets in sequence is expected to continue.
 std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i) {
   if (threads < 2) return std::nullopt;
   const bool is_new_stream = streams_read.insert(records[i].stream_id).second;
@@ -333,7 +253,7 @@ std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i)
 
   if (is_new_stream && ahead) ahead->expect({});
   constexpr unsigned habit = 3;
-  constexpr std::size_t most_packets = 8192;  // that it is told of at once, for the list takes memory
+  constexpr std::size_t most_packets = 8192;  // announced at once; the list takes memory
   if (in_a_row == habit || (in_a_row > habit && i >= ahead_until)) {
     std::vector<EventPacket> packets;
     ahead_until = std::min(records.size(), next_events + most_packets);
@@ -352,10 +272,10 @@ std::span<Event> RecordingReader::State::events(std::size_t i) {
   if (!decoded) decoded = decoder.decode(records[i], sensor_of(records[i]), content);
   if (!is_whole(i, decoded->contents)) return {};
   if (decoded->dropped > 0) {
-    notes[i].put_right = true;
+    notes[i].corrected = true;
     if (!notes[i].counted) problems.out_of_range_events += decoded->dropped;
   }
-  put_times_right(i, decoded->events, decoded->ascending);
+  correct_times(i, decoded->events, decoded->ascending);
   notes[i].counted = true;
   return decoded->events;
 }
@@ -363,7 +283,7 @@ std::span<Event> RecordingReader::State::events(std::size_t i) {
 std::vector<ImuSample> RecordingReader::State::imu(std::size_t i) {
   std::vector<ImuSample> samples;
   if (!decode(i, [&](std::size_t length) { return decode_imu(content, length, samples); })) return {};
-  put_times_right(i, std::span<ImuSample>(samples), is_ascending(std::span<const ImuSample>(samples)));
+  correct_times(i, std::span<ImuSample>(samples), is_ascending(std::span<const ImuSample>(samples)));
   notes[i].counted = true;
   return samples;
 }
@@ -371,7 +291,7 @@ std::vector<ImuSample> RecordingReader::State::imu(std::size_t i) {
 std::vector<Trigger> RecordingReader::State::triggers(std::size_t i) {
   std::vector<Trigger> result;
   if (!decode(i, [&](std::size_t length) { return decode_triggers(content, length, result); })) return {};
-  put_times_right(i, std::span<Trigger>(result), is_ascending(std::span<const Trigger>(result)));
+  correct_times(i, std::span<Trigger>(result), is_ascending(std::span<const Trigger>(result)));
   notes[i].counted = true;
   return result;
 }
@@ -379,7 +299,7 @@ std::vector<Trigger> RecordingReader::State::triggers(std::size_t i) {
 std::optional<Frame> RecordingReader::State::frame(std::size_t i) {
   Frame picture;
   if (!decode(i, [&](std::size_t length) { return decode_frame(content, length, picture); })) return {};
-  put_times_right(i, std::span<Frame>(&picture, 1), true);
+  correct_times(i, std::span<Frame>(&picture, 1), true);
   notes[i].counted = true;
   return picture;
 }
@@ -398,7 +318,7 @@ PacketIndex RecordingReader::index() const { return state_->index; }
 const RecordingProblems& RecordingReader::problems() const { return state_->problems; }
 
 const Stream& RecordingReader::stream(std::int32_t id) const {
-  const Stream* found = state_->declared(id);
+  const Stream* found = state_->start.header.declared(id);
   if (found != nullptr) return *found;
   std::string ids;
   for (const Stream& stream : streams()) ids += (ids.empty() ? "" : ", ") + std::to_string(stream.id);
@@ -420,8 +340,8 @@ std::optional<Frame> RecordingReader::read_frame(const PacketRecord& packet) {
 std::span<const std::byte> RecordingReader::read_stored(const PacketRecord& packet) {
   return state_->decoder.stored(state_->records[state_->index_of(packet)]);
 }
-bool RecordingReader::was_put_right(const PacketRecord& packet) const {
-  return state_->notes[state_->index_of(packet)].put_right;
+bool RecordingReader::was_corrected(const PacketRecord& packet) const {
+  return state_->notes[state_->index_of(packet)].corrected;
 }
 
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice) {

@@ -16,55 +16,53 @@
 
 namespace tactile {
 
-/// One packet of a recording. `elements`, `first` and `last` are the data table's, before anything is dropped, or what a scan
-/// found: the number of sound elements, the earliest and the latest of their times; 0 elements where a packet cannot be read.
+/// One packet of a recording. `elements`, `first` and `last` come from the data table, before anything is dropped. After a scan
+/// they are the number of sound elements and their earliest and latest time; 0 elements if the packet cannot be read.
 struct PacketRecord {
   std::int32_t stream_id = 0;
-  std::uint64_t payload_offset = 0;  ///< [B] from the start of the file, behind the packet's 8-byte header
+  std::uint64_t payload_offset = 0;  ///< [B] from the start of the file, after the packet's header
   std::uint32_t payload_size = 0;    ///< [B] as stored
   std::int64_t elements = 0;
-  CameraTime first{}, last{};  ///< meaningless where `elements` is 0
+  CameraTime first{}, last{};  ///< meaningless if `elements` is 0
 };
 
-/// Where the list of packets came from: a data table that agrees with every packet's header, or else every packet itself, read
-/// once.
+/// The origin of the list of packets: a data table that agrees with every packet's header, or one reading of every packet.
 enum class PacketIndex : std::uint8_t { table, scan };
 
-/// What was wrong with a recording and how it was met; all 0 in a sound one. Those that need the packets' contents are complete
-/// once every packet has been read.
+/// What is wrong with a recording; all 0 in a sound one. Counts that depend on the packets' contents are complete once every
+/// packet has been read.
 struct RecordingProblems {
-  std::string table;                      ///< why the data table was not used; empty if it was, or there was none to use
-  bool header_not_patched = false;        ///< the data table is sound, but the header does not say where it is: not closed
-  std::uint64_t truncated_bytes = 0;      ///< behind the last whole packet
+  std::string table;                      ///< why the data table is not used; empty if it is, or if there is none
+  bool header_not_patched = false;        ///< the data table is sound, but the header lacks its position: not closed
+  std::uint64_t truncated_bytes = 0;      ///< after the last whole packet
   std::uint64_t skipped_bytes = 0;        ///< between packets: damaged headers, and what was lost with them
-  std::uint64_t resized_packets = 0;      ///< whose header had a wrong size, which was put right
+  std::uint64_t resized_packets = 0;      ///< whose header had a wrong size, which was corrected
   std::uint64_t empty_packets = 0;        ///< with a size of 0
   std::uint64_t undeclared_packets = 0;   ///< of a stream that the header does not name
-  std::uint64_t mismatched_packets = 0;   ///< that hold another type than their stream's
-  std::uint64_t broken_packets = 0;       ///< that do not decompress or decode
+  std::uint64_t mismatched_packets = 0;   ///< of another type than their stream
+  std::uint64_t broken_packets = 0;       ///< cannot be decompressed or decoded
   std::uint64_t out_of_range_events = 0;  ///< outside the sensor or with a polarity above 1; dropped
-  std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were put right
-  std::uint64_t missing_packets = 0;      ///< that a data table lists, though not used, and that are not there
-  std::uint64_t missing_elements = 0;     ///< as it says, of those
+  std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were corrected
+  std::uint64_t missing_packets = 0;      ///< listed by an unused data table, and not in the file
+  std::uint64_t missing_elements = 0;     ///< of those, according to the table
 };
 
-/// An AEDAT4 recording. Opening reads the header and the list of packets; packets are read one at a time, so memory follows the
-/// packet, not the file. Every size is checked before anything is allocated for it, and a packet may decompress to 256 MiB
-/// at most.
+/// An AEDAT4 recording. Opening reads the header and the list of packets. Packets are read one at a time, so memory follows the
+/// packet, not the file. Every size is checked before memory is allocated for it; a packet may decompress to at most 256 MiB.
 ///
 /// Without a sound data table the packets are found by a scan, as `find_packets` does. A step back of a stream by more than
-/// 2^31 us and at most 2^32 is a writer's overflow: 2^32 us are added from there on, until a step forward of such a size takes
-/// them off again. Any other step back is left as it is, also one that only leads back to where a leap forward came from; and so
-/// is what lies between a leap of either kind and the way back in the same packet.
+/// 2^31 us and at most 2^32 us is a writer's overflow: 2^32 us are added from there on, until a step forward of such a size. Any
+/// other step back stays as it is. So does a step back that returns to where a leap forward began, and so do the times between a
+/// leap and a return in the same packet.
 ///
-/// With several threads, packets of events that are read one after the other are decoded ahead, a few batches of some packets;
-/// what is read, and in which order, does not depend on their number.
+/// With several threads, packets of events that are read in sequence are decoded ahead. The result does not depend on the number
+/// of threads.
 ///
 /// Source: the AEDAT 4.0 format of iniVation's DV.
 class RecordingReader {
  public:
-  /// @param threads  to decode on, the caller's among them, > 0
-  /// @throws Error  if the file is none of AEDAT4, or declares no stream
+  /// @param threads  threads that decode, the caller's included, > 0
+  /// @throws Error  if the file is not AEDAT4, or declares no stream
   explicit RecordingReader(std::filesystem::path file, unsigned threads = 1);
   ~RecordingReader();
   RecordingReader(RecordingReader&&) noexcept;
@@ -79,39 +77,39 @@ class RecordingReader {
   PacketIndex index() const;
   const RecordingProblems& problems() const;
 
-  /// The events of one packet, decompressed once and not copied: valid until the next read from this reader. Those outside the
-  /// sensor (with a negative place, where the stream declares no size) or of a polarity above 1 are dropped and counted; a packet
-  /// that cannot be decoded is counted and gives none.
-  /// @throws Error  if the packet is none of this recording's, its stream is of another type, or the file cannot be read
+  /// The events of one packet, decompressed once and not copied: valid until the next read from this reader. Events outside the
+  /// sensor (at a negative place, if the stream declares no size) or of a polarity above 1 are dropped and counted. A packet that
+  /// cannot be decoded is counted and gives no events.
+  /// @throws Error  if the packet is not of this recording, its stream is of another type, or the file cannot be read
   std::span<Event> read_events(const PacketRecord& packet);
   std::vector<ImuSample> read_imu(const PacketRecord& packet);
   std::vector<Trigger> read_triggers(const PacketRecord& packet);
   std::optional<Frame> read_frame(const PacketRecord& packet);  ///< nothing if it cannot be decoded
 
-  /// The packet as the file has it, still compressed; valid until the next read from this reader, and leaves events that were
-  /// read alone. @throws Error likewise
+  /// The packet as stored, still compressed; valid until the next read from this reader. Events that were read stay valid.
+  /// @throws Error  as `read_events`
   std::span<const std::byte> read_stored(const PacketRecord& packet);
-  /// Whether elements of the packet were dropped or their times put right when it was read. @throws Error likewise
-  bool was_put_right(const PacketRecord& packet) const;
+  /// Whether elements of the packet were dropped, or their times corrected, when it was read. @throws Error  as `read_events`
+  bool was_corrected(const PacketRecord& packet) const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-/// The one event stream, or the one that `choice` names by id or source. @throws Error, listing them, if there is none or more
-/// than one left
+/// The one event stream, or the one that `choice` names by id or source. @throws Error  with a list of the event streams, if none
+/// or more than one matches
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice = {});
 
-/// Likewise of streams wherever they come from; `where` names them in an error.
+/// The same for streams from anywhere. `where` names them in an error.
 const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice = {});
 
-/// Hands every event with `begin <= t < end` of the stream to `use`, packet by packet in file order; reads only packets that
-/// overlap.
+/// Passes every event of the stream with `begin <= t < end` to `use`, packet by packet in file order. Reads only packets that
+/// overlap this interval.
 void for_events_between(RecordingReader& recording, std::int32_t stream_id, CameraTime begin, CameraTime end,
                         const std::function<void(std::span<const Event>)>& use);
 
-/// Likewise all events of the stream.
+/// The same for all events of the stream.
 void for_all_events(RecordingReader& recording, std::int32_t stream_id, const std::function<void(std::span<const Event>)>& use);
 
 }  // namespace tactile

@@ -26,20 +26,19 @@ namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t packet_header_size = 8;
 constexpr std::size_t most_packet_events = (packet_limit - event_packet_head) / sizeof(Event);
-/// Entries beyond these would not fit the table's own format; the file then stays one without a table, which readers scan.
+/// The format of the table does not allow more entries. Then the file has no table, and readers scan it.
 constexpr std::size_t most_table_entries = 30'000'000;
 
-/// What waits to be written to one stream.
+/// The waiting elements of one stream.
 struct Waiting {
   Stream stream;
   WrittenStream written;
   std::size_t count = 0;
-  CameraTime first, last;  ///< of what waits
-  bool begun = false;      ///< something was written to the stream before
+  CameraTime first, last;  ///< of the waiting elements
+  bool begun = false;      ///< elements were added before
   CameraTime newest;       ///< of all so far
-  PacketBuffer events;     ///< the packet in the making: its header, the contents' head, the events
+  PacketBuffer events;     ///< the next packet: its header, the head of its contents, the events
   std::vector<ImuSample> imu;
   std::vector<Trigger> triggers;
 };
@@ -63,7 +62,7 @@ struct RecordingWriter::State {
     try {
       close();
     } catch (const std::exception&) {
-      // A destructor has nobody to tell; the file is readable all the same.
+      // A destructor cannot report it. The file is readable nevertheless.
     }
   }
 
@@ -89,15 +88,14 @@ struct RecordingWriter::State {
 };
 
 void RecordingWriter::State::check_streams(const std::vector<Stream>& declared) const {
-  if (path.extension() != ".aedat4")
-    throw Error(name + ": does not end in .aedat4; expected a name that does, for readers demand it");
+  if (path.extension() != ".aedat4") throw Error(name + ": does not end in .aedat4, which readers require; expected such a name");
   if (declared.empty()) throw Error(name + ": no stream to write; expected at least one");
   for (std::size_t i = 0; i < declared.size(); ++i) {
     const Stream& stream = declared[i];
     check_readable_by_vendor(stream, name);
     for (std::size_t other = 0; other < i; ++other) {
       if (declared[other].id != stream.id) continue;
-      throw Error(fmt::format("{}: stream {} is declared twice; expected an id of its own for each", name, stream.id));
+      throw Error(fmt::format("{}: stream {} is declared twice; expected different ids", name, stream.id));
     }
   }
 }
@@ -125,14 +123,14 @@ void RecordingWriter::State::open(const std::vector<Stream>& declared) {
   position_field = magic_line.size() + header.table_position;
   if (options.checksums) checksums = PacketChecksumWriter(checksums_beside(path));
   checksums.add_header(std::as_bytes(std::span(start)), position_field);
-  sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // its name too shall outlive a power cut
+  sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // so that a power cut does not remove its name
   for (const Stream& stream : declared) streams.emplace_back().stream = stream;
 }
 
 Waiting& RecordingWriter::State::waiting(std::int32_t id, StreamType type) {
   if (!file.is_open()) throw Error(name + ": is closed; expected elements before that");
   const auto found = std::find_if(streams.begin(), streams.end(), [id](const Waiting& w) { return w.stream.id == id; });
-  if (found == streams.end()) throw Error(fmt::format("{}: declares no stream {}; expected one of its own", name, id));
+  if (found == streams.end()) throw Error(fmt::format("{}: declares no stream {}; expected a declared stream", name, id));
   if (found->stream.type != type) {
     throw Error(fmt::format("{}: stream {} holds {}, not {}", name, id, name_of(found->stream.type), name_of(type)));
   }
@@ -156,9 +154,9 @@ void RecordingWriter::State::check_times(const Waiting& stream, std::span<const 
 void RecordingWriter::State::check_events(const Waiting& stream, std::span<const Event> events) const {
   const SensorSize size = *stream.stream.size;
   const EventsCheck check = tactile::check_events(events, size);
-  const bool goes_on = events.empty() || !stream.begun || events.front().t >= stream.newest;
-  if (check.inside && check.ascending && goes_on) return;
-  check_times(stream, events);  // one of these two finds out which it is
+  const bool continues = events.empty() || !stream.begun || events.front().t >= stream.newest;
+  if (check.inside && check.ascending && continues) return;
+  check_times(stream, events);  // this or the loop finds the error
   for (const Event& e : events) {
     if (!is_outside(e, size)) continue;
     if (e.on > 1)
@@ -168,7 +166,7 @@ void RecordingWriter::State::check_events(const Waiting& stream, std::span<const
   }
 }
 
-/// Cuts the elements where a packet is full, and hands each piece to `append`. They have been checked.
+/// Divides the checked elements into packets, and passes each piece to `append`.
 template <class Element, class Append>
 void RecordingWriter::State::gather(Waiting& stream, std::span<const Element> elements, const Append& append) {
   while (!elements.empty()) {
@@ -190,7 +188,7 @@ void RecordingWriter::State::gather(Waiting& stream, std::span<const Element> el
   }
 }
 
-/// Behind those that wait in the packet in the making. Padding is cleared, for equal events must give equal bytes.
+/// Appends events to the waiting packet. Padding is cleared, because equal events must give equal bytes.
 void RecordingWriter::State::append_events(Waiting& stream, std::span<const Event> events) const {
   constexpr std::size_t head = packet_header_size + event_packet_head;
   const std::size_t used = head + stream.count * sizeof(Event);
@@ -234,7 +232,7 @@ void RecordingWriter::State::write_waiting(Waiting& stream) {
   stream.triggers.clear();
 }
 
-/// The contents behind the room for a packet's header as the file has them, with such room in front too.
+/// The contents in `packet`, after the space for a packet's header, in their stored form, also after such a space.
 std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& packet, std::size_t content_size) {
   const std::span<const std::byte> plain(packet.data(), packet_header_size + content_size);
   if (options.compression == Compression::none) return plain;
@@ -243,7 +241,7 @@ std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& pack
   return {stored.data(), packet_header_size + size};
 }
 
-/// In one write, so that only a kill in the middle of it leaves a part of a packet.
+/// Uses one write, so that only a kill during it leaves an incomplete packet.
 void RecordingWriter::State::write_packet(Waiting& stream, PacketRecord record, PacketBuffer& packet, std::size_t content_size) {
   const std::span<const std::byte> bytes = compressed(packet, content_size);
   record.payload_size = static_cast<std::uint32_t>(bytes.size() - packet_header_size);
@@ -282,7 +280,7 @@ void RecordingWriter::State::sync() {
   checksums.sync();
 }
 
-/// A packet that once failed to be written may reach further than what has been written since.
+/// A packet whose writing failed may extend beyond the end of the later ones.
 void RecordingWriter::State::cut_to_end() const {
   if (::ftruncate(file.number(), static_cast<off_t>(end)) == 0) return;
   throw Error(name + ": cannot be cut to its length (" + std::strerror(errno) + "); expected a writable file");
@@ -305,7 +303,7 @@ void RecordingWriter::State::close() {
     FileDescriptor& file;
     ~Shut() { file.reset(); }
   } const shut{file};
-  std::exception_ptr failure;  // the first, told once the file is as good as it can be
+  std::exception_ptr failure;  // the first one, thrown when the file is as complete as possible
   try {
     for (Waiting& stream : streams) write_waiting(stream);
   } catch (const Error&) {
@@ -372,7 +370,7 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
       static_cast<std::size_t>(std::max<int>(frame.width, 0)) * static_cast<std::size_t>(std::max<int>(frame.height, 0));
   if (pixel == 0 || frame.width < 0 || frame.height < 0 || frame.pixels.size() != pixel * pixels) {
     throw Error(
-        fmt::format("{}: stream {} has a frame of {} x {} in format {} with {} bytes; expected as many as its pixels take",
+        fmt::format("{}: stream {} has a frame of {} x {} in format {} with {} bytes; expected one value per pixel and channel",
                     state_->name, stream_id, frame.width, frame.height, frame.format, frame.pixels.size()));
   }
   if (frame.pixels.size() > packet_limit - 4096) {

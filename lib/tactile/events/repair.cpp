@@ -19,14 +19,13 @@
 #include "tactile/events/packet_table.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_health.hpp"
+#include "tactile/events/stream_time.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t packet_header_size = 8;
-
-/// A recording written packet by packet, as they come.
+/// Writes a recording packet by packet, in the order of the calls.
 class PacketWriter {
  public:
   PacketWriter(const fs::path& file, const std::string& name, Compression compression, std::span<const Stream> streams)
@@ -36,7 +35,7 @@ class PacketWriter {
     table_ = PacketTable(written_);
   }
 
-  /// One packet; `record` tells its stream, its elements and their times.
+  /// One packet; `record` gives its stream, the number of its elements and their times.
   void write(PacketRecord record, std::span<const std::byte> payload) {
     record.payload_size = static_cast<std::uint32_t>(payload.size());
     const std::int32_t head[2] = {record.stream_id, static_cast<std::int32_t>(record.payload_size)};
@@ -45,7 +44,7 @@ class PacketWriter {
     table_.add(record);
   }
 
-  /// Likewise, of contents that stand behind nothing in `content`.
+  /// The same for uncompressed contents, the first `size` bytes of `content`.
   void write_content(const PacketRecord& record, PacketBuffer& content, std::size_t size) {
     write(record, stored_form({content.data(), size}));
   }
@@ -88,13 +87,13 @@ class PacketWriter {
   std::uint64_t written_ = 0;
 };
 
-/// What is known of one stream on the way.
+/// One stream during the repair.
 struct StreamRepair {
   RepairedStream result;
   StampMeter stamps{microseconds::max(), 0};
 };
 
-/// Takes packets from a reader to a writer.
+/// Copies packets from a reader to a writer.
 class Repair {
  public:
   Repair(RecordingReader& recording, PacketWriter& writer) : recording_(recording), writer_(writer), checksums_(recording) {
@@ -164,18 +163,17 @@ class Repair {
     return false;
   }
 
-  /// As it is stored, unless the reader had to put it right.
+  /// Writes the packet as it is stored, unless the reader corrected it.
   template <class Element, class Encode>
   bool keep_elements(PacketRecord packet, StreamRepair& stream, std::span<const Element> sound, const Encode& encode) {
     if (sound.empty()) return false;
     packet.elements = static_cast<std::int64_t>(sound.size());
-    const auto by_time = [](const Element& a, const Element& b) { return a.t < b.t; };
-    const auto [first, last] = std::minmax_element(sound.begin(), sound.end(), by_time);
-    packet.first = first->t;
-    packet.last = last->t;
+    const auto [first, last] = time_extent_of(sound);
+    packet.first = first;
+    packet.last = last;
     stream.stamps.begin_packet();
     for (const Element& element : sound) stream.stamps.add(element.t);
-    if (!recording_.was_put_right(packet)) {
+    if (!recording_.was_corrected(packet)) {
       writer_.write(packet, recording_.read_stored(packet));
     } else {
       ++rewritten_;
@@ -225,8 +223,7 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
   }
   writer.close();
   RepairSummary summary = repair.summary();
-  if (summary.packets_kept() == 0)
-    throw Error(in.string() + ": not one whole packet to keep; expected a recording with data in it");
+  if (summary.packets_kept() == 0) throw Error(in.string() + ": no whole packet to keep; expected a recording with data");
   whole.commit();
   summary.bytes_in = recording.file_size();
   summary.bytes_out = fs::file_size(out);

@@ -15,7 +15,7 @@ namespace tactile {
 namespace fs = std::filesystem;
 namespace {
 
-/// Where the rows end that no zero byte is in, nor in a row before them [B].
+/// The end of the last row before the first zero byte [B].
 std::uint64_t end_of_whole_rows(const fs::path& csv) {
   std::ifstream in(csv, std::ios::binary);
   std::array<char, 65'536> bytes{};
@@ -38,11 +38,10 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
   const fs::path folder = place.has_filename() ? place : place.parent_path();
   const std::string run = folder.filename().string(), object = folder.parent_path().filename().string();
   if (!is_run_id(run) || !is_object_name(object)) {
-    throw Error(out.string() + ": is no place for a run; expected DATA/<object>/<run>, such as " +
+    throw Error(out.string() + ": is not a run's folder; expected DATA/<object>/<run>, such as " +
                 (in.folder.parent_path() / "02").string());
   }
-  if (fs::exists(fs::symlink_status(folder)))
-    throw Error(out.string() + ": is there already; expected a run's folder that is not");
+  if (fs::exists(fs::symlink_status(folder))) throw Error(out.string() + ": exists already; expected a new run's folder");
   RunInfo info = read_run_info(in);
 
   WholeFile whole(folder, IfThere::refuse);

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/recording_file.hpp"
 
 namespace tactile {
 namespace {
@@ -34,9 +34,9 @@ bool is_simulated(const RunFolder& run) {
   namespace fs = std::filesystem;
   if (fs::exists(run.info()) ? read_run_info(run).simulated : fs::exists(run.truth())) return true;
   try {
-    return is_simulated(RecordingReader(run.events()).streams());
+    return is_simulated(read_start(RecordingFile(run.events())).header.streams);
   } catch (const Error&) {
-    return false;  // who reads its events says what is wrong with it
+    return false;  // reading the events reports what is wrong
   }
 }
 

@@ -8,13 +8,13 @@
 
 namespace tactile {
 
-inline constexpr std::string_view simulated_attribute = "simulated";  ///< of a stream's `info`: "true" of what no camera ever saw
+inline constexpr std::string_view simulated_attribute = "simulated";  ///< in a stream's `info`: "true" if it was simulated
 
-/// Whether no camera ever saw these streams: one says so, or is of a camera of the simulator, "DVXplorer_SIM00001".
+/// Whether a simulator made these streams: one has the attribute, or its camera is the simulator's, "DVXplorer_SIM00001".
 bool is_simulated(std::span<const Stream> streams);
 
-/// Whether the run was simulated: run.json says so, or without one truth.json lies there, or the recording's camera is one of the
-/// simulator. @throws Error  if there is a run.json that cannot be read
+/// Whether the run was simulated: run.json says so; or there is no run.json, but a truth.json; or the camera of the recording is
+/// the simulator's. Reads only the recording's header. @throws Error  if run.json cannot be read
 bool is_simulated(const RunFolder& run);
 
 }  // namespace tactile

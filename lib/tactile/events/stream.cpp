@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "tactile/core/error.hpp"
+#include "tactile/core/enum_names.hpp"
 
 namespace tactile {
 namespace {
@@ -14,10 +14,7 @@ std::string_view name_of(StreamType type) { return type_names.at(static_cast<std
 std::string_view name_of(Compression compression) { return compression_names.at(static_cast<std::size_t>(compression)); }
 
 Compression compression_named(std::string_view name) {
-  for (std::size_t i = 0; i < compression_names.size(); ++i) {
-    if (compression_names[i] == name) return static_cast<Compression>(i);
-  }
-  throw Error("compression: '" + std::string(name) + "' is not known; expected none, lz4, lz4-high, zstd or zstd-high");
+  return enumerator_named<Compression>(name, compression_names, "compression");
 }
 
 Stream completed(Stream stream, std::string_view source) {

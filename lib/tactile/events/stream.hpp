@@ -29,7 +29,8 @@ struct Stream {
   std::vector<std::pair<std::string, std::string>> info;  ///< every further attribute of its info node, as text
 };
 
-/// The stream with the name and the source that a recording must declare, and that some programs leave out: its type's, `source`.
+/// The stream, with the name of its type and with `source` if it lacks them: a recording must declare both, but some programs do
+/// not.
 Stream completed(Stream stream, std::string_view source = "unknown");
 
 }  // namespace tactile

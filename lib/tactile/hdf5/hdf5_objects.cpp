@@ -8,19 +8,19 @@ namespace tactile::hdf5 {
 namespace {
 
 constexpr unsigned deflate_level = 4;
-constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to 1032 times its size at the most
-constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // a last chunk may be all but empty
+constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to at most 1032 times its size
+constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // the last chunk may be almost empty
 constexpr std::size_t longest_text = std::size_t{1} << 16;
-constexpr std::uint64_t largest_chunk = std::uint64_t{64} << 20;  // HDF5 holds one in memory
+constexpr std::uint64_t largest_chunk = std::uint64_t{64} << 20;  // HDF5 keeps one in memory
 
-/// Properties under which an object keeps no times, so that the same content is the same bytes.
+/// Properties for objects without times, so that the same content gives the same bytes.
 Id untimed(hid_t of_class) {
   Id properties(H5Pcreate(of_class), H5Pclose);
   H5Pset_obj_track_times(properties, 0);
   return properties;
 }
 
-/// Properties under which a file's new objects are of that structure.
+/// Properties for the structure of a new file.
 Id structure_of(Structure structure) {
   Id properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (structure == Structure::checked) H5Pset_libver_bounds(properties, H5F_LIBVER_V110, H5F_LIBVER_V110);
@@ -62,7 +62,7 @@ Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class,
 
 Session::Session() {
   static std::recursive_mutex guard;
-  if (!is_apart()) lock_ = std::unique_lock(guard);  // a process apart has one thread, and the lock is its parent's
+  if (!is_apart()) lock_ = std::unique_lock(guard);  // a child process has one thread, and the lock belongs to its parent
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -177,7 +177,7 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
   H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
   if (H5Tget_size(type) > 1 && H5Tget_class(type) == H5T_INTEGER) H5Pset_shuffle(properties);
   H5Pset_deflate(properties, deflate_level);
-  H5Pset_fletcher32(properties);  // a damaged chunk is told where it is read
+  H5Pset_fletcher32(properties);  // damage of a chunk is detected when it is read
   Id table(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
   if (table < 0) fail_writing(where, "'" + name + "' cannot be made");
   return table;
@@ -202,7 +202,7 @@ void append_rows(hid_t table, hid_t in_memory, const void* rows, hsize_t count, 
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where) {
   const Id space(H5Dget_space(table), H5Sclose);
   const int axes = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
-  if (axes < 1) throw Error(where + ": no table; expected one of 1 axis or more");
+  if (axes < 1) throw Error(where + ": is not a table; expected 1 axis or more");
   std::vector<hsize_t> shape(static_cast<std::size_t>(axes));
   H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   return shape;
@@ -212,7 +212,7 @@ void read_rows(hid_t table, hid_t in_memory, void* rows, hsize_t first, hsize_t 
   const Id type(H5Dget_type(table), H5Tclose);
   const H5T_class_t stored = H5Tget_class(type), wanted_class = H5Tget_class(in_memory);
   if (stored != wanted_class && !(stored == H5T_ENUM && wanted_class == H5T_INTEGER))
-    throw Error(where + ": of another type; expected a file that tactile made");
+    throw Error(where + ": has another type; expected a file that tactile made");
   std::vector<hsize_t> shape = shape_of(table, where), begin(shape.size(), 0);
   if (first > shape[0] || count > shape[0] - first) {
     throw Error(where + ": has " + std::to_string(shape[0]) + " rows; expected at least " + std::to_string(first + count));
@@ -268,7 +268,7 @@ void check_stored_size(hid_t table, const std::string& where) {
   const std::uint64_t limit = free_of_doubt + largest_expansion * H5Dget_storage_size(table);
   for (const hsize_t along : shape_of(table, where)) {
     if (__builtin_mul_overflow(size, along, &size)) size = limit + 1;
-    if (size > limit) throw Damaged(where + ": claims more values than its file can hold; expected a sound file");
+    if (size > limit) throw Damaged(where + ": claims more values than its file can contain; expected a sound file");
   }
 }
 

@@ -14,10 +14,10 @@
 #include "tactile/core/error.hpp"
 #include "tactile/hdf5/read_apart.hpp"
 
-// HDF5 as tactile's files use it: identifiers that close themselves, and errors as `Error`. Only sources include this header.
+// HDF5 with identifiers that close themselves, and errors as `Error`. Include this header only in sources.
 namespace tactile::hdf5 {
 
-/// Held around everything below: one thread at a time is in HDF5, which then prints nothing of its own.
+/// Required around all functions below: only one thread may use HDF5 at a time. It also silences HDF5.
 class Session {
  public:
   Session();
@@ -26,7 +26,7 @@ class Session {
   std::unique_lock<std::recursive_mutex> lock_;
 };
 
-/// An identifier, closed when it goes.
+/// An identifier, closed by its destructor.
 class Id {
  public:
   using Close = herr_t (*)(hid_t);
@@ -43,8 +43,8 @@ class Id {
     return *this;
   }
 
-  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): handed to HDF5's functions as it is
-  void close(const std::string& where);   ///< @throws Error if what was written did not reach the file
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): passed to HDF5's functions
+  void close(const std::string& where);   ///< @throws Error if the data was not written to the file
 
  private:
   void reset() {
@@ -55,19 +55,19 @@ class Id {
   Close close_ = nullptr;
 };
 
-/// What HDF5 says went wrong, innermost first.
+/// HDF5's description of the last error, innermost first.
 std::string last_error();
 [[noreturn]] void fail(const std::string& where, const std::string& what);          ///< @throws Damaged
-[[noreturn]] void fail_writing(const std::string& where, const std::string& what);  ///< which may be for want of room
+[[noreturn]] void fail_writing(const std::string& where, const std::string& what);  ///< @throws Error; names a full disk
 
 enum class Structure {
-  plain,    ///< readable by HDF5 of any age
-  checked,  ///< with a checksum in each piece, by which damage is found; readable by HDF5 1.10 and later
+  plain,    ///< readable by all versions of HDF5
+  checked,  ///< with checksums that show damage; readable by HDF5 1.10 and later
 };
 
-Id create_file(const std::filesystem::path& file, Structure structure);  ///< replaces what is there
-/// @throws Error    if it is missing or not to be opened
-/// @throws Damaged  if it is no sound HDF5, found by `check_readable`
+Id create_file(const std::filesystem::path& file, Structure structure);  ///< replaces an existing file
+/// @throws Error    if it is missing or cannot be opened
+/// @throws Damaged  if `check_readable` finds damage
 Id open_file(const std::filesystem::path& file, bool for_writing);
 Id create_group(hid_t parent, const std::string& name, const std::string& where);
 Id open_table(hid_t parent, const std::string& name, const std::string& where);
@@ -76,12 +76,12 @@ std::vector<std::string> members_of(hid_t group);  ///< the names of its links, 
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
                   const std::string& where);
 
-/// Opens a group. @throws Error if there is none of this name
+/// Opens a group. @throws Error if there is no such group
 Id open_group(hid_t parent, const std::string& name, const std::string& where);
 bool is_group(hid_t parent, const std::string& name);
-std::string linked_file(hid_t parent, const std::string& name);  ///< of an external link; empty if it is none
+std::string linked_file(hid_t parent, const std::string& name);  ///< the target of an external link; empty for other members
 
-/// The type of T in a file: little-endian, of T's own width; and in memory.
+/// The type of T in a file, little-endian and of T's width, and in memory.
 template <class T>
 hid_t file_type() {
   static_assert(std::is_arithmetic_v<T>);
@@ -105,22 +105,22 @@ hid_t memory_type() {
   if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
 }
 
-/// A table that grows along its first axis, in compressed chunks that any HDF5 reads.
+/// A table that grows along its first axis, with compressed chunks that every HDF5 reads.
 Id create_table(hid_t parent, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape, hsize_t rows_per_chunk,
                 const std::string& where);
 void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count, const std::string& where);
 
 /// [rows, ...]
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where);
-/// Reads `count` rows from `first` on into memory that holds them, numbers beyond the range of its type as the nearest within.
-/// @throws Error also if the table holds another kind of values; truth values (h5py's bool) count as whole numbers
+/// Reads `count` rows from `first` on. Numbers beyond the range of the memory type are limited to it.
+/// @throws Error  also if the table has another kind of values; booleans (of h5py) count as whole numbers
 void read_rows(hid_t table, hid_t memory_type, void* rows, hsize_t first, hsize_t count, const std::string& where);
-/// How many rows HDF5 reads at once: those of a chunk, 0 where the table has none. @throws Error if the table's values lie in
-/// other files, or a chunk claims more than 64 MiB
+/// The number of rows that HDF5 reads at once: those of a chunk; 0 if the table has no chunks. @throws Error  if the values lie
+/// in other files, or a chunk claims more than 64 MiB
 hsize_t rows_per_chunk(hid_t table, const std::string& where);
-/// @throws Error  that names the filter, if the table's values went through one that this HDF5 lacks
+/// @throws Error  that names the filter, if the table needs a filter that this HDF5 lacks
 void check_filters(hid_t table, const std::string& where);
-/// @throws Damaged  if a table claims to hold more than what it takes of its file can expand to
+/// @throws Damaged  if a table claims more values than its part of the file can expand to
 void check_stored_size(hid_t table, const std::string& where);
 
 template <class T>
@@ -147,7 +147,7 @@ void write_attribute(hid_t object, const std::string& name, double value, const 
 void write_attribute(hid_t object, const std::string& name, const std::string& value, const std::string& where);
 bool has_attribute(hid_t object, const std::string& name);
 std::int64_t read_number(hid_t object, const std::string& name, const std::string& where);
-/// Of fixed length, or of variable length as h5py writes them.
+/// A text of fixed length, or of variable length as h5py writes it.
 std::string read_text_attribute(hid_t object, const std::string& name, const std::string& where);
 
 }  // namespace tactile::hdf5

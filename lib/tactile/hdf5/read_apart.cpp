@@ -26,12 +26,12 @@ namespace {
 
 constexpr rlim_t least_seconds = 20;
 constexpr std::uint64_t bytes_a_second = std::uint64_t{4} << 20;
-constexpr rlim_t most_memory = rlim_t{2} << 30;  // beside what the process has already
+constexpr rlim_t most_memory = rlim_t{2} << 30;  // in addition to what the process has
 constexpr std::uint64_t longest_message = std::uint64_t{1} << 31;
 constexpr std::uint64_t read_at_once = std::uint64_t{4} << 20;
 constexpr std::uint64_t small_table = std::uint64_t{1} << 20;
 constexpr int deepest_group = 16;
-constexpr unsigned first_checked_superblock = 2;  // from this version on HDF5 writes checksums into a file's structure
+constexpr unsigned first_checked_superblock = 2;  // since this version the structure has checksums
 
 enum class Ending : std::uint32_t { none, done, error, damaged };
 
@@ -52,7 +52,7 @@ void put(int out, const void* from, std::size_t size) {
   while (size > 0) {
     const ssize_t written = ::write(out, bytes, size);
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) ::_exit(1);  // the parent no longer listens
+    if (written <= 0) ::_exit(1);  // the parent has closed the pipe
     bytes += written;
     size -= static_cast<std::size_t>(written);
   }
@@ -83,21 +83,21 @@ void limit_to(auto resource, rlim_t most) {
   ::setrlimit(resource, &limit);
 }
 
-/// The address space that a process may have which begins with all of this one's. A sanitizer's is vast.
+/// The address space limit of a child, which starts with that of this process. With a sanitizer it is vast.
 rlim_t memory_limit() {
   std::ifstream statm("/proc/self/statm");
   rlim_t pages = 0;
   return statm >> pages ? pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + most_memory : RLIM_INFINITY;
 }
 
-/// What a process that may crash needs: it is silent, ends by itself, with its parent, and leaves no picture of its memory.
+/// Prepares a process that may crash: it is silent, has limits, ends with its parent, and dumps no core.
 void become_expendable(pid_t parent, rlim_t seconds, rlim_t memory) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
   ::prctl(PR_SET_DUMPABLE, 0);
   for (const int number : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGXCPU, SIGPIPE})
     ::signal(number, SIG_DFL);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(number, SIG_IGN);  // they are the parent's
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(number, SIG_IGN);  // the parent handles them
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -127,12 +127,12 @@ void become_expendable(pid_t parent, rlim_t seconds, rlim_t memory) {
   } catch (const Error& e) {
     end(Ending::error, e.what());
   } catch (...) {
-    // Out of memory, say, which no sound file needs.
+    // For example out of memory, which no sound file causes.
   }
   ::_exit(1);
 }
 
-/// The process and what it passes on; ended with this object.
+/// The child process and its pipe. The destructor ends the process.
 class Child {
  public:
   Child(const fs::path& file, const std::function<void(const Send&)>& work) {
@@ -145,7 +145,7 @@ class Child {
     pid_ = ::fork();
     if (pid_ == 0) {
       ::close(ends[0]);
-      const int out = ::fcntl(ends[1], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);  // of a parent without standard streams
+      const int out = ::fcntl(ends[1], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);  // in case the parent has no standard streams
       become_expendable(parent, seconds, memory);
       work_apart(work, out);
     }
@@ -178,7 +178,7 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// The whole of an open file, called by HDF5's identifiers. @throws Damaged at the first thing that HDF5 does not read
+/// Visits an open file. @throws Damaged  at the first object that HDF5 cannot read
 class Walk {
  public:
   Walk(hid_t file, const fs::path& path) : path_(path) {
@@ -261,7 +261,7 @@ void walk_through(const fs::path& file) {
     const Id id = open_file(file, false);
     const Walk walk(id, file);
   } catch (const Damaged&) {
-    throw_damaged(file);  // in one sentence, whatever HDF5 calls it
+    throw_damaged(file);  // one sentence instead of HDF5's text
   }
 }
 
@@ -269,13 +269,13 @@ std::chrono::nanoseconds since_epoch(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// What tells one state of a file from the next.
+/// Identifies a state of a file.
 using FileState = std::tuple<dev_t, ino_t, off_t, std::chrono::nanoseconds, std::chrono::nanoseconds>;
 
 }  // namespace
 
 void read_apart(const fs::path& file, const std::function<void(const Send&)>& work, const Take& take) {
-  const Session session;  // no other thread is within HDF5 when the process doubles
+  const Session session;  // no other thread may be inside HDF5 during the fork
   const Child child(file, work);
   std::vector<std::byte> bytes;
   for (Header header; get(child.in(), &header, sizeof header) && header.bytes <= longest_message;) {
@@ -295,14 +295,14 @@ bool is_apart() { return apart; }
 void check_readable(const fs::path& file) {
   const Session session;
   struct stat found {};
-  if (::stat(file.c_str(), &found) != 0) return;  // its opening says so
+  if (::stat(file.c_str(), &found) != 0) return;  // opening it reports the error
   const std::chrono::nanoseconds changed = since_epoch(found.st_mtim);
   const FileState state{found.st_dev, found.st_ino, found.st_size, changed, since_epoch(found.st_ctim)};
   static std::set<FileState> readable;
   if (readable.contains(state)) return;
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   read_apart(file, [&](const Send&) { walk_through(file); });
-  // A file system's clock may tick so seldom that a change right after this one would bear the same time.
+  // The clock of a file system may be so coarse that a later change has the same time.
   const bool is_settled = now - std::max(changed, since_epoch(found.st_ctim)) > std::chrono::milliseconds(50);
   if (is_settled) readable.insert(state);
 }

@@ -9,40 +9,42 @@
 
 #include "tactile/core/error.hpp"
 
-// HDF5 reads beyond its memory when a file's structure is damaged, and then the whole process ends (libhdf5 1.10 and later). So
-// bytes of unknown worth are read in a child process first:
-//   - A file that is read in any order (a dataset) is walked through by a child, `check_readable`; the parent opens it only if
-//     that went well. Files without checksums in their structure are read to the last value there, because a damaged size in an
-//     index shows only on reading. Datasets as we write them have such checksums (`create_file`): HDF5 finds the damage by
-//     itself, and the walk visits their structure alone.
-//   - A file that is read once from its begin to its end (a recording of another program) is read by the child alone, which
-//     passes on what it reads: a read that is wrong without a crash in the child harms no parent.
-// A child that does not come to its end, whatever the reason, means that the file is damaged: limits on its time and memory end
-// loops and made-up sizes.
+// If a file's structure is damaged, HDF5 (libhdf5 1.10 and later) may read outside its memory, which ends the whole process.
+// Therefore a child process reads untrusted files first:
+//   - A file that is read in any order (a dataset) is visited by a child, `check_readable`. The parent opens it only after
+//   success.
+//     Of files without checksums in their structure the child reads every value, because a damaged size in an index shows only on
+//     reading. Our datasets have such checksums (`create_file`): HDF5 detects damage itself, and the child visits only the
+//     structure.
+//   - A file that is read once from begin to end (a recording of another program) is read only by the child, which sends the
+//   values.
+//     So an unnoticed bad access in the child cannot harm the parent.
+// If the child does not finish, for any reason, the file is damaged. Limits on time and memory end loops and invalid sizes.
 namespace tactile::hdf5 {
 
-/// A file that is no sound HDF5.
+/// A file that is not sound HDF5.
 class Damaged : public Error {
  public:
   using Error::Error;
 };
 
-/// Passes something on to the parent: two numbers of the caller's own, and bytes.
+/// Sends two numbers, whose meaning the caller defines, and bytes to the parent.
 using Send = std::function<void(std::uint32_t kind, std::uint32_t number, std::span<const std::byte> bytes)>;
 using Take = Send;
 
-/// Calls `work` in a process of its own, and `take` in this one, in the same order, with whatever `work` sends. `work` may use
-/// HDF5, memory and exceptions, but no other thread, no lock of another thread's and no output. Not within `work` itself.
-/// @throws Error, Damaged  as `work` does; Damaged also if its process crashes, or takes more than 20 s of computing and 1 s for
-///                         each 4 MiB of `file`, or 2 GiB of memory
+/// Calls `work` in a child process, and `take` in this one with everything that `work` sends, in the same order. `work` may use
+/// HDF5, memory and exceptions, but no other threads, no locks of other threads, no output, and not `read_apart` itself.
+/// @throws Error, Damaged  as `work`; Damaged also if the child crashes, or needs more than 20 s of CPU time plus 1 s for each 4
+/// MiB of
+///                         `file`, or more than 2 GiB of memory
 void read_apart(const std::filesystem::path& file, const std::function<void(const Send& send)>& work, const Take& take = {});
 
-/// Whether this is the process in which `work` is called.
+/// Whether this is the child process that calls `work`.
 bool is_apart();
 
-/// Walks through the file in a process of its own: all groups, links, tables and attributes, but no other file that it links to.
-/// A file is walked through once in a process, as long as it does not change.
-/// @throws Damaged  if that does not come to its end
+/// Visits all groups, links, tables and attributes of the file in a child process, but not the files that it links to. An
+/// unchanged file is visited only once per process.
+/// @throws Damaged  if that does not finish
 /// @throws Error    if the file cannot be opened for another reason
 void check_readable(const std::filesystem::path& file);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t many = CellCounts<std::uint8_t>::many;
 constexpr std::uint32_t block_cells = CellCounts<std::uint8_t>::block_cells;
 
-/// What a cell's value is added up in: few enough numbers that 28 bits and float32 do, or more of them.
+/// The types of a cell's sum: for one-byte numbers 28 bits and float32 are enough.
 template <class Number>
 using SumFor = std::conditional_t<sizeof(Number) == 1, std::int32_t, std::int64_t>;
 template <class Number>
@@ -24,10 +24,10 @@ using RealFor = std::conditional_t<sizeof(Number) == 1, float, double>;
 
 #if defined(__x86_64__)
 constexpr std::uint32_t planes = CellCounts<std::uint8_t>::planes;
-constexpr int digits = 3;  // of 7 bits, which a weight is taken apart into
+constexpr int digits = 3;  // a weight is split into digits of 7 bits
 
 struct WideScales {
-  __m256i weights[planes][digits];  // of the four classes of a plane, again for each cell
+  __m256i weights[planes][digits];  // of the four classes of a plane, repeated for each cell
   const float* row;
   const float* column;
 };
@@ -47,8 +47,8 @@ __attribute__((target("avx2"), always_inline)) inline __m256i load(const std::ui
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers));
 }
 
-/// Of eight cells, from their numbers in the first planes. No 16 bits overflow: a cell has 225 pixels at most, in all classes
-/// together.
+/// The sums of eight cells, from their numbers in the first `used` planes. 16 bits do not overflow: a cell has at most 225 pixels
+/// in all classes together.
 template <std::size_t used>
 __attribute__((target("avx2"), always_inline)) inline __m256i sums_of(const __m256i* numbers, const WideScales& scales) {
   __m256i sums = _mm256_setzero_si256();
@@ -83,7 +83,7 @@ __attribute__((target("avx2"), always_inline)) inline void put_bytes(__m256i lef
   }
 }
 
-/// The same sixteen cells at a time, to the same bits.
+/// The same for sixteen cells at a time, with identical bits.
 __attribute__((target("avx2"))) std::size_t byte_blocks_wide(CellCounts<std::uint8_t>& cells, const ByteScales& scales, int width,
                                                              std::span<std::uint8_t> heatmap,
                                                              std::span<std::uint32_t> with_many) {

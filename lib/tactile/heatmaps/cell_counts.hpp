@@ -13,8 +13,8 @@
 
 namespace tactile {
 
-/// The pixels that each cell of a heatmap is made of: of the `step` x `step` that it covers, those from `first` on, `read` of
-/// them each way, as far as the sensor has them.
+/// The pixels of each cell of a heatmap: of the `step` x `step` pixels that it covers, `read` x `read` from `first` on, as far as
+/// the sensor has them.
 struct CellGrid {
   SensorSize sensor;
   SensorSize cells;
@@ -23,19 +23,19 @@ struct CellGrid {
   int read = 1;
 };
 
-/// For each cell, how many of its pixels have 1, 2, ... 14 events, and how many have more: kept while single counts change by
-/// one. What a count weighs may then change with every tick, and a cell's value still costs no look at its pixels, but for those
-/// with `many` events.
+/// For each cell, the number of its pixels with 1, 2, ... 14 events, and with more. They are updated while single counts change
+/// by one. So the weight of a count may change with every tick, and a cell's value still needs no access to its pixels, except
+/// for those with `many` events.
 ///
-/// @tparam Number  holds the number of pixels of a cell
+/// @tparam Number  large enough for the number of pixels of a cell
 template <class Number>
 class CellCounts {
  public:
-  static constexpr std::uint32_t many = 15;         ///< counts from here on are one class, as each below is
-  static constexpr std::uint32_t block_cells = 16;  ///< cells side by side, whose numbers lie together
-  /// Classes whose numbers lie together: 0 to 3, 4 to 7, 8 to 11, 12 to `many`; most blocks have events in the first plane only.
+  static constexpr std::uint32_t many = 15;         ///< counts from here on form one class; each count below is a class
+  static constexpr std::uint32_t block_cells = 16;  ///< adjacent cells with contiguous numbers
+  /// Classes with contiguous numbers: 0 to 3, 4 to 7, 8 to 11, 12 to `many`. Most blocks have events only in the first plane.
   static constexpr std::uint32_t plane_classes = 4;
-  static constexpr std::uint32_t count_limit = 2048;  ///< of the counts that change here; all above are of one class
+  static constexpr std::uint32_t count_limit = 2048;  ///< counts from here on are not tracked; they are all of one class
   static constexpr std::uint32_t planes = (many + 1) / plane_classes;
   static constexpr std::uint32_t block_length = block_cells * plane_classes;
 
@@ -66,12 +66,12 @@ class CellCounts {
                          [&](std::uint32_t cell) { return cell * blocks_across * block_length; });
   }
 
-  /// Where the numbers of the pixel's cell begin, in each plane.
+  /// The begin of the numbers of the pixel's cell, in each plane.
   std::uint32_t place_of(int x, int y) const {
     return std::min(place_of_x_[static_cast<std::size_t>(x)] + place_of_y_[static_cast<std::size_t>(y)], nowhere_);
   }
 
-  /// Changes single counts. It holds itself what it needs, so that the compiler knows it does not change.
+  /// Changes single counts. It copies the pointers, so that the compiler knows that they are constant.
   class Change {
    public:
     explicit Change(CellCounts& cells)
@@ -80,7 +80,7 @@ class CellCounts {
           offset_of_count_(cells.offset_of_count_.data()) {}
 
     /// @param place     of the pixel's cell
-    /// @param from, to  counts below `count_limit`; how many pixels have none is not looked at, and may wrap
+    /// @param from, to  counts below `count_limit`; the number of pixels without events is not used, and may wrap
     void operator()(std::uint32_t place, std::uint32_t from, std::uint32_t to) const {
       --pixels_with_[place + offset_of_count_[from]];
       ++pixels_with_[place + offset_of_count_[to]];
@@ -95,8 +95,8 @@ class CellCounts {
 
   std::span<const Block> blocks() const { return blocks_; }
 
-  /// Of 64 blocks from `first` on, a bit each: those whose pixels have at most `low` events, and the others with events. Each may
-  /// be in the latter, or here at all, for what it had until it was told that it has not.
+  /// A bit for each of 64 blocks from `first` on: blocks whose pixels have at most `low` events, and the others with events. A
+  /// block that has lost its events stays marked until `set_low` or `set_empty`.
   struct Active {
     std::uint64_t low, high;
   };
@@ -127,7 +127,7 @@ class CellCounts {
   }
 
  private:
-  /// A bit for each of eight bytes: whether it is above a limit below 128.
+  /// A bit for each of eight bytes: whether it is above a limit, which must be below 128.
   static std::uint64_t bits_above(std::uint64_t eight, std::uint64_t limit) {
     constexpr std::uint64_t each = 0x0101010101010101, top = 0x80 * each;
     const std::uint64_t above = (((eight & ~top) + (127 - limit) * each) | eight) & top;
@@ -151,12 +151,12 @@ class CellCounts {
   }
 
   std::vector<Block> blocks_;  // row by row
-  std::uint32_t nowhere_ = 0;  // the place of pixels that no cell is made of: of a block behind all others, in no group
+  std::uint32_t nowhere_ = 0;  // the place of pixels outside all cells: an extra block after all others
   std::uint32_t plane_length_ = 0;
   std::array<std::uint32_t, count_limit> offset_of_count_{};
   std::vector<Number> pixels_with_;                     // [planes, blocks up to `nowhere_`'s, block_cells, plane_classes]
-  std::vector<std::uint8_t> highest_;                   // count of a block's pixels up to 255, or that once was
-  std::vector<std::uint32_t> place_of_x_, place_of_y_;  // added up: of a cell's numbers
+  std::vector<std::uint8_t> highest_;                   // highest count in a block, up to 255; may be outdated
+  std::vector<std::uint32_t> place_of_x_, place_of_y_;  // their sum is the place of a cell's numbers
 };
 
 }  // namespace tactile

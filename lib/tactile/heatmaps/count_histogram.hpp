@@ -7,20 +7,20 @@
 
 namespace tactile {
 
-/// How many pixels have each count. The counts that occur are then known without a look at the pixels: of N events there are at
-/// most sqrt(2 N) different ones.
+/// The number of pixels with each count. It gives the counts that occur without access to the pixels: with N events there are at
+/// most sqrt(2 N) different counts.
 class CountHistogram {
  public:
-  /// @param pixels  all of which have no event yet
+  /// @param pixels  in the image, all without events
   explicit CountHistogram(std::uint32_t pixels) : pixels_(pixels), pixels_with_(64), occurs_(1) { add(0, pixels_); }
 
-  /// So many pixels more have a count, or fewer: numbers wrap. In between more may leave a count than had it; once every change
-  /// is told, `settle`.
+  /// Adds pixels to a count, or removes them: numbers wrap. Intermediate numbers may be negative. Call `settle` after all
+  /// changes.
   void add(std::uint32_t count, std::uint32_t pixels) {
     if (count >= pixels_with_.size()) grow(count);
     const std::uint32_t had = pixels_with_[count], has = had + pixels;
     pixels_with_[count] = has;
-    // Without branches: whether a count comes or goes cannot be foreseen where each pixel has one of its own.
+    // Without branches, because appearing and disappearing counts are hard to predict.
     occurs_[count / 64] ^= static_cast<std::uint64_t>((had == 0) != (has == 0)) << count % 64;
     largest_ = std::max(largest_, has != 0 ? count : 0);
   }
@@ -52,10 +52,9 @@ class CountHistogram {
   }
 
   std::uint32_t pixels_;
-  std::vector<std::uint32_t>
-      pixels_with_;                    // by count; that takes as many events, so this is at most twice as long as their number
-  std::vector<std::uint64_t> occurs_;  // a bit for each count
-  std::uint32_t largest_ = 0;          // that occurs
+  std::vector<std::uint32_t> pixels_with_;  // by count; its length is at most twice the number of events
+  std::vector<std::uint64_t> occurs_;       // a bit for each count
+  std::uint32_t largest_ = 0;               // count that occurs
 };
 
 }  // namespace tactile

@@ -6,7 +6,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/heatmaps/byte_blocks.hpp"
@@ -14,33 +16,8 @@
 namespace tactile {
 namespace {
 
-const char* name_of(Denoise denoise) {
-  switch (denoise) {
-    case Denoise::mean:
-      return "mean";
-    case Denoise::literal:
-      return "literal";
-    case Denoise::none:
-      return "none";
-  }
-  return "unknown";
-}
-
-const char* name_of(Resize resize) { return resize == Resize::area ? "area" : "linear"; }
-
-Denoise denoise_named(const std::string& name) {
-  for (const Denoise denoise : {Denoise::mean, Denoise::literal, Denoise::none}) {
-    if (name == name_of(denoise)) return denoise;
-  }
-  throw Error("denoise '" + name + "' is unknown; expected mean, literal or none");
-}
-
-Resize resize_named(const std::string& name) {
-  for (const Resize resize : {Resize::area, Resize::linear}) {
-    if (name == name_of(resize)) return resize;
-  }
-  throw Error("resize '" + name + "' is unknown; expected area or linear");
-}
+constexpr std::array<std::string_view, 3> denoise_names{"mean", "literal", "none"};
+constexpr std::array<std::string_view, 2> resize_names{"area", "linear"};
 
 int step_of(double factor) { return static_cast<int>(std::lround(1.0 / factor)); }
 
@@ -54,15 +31,15 @@ SensorSize checked_size(SensorSize sensor, const HeatmapOptions& options) {
   return size;
 }
 
-/// Which pixels cv::resize reads: all of a cell, or by `linear` those amid which its centre lies: one where the step is odd, four
-/// where it is even. Beyond the edge it repeats the last pixel, which then is the mean of those that exist.
+/// The pixels that cv::resize reads. `area`: all of a cell. `linear`: those around its centre, one if the step is odd and four if
+/// it is even. Outside the image it repeats the last pixel, so the result is the mean of the existing pixels.
 CellGrid grid_of(SensorSize sensor, SensorSize cells, const HeatmapOptions& options) {
   const int step = step_of(options.factor);
   const bool all = options.resize == Resize::area;
   return {.sensor = sensor, .cells = cells, .step = step, .first = all ? 0 : (step - 1) / 2, .read = all ? step : 2 - step % 2};
 }
 
-/// How many pixels a cell is made of along one side, of which the sensor has `pixels`.
+/// The number of pixels of a cell along one side of a sensor with `pixels` pixels.
 int pixels_read(int pixels, int cell, const CellGrid& grid) {
   return std::min(grid.read, pixels - cell * grid.step - grid.first);
 }
@@ -76,8 +53,8 @@ int pixels_read(int pixels, int cell, const CellGrid& grid) {
 void to_json(nlohmann::json& json, const HeatmapOptions& options) {
   json = {{"history_us", options.history.count()},
           {"tick_us", options.tick.count()},
-          {"denoise", name_of(options.denoise)},
-          {"resize", name_of(options.resize)},
+          {"denoise", denoise_names.at(static_cast<std::size_t>(options.denoise))},
+          {"resize", resize_names.at(static_cast<std::size_t>(options.resize))},
           {"factor", options.factor}};
 }
 
@@ -85,8 +62,8 @@ void from_json(const nlohmann::json& json, HeatmapOptions& options) {
   const std::string where = "heatmap settings";
   options.history = microseconds{member<std::int64_t>(json, "history_us", where)};
   options.tick = microseconds{member<std::int64_t>(json, "tick_us", where)};
-  options.denoise = denoise_named(member<std::string>(json, "denoise", where));
-  options.resize = resize_named(member<std::string>(json, "resize", where));
+  options.denoise = enumerator_named<Denoise>(member<std::string>(json, "denoise", where), denoise_names, "denoise");
+  options.resize = enumerator_named<Resize>(member<std::string>(json, "resize", where), resize_names, "resize");
   options.factor = member<double>(json, "factor", where);
 }
 
@@ -137,29 +114,29 @@ HeatmapRenderer::HeatmapRenderer(SensorSize sensor, const HeatmapOptions& option
     row_scales_.push_back(255.0F / static_cast<float>(pixels_read(sensor.height, y, grid_)) / whole_weight(1.0));
 }
 
-/// D of each count in the window, relative to the largest. Its exponents are differences of whole numbers, divided once, and
-/// nothing is taken whose range double does not hold: docs/numerics.md.
+/// D of each count in the window, relative to the largest. The exponents are differences of whole numbers, divided once, so no
+/// value exceeds the range of double: docs/numerics.md.
 void HeatmapRenderer::weigh() {
   const CountHistogram& histogram = counts_.histogram();
   const std::uint32_t largest = histogram.largest();
   if (largest >= weights_.size()) weights_.resize(std::bit_ceil(std::size_t{largest} + 1));
   if (options_.denoise == Denoise::none) {
     histogram.for_each_count([&](std::uint32_t count) { weights_[count] = count; });
-    strongest_weight_ = largest;  // whole numbers stay whole until they are divided once
+    strongest_weight_ = largest;  // exact until the only division
     return;
   }
   const auto events = static_cast<std::int64_t>(counts_.events());
   const auto active = static_cast<std::int64_t>(histogram.active_pixels());
   double strongest = 0;
   if (options_.denoise == Denoise::mean) {
-    // D = E / (1 + exp(E - b)). Some count is no larger than b, so max D is at least 1/2; where exp is infinite D is 0.
+    // D = E / (1 + exp(E - b)). At least one count is not above b, so max D is at least 1/2. If exp is infinite, D is 0.
     histogram.for_each_count([&](std::uint32_t count) {
       const double over_mean = static_cast<double>(count * active - events) / static_cast<double>(active);
       weights_[count] = count / (1.0 + std::exp(over_mean));
       strongest = std::max(strongest, weights_[count]);
     });
   } else {
-    // D = E / (1 + exp(E + b)) falls as E grows, b being 1 or more: it is taken relative to that of the smallest count s,
+    // D = E / (1 + exp(E + b)) decreases with E, because b >= 1. It is computed relative to that of the smallest count s,
     // E/s * exp(s - E) * (1 + exp(-s - b)) / (1 + exp(-E - b)).
     double smallest = 0, of_smallest = 0;
     histogram.for_each_count([&](std::uint32_t count) {
@@ -190,8 +167,7 @@ template <class Number>
 void HeatmapRenderer::render_bytes(CellCounts<Number>& cells, std::span<std::uint8_t> heatmap) {
   WholeWeights weights{};
   for (std::size_t count = 1; count < cells.many; ++count)
-    weights[count] =
-        whole_weight(std::min(weights_[count] / strongest_weight_, 1.0));  // of a count that does not occur, anything
+    weights[count] = whole_weight(std::min(weights_[count] / strongest_weight_, 1.0));  // arbitrary for counts that do not occur
   const std::size_t blocks_with_many = byte_blocks(
       cells, {.weights = weights, .row = row_scales_.data(), .column = column_shares_.data()}, size_.width, heatmap, with_many_);
   for (const std::uint32_t index : std::span(with_many_).first(blocks_with_many)) {

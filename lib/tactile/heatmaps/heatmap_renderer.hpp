@@ -12,20 +12,19 @@
 namespace tactile {
 
 enum class Denoise : std::uint8_t {
-  mean,     ///< D = E * s(b - E): what the paper's text says; counts above b go to 0
+  mean,     ///< D = E * s(b - E), as the paper's text describes it; counts above b go to 0
   literal,  ///< D = E / (1 + exp(E + b)): its equation as printed
   none,     ///< D = E
 };
 enum class Resize : std::uint8_t { area, linear };
 
-/// What a heatmap is made with; saved beside whatever was made from it.
+/// The settings of a heatmap; saved with everything that is made from it.
 struct HeatmapOptions {
   microseconds history{40'000};  ///< t_h, a whole number of ticks, > 0
   microseconds tick{2'000};      ///< between two heatmaps, > 0
   Denoise denoise = Denoise::mean;
   Resize resize = Resize::area;
-  double factor =
-      0.2;  ///< output size per input size, in (0, 1], one whole input pixel or more to an output pixel: 1/factor is whole
+  double factor = 0.2;  ///< output size / input size, in (0, 1]; 1/factor must be a whole number
 
   friend bool operator==(const HeatmapOptions&, const HeatmapOptions&) = default;
 };
@@ -33,26 +32,26 @@ struct HeatmapOptions {
 void to_json(nlohmann::json& json, const HeatmapOptions& options);
 void from_json(const nlohmann::json& json, HeatmapOptions& options);  ///< @throws Error
 
-/// @throws Error  if an option is out of its range, or the history no whole number of ticks
+/// @throws Error  if an option is out of its range, or the history is not a whole number of ticks
 void check(const HeatmapOptions& options);
 
-/// The name its heatmaps are stored under: "th_040" for the default rendering of a whole number of ms, else that and the first 8
-/// of its settings' hash.
+/// The name of stored heatmaps: "th_040" for the default rendering of a whole number of ms, otherwise with the first 8 characters
+/// of the settings' hash appended.
 std::string stored_name(const HeatmapOptions& options);
 
-/// What cv::resize(M, {}, factor, factor) gives of a sensor's size.
+/// The size that cv::resize(M, {}, factor, factor) gives for a sensor's size.
 SensorSize heatmap_size(SensorSize sensor, double factor);
 
 /// Counts the events of a window that slides along a recording, and renders their heatmap, the paper's equations 2 to 5:
 ///
 ///   b = mean of E over pixels with E > 0;   D = denoised E;   H = resize(255 * D / max D)
 ///
-/// Right for every input: docs/numerics.md tells where the equations as they stand are not. No events: all 0. The one renderer,
-/// of recordings and live: moving on costs as much as there are events that come and go, rendering as much as there are cells
-/// with events. Neither asks for memory, but for a window with more events than ever before. A heatmap depends on the counts
-/// alone, to the last bit, not on how they came about.
+/// Valid for every input; docs/numerics.md lists where the plain equations are not. Without events all values are 0. Recordings
+/// and live detection use the same renderer. Advancing costs time in proportion to the events that enter and leave the window,
+/// rendering in proportion to the cells with events. Neither allocates memory, except for a window with more events than ever
+/// before. A heatmap depends only on the counts, to the last bit.
 ///
-/// Source: Faris et al., arXiv:2403.10120, equations 2 to 5; cv::resize for the sizes and the two ways of resizing.
+/// Source: Faris et al., arXiv:2403.10120, equations 2 to 5; cv::resize for the sizes and the two resize modes.
 class HeatmapRenderer {
  public:
   HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check` and `SlidingCounts`
@@ -60,16 +59,16 @@ class HeatmapRenderer {
   SensorSize size() const { return size_; }
   const HeatmapOptions& options() const { return options_; }
 
-  void add(std::span<const Event> events) { counts_.add(events); }  ///< as of `SlidingCounts`, what it throws too
-  void move_to(CameraTime tick) { counts_.move_to(tick); }          ///< likewise
-  const SlidingCounts& counts() const { return counts_; }           ///< E of the window moved to
-  std::uint64_t events() const { return counts_.events(); }         ///< in it
+  void add(std::span<const Event> events) { counts_.add(events); }  ///< as `SlidingCounts::add`
+  void move_to(CameraTime tick) { counts_.move_to(tick); }          ///< as `SlidingCounts::move_to`
+  const SlidingCounts& counts() const { return counts_; }           ///< E of the current window
+  std::uint64_t events() const { return counts_.events(); }         ///< in the current window
 
-  /// Renders the window moved to.
+  /// Renders the current window.
   /// @param heatmap  [height, width] of `size()`, row by row; in [0, 255], not rounded
   void render(std::span<float> heatmap);
 
-  /// The same, rounded half up: what is stored, and what the network sees as H / 255.
+  /// The same, rounded half up. These values are stored, and the network's input is H / 255.
   void render(std::span<std::uint8_t> heatmap);
 
  private:

@@ -7,11 +7,12 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/ticks.hpp"
 
 namespace tactile {
 namespace {
 
-/// Where a sample's heatmap goes in the result.
+/// A sample, and the place of its heatmap in the result.
 struct Wanted {
   std::uint32_t sample_index = 0;
   std::size_t place = 0;
@@ -29,26 +30,26 @@ void check_renders(const Dataset& dataset, const HeatmapOptions& options) {
   for (const Sample& sample : dataset.samples()) {
     if (last_tick_until(sample.t, options.tick) != sample.t) {
       throw Error("tick of " + text_of(options.tick) + ": the sample at " + std::to_string(us_of(sample.t)) +
-                  " us lies at none; expected a part of the tick of " + text_of(dataset.sampling().tick) + " that " +
-                  dataset.file().string() + " was made with");
+                  " us is not at a tick; expected a divisor of " + text_of(dataset.sampling().tick) + ", the tick of " +
+                  dataset.file().string());
     }
   }
 }
 
-void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> ways,
+void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
                 std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of) {
   std::vector<HeatmapRenderer> renderers;
-  for (const HeatmapOptions& options : ways) renderers.emplace_back(dataset.sensor(), options);
+  for (const HeatmapOptions& options : renderings) renderers.emplace_back(dataset.sensor(), options);
   const std::vector<Event> events = dataset.events(run_index);
   auto given = events.begin();
   for (std::size_t i = 0; i < sample_indexes.size(); ++i) {
     const CameraTime t = dataset.samples()[sample_indexes[i]].t;
     const auto end = std::partition_point(given, events.end(), [&](const Event& event) { return event.t < t; });
-    for (std::size_t way_index = 0; way_index < ways.size(); ++way_index) {
-      HeatmapRenderer& renderer = renderers[way_index];
-      renderer.add(std::span(given, end));  // those ahead of the window too, which are forgotten at once
+    for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index) {
+      HeatmapRenderer& renderer = renderers[rendering_index];
+      renderer.add(std::span(given, end));  // events before the window are dropped at once
       renderer.move_to(t);
-      renderer.render(place_of(way_index, i));
+      renderer.render(place_of(rendering_index, i));
     }
     given = end;
   }

@@ -12,24 +12,24 @@
 
 namespace tactile {
 
-/// Where to render a sample by one of several ways: [height, width] bytes.
-using HeatmapPlace = std::function<std::span<std::uint8_t>(std::size_t way_index, std::size_t i)>;
+/// The memory for one rendering of sample i: [height, width] bytes.
+using HeatmapPlace = std::function<std::span<std::uint8_t>(std::size_t rendering_index, std::size_t i)>;
 
-/// Renders samples of one run, by several ways at once in one pass over the events that the dataset stores.
+/// Renders samples of one run with several settings, in one pass over the events that the dataset stores.
 ///
 /// @param sample_indexes  into `dataset.samples()`, all of that run, ascending; repeated or not
-/// @param place_of        is asked for the place of sample_indexes[i] by ways[way_index], sample by sample
+/// @param place_of        returns the memory for sample_indexes[i] with renderings[rendering_index]; called sample by sample
 /// @throws Error  as `check`
-void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> ways,
+void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
                 std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of);
 
-/// Renders the heatmaps of a dataset's samples from the events it stores, in parallel over its runs; the bytes do not depend on
-/// `threads`, nor on which other samples are asked for.
+/// Renders the heatmaps of a dataset's samples from its stored events, in parallel over its runs. The bytes do not depend on
+/// `threads` or on the other samples.
 ///
 /// @param sample_indexes  into `dataset.samples()`, in any order, repeated or not
-/// @param threads         0: as many as the machine has cores
-/// @return  [sample_indexes, height, width] of `heatmap_size(dataset.sensor(), options.factor)`, one after the other
-/// @throws Error  if an index lies outside the samples, the history is longer than the dataset stores, a sample lies at no
+/// @param threads         0: one per core
+/// @return  [sample_indexes, height, width] of `heatmap_size(dataset.sensor(), options.factor)`
+/// @throws Error  if an index lies outside the samples, the history is longer than the dataset stores, a sample's time is not a
 ///                tick of `options`, or as `check`
 std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOptions& options,
                                          std::span<const std::uint32_t> sample_indexes, unsigned threads = 0,

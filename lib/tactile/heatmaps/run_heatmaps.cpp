@@ -11,12 +11,12 @@
 namespace tactile {
 namespace {
 
-constexpr std::size_t chunk = 8192;  // events counted ahead of their tick at the most
+constexpr std::size_t chunk = 8192;  // at most so many events are counted before their tick is rendered
 
-/// Takes a run's events as they come, and hands over each full tick as soon as an event at or behind it shows that it is one.
+/// Receives the events of a run, and passes on each full tick as soon as an event at or after it proves that it is full.
 class EveryTick {
  public:
-  /// @param where  begins what is thrown where there are too many
+  /// @param where  the begin of the error for too many ticks
   EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
       : options_(options), use_(use), where_(std::move(where)), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));

@@ -12,7 +12,7 @@
 namespace tactile {
 namespace {
 
-// No event camera comes near; a size read from a file may be anything.
+// Larger than any event camera; a size from a file may have any value.
 constexpr int most_in_a_row = 1 << 15;
 constexpr std::int64_t most_pixels = std::int64_t{1} << 26;
 
@@ -20,17 +20,17 @@ std::uint64_t pixels_of(SensorSize size) {
   const bool is_sound = size.width > 0 && size.width <= most_in_a_row && size.height > 0 && size.height <= most_in_a_row;
   if (!is_sound || std::int64_t{size.width} * size.height > most_pixels) {
     throw Error("sensor of " + std::to_string(size.width) + "x" + std::to_string(size.height) + " px; expected 1 to " +
-                std::to_string(most_in_a_row) + " each way, and " + std::to_string(most_pixels) + " pixels at most");
+                std::to_string(most_in_a_row) + " in each direction, and " + std::to_string(most_pixels) + " pixels at most");
   }
   return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-/// Names the first event that goes back in time or lies outside. A polarity may be anything: either is counted.
+/// Reports the first event that goes back in time or lies outside the sensor. Any polarity is counted.
 void refuse_unsound(std::span<const Event> events, CameraTime last, SensorSize size) {
   for (const Event& event : events) {
     if (event.t < last) {
       throw Error("events go back in time, from " + std::to_string(us_of(last)) + " us to " + std::to_string(us_of(event.t)) +
-                  " us; expected them in ascending order");
+                  " us; expected ascending times");
     }
     if (event.x < 0 || event.x >= size.width || event.y < 0 || event.y >= size.height) {
       throw Error("an event at (" + std::to_string(event.x) + ", " + std::to_string(event.y) +
@@ -91,7 +91,7 @@ void SlidingCounts::move_to(CameraTime tick) {
                 " us; expected ticks in ascending order");
   }
   tick_ = tick;
-  const std::size_t past = waiting_before(before(tick, history_), 0, given_);  // some may be over before they were counted
+  const std::size_t past = waiting_before(before(tick, history_), 0, given_);  // some may leave before they were counted
   change_counts<-1>(0, std::min(past, counted_));
   front_ = (front_ + past) & (capacity_ - 1);
   given_ -= past;
@@ -99,13 +99,13 @@ void SlidingCounts::move_to(CameraTime tick) {
   const std::size_t in_window = waiting_before(tick, counted_, given_);
   change_counts<1>(counted_, in_window);
   counted_ = in_window;
-  tell_histogram();
+  update_histogram();
 }
 
-/// The first of those waiting from `from` to `to` that is not before `t`.
+/// The first waiting event in [from, to) that is not before `t`.
 std::size_t SlidingCounts::waiting_before(CameraTime t, std::size_t from, std::size_t to) const {
   if (from == to || waiting(to - 1).t < t) return to;
-  // Near, most often: a tick's events of the many that may wait.
+  // It is usually near: a tick has few of the waiting events.
   std::size_t step = 64;
   while (from + step < to && waiting(from + step).t < t) from += step, step *= 2;
   to = std::min(to, from + step);
@@ -126,7 +126,7 @@ void SlidingCounts::make_room(std::size_t events) {
   front_ = 0;
 }
 
-/// Changes the counts of those waiting from `from` to `to`, by 1 or -1 each.
+/// Changes the counts of the events in [from, to) by 1 or -1.
 template <int by>
 void SlidingCounts::change_counts(std::size_t from, std::size_t to) {
   if (from == to) return;
@@ -141,8 +141,8 @@ void SlidingCounts::change_counts(std::size_t from, std::size_t to) {
   any_changed_ |= any_count;
 }
 
-/// Tells the histogram how many more pixels went from each low count to the next than came back.
-void SlidingCounts::tell_histogram() {
+/// Updates the histogram by the pixels that went from each low count to the next, minus those that returned.
+void SlidingCounts::update_histogram() {
   const std::uint32_t end = std::bit_ceil(any_changed_ + 1);
   std::uint32_t from_below = 0;
   for (std::uint32_t count = 0; count < end; ++count) {
@@ -164,13 +164,13 @@ std::uint32_t SlidingCounts::change_counts_of(std::span<const Waiting> events, A
   std::uint32_t any_count = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     const Waiting& event = events[i];
-    __builtin_prefetch(small_counts + events.data()[i + ahead].pixel, 1);  // of the ring, if no longer of these
+    __builtin_prefetch(small_counts + events.data()[i + ahead].pixel, 1);  // may be beyond these events, but is inside the ring
     const std::uint32_t pixel = event.pixel, place = event.place, from = small_counts[pixel];
     if (from + (by > 0 ? 1 : 0) >= large) [[unlikely]] {  // the larger of the two counts
       change_high_count(pixel, by);
       continue;
     }
-    assert((by > 0 || from > 0) && "only what was counted is forgotten");
+    assert((by > 0 || from > 0) && "only counted events leave the window");
     const std::uint32_t to = from + static_cast<std::uint32_t>(by);
     small_counts[pixel] = static_cast<std::uint16_t>(to);
     const std::uint32_t lower = by > 0 ? from : to;
@@ -181,7 +181,7 @@ std::uint32_t SlidingCounts::change_counts_of(std::span<const Waiting> events, A
   return any_count;
 }
 
-/// Its cell's pixel is one of `many` before and after.
+/// The pixel belongs to the class `many` of its cell before and after.
 void SlidingCounts::change_high_count(std::uint32_t pixel, int by) {
   const std::uint32_t from = small_counts_[pixel] < large ? small_counts_[pixel] : large_counts_[pixel];
   const std::uint32_t to = from + static_cast<std::uint32_t>(by);

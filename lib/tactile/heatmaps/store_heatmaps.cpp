@@ -15,7 +15,7 @@
 namespace tactile {
 namespace {
 
-/// The samples of one run, which lie side by side.
+/// The samples of one run, which are consecutive.
 struct RunSamples {
   std::uint32_t run_index = 0;
   std::vector<std::uint32_t> sample_indexes;
@@ -31,10 +31,10 @@ std::vector<RunSamples> samples_by_run(const Dataset& dataset) {
   return runs;
 }
 
-/// Lets steps that are made ready in parallel be done one after the other.
+/// Executes steps in order that are prepared in parallel.
 class InTurn {
  public:
-  /// Calls `step` once those of all lower numbers are done. @throws what `step` throws; those who wait then return
+  /// Calls `step` after the steps with lower numbers. @throws what `step` throws; waiting calls then return
   template <class Step>
   void call(std::size_t number, const Step& step) {
     std::unique_lock lock(guard_);
@@ -63,24 +63,24 @@ class InTurn {
 
 std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<const HeatmapOptions> histories, unsigned threads,
                                           const ProgressCallback& progress) {
-  remove_leftovers_in(std::filesystem::absolute(dataset.file()).parent_path());  // also where nothing is to be written
+  remove_leftovers_in(std::filesystem::absolute(dataset.file()).parent_path());  // even if nothing is missing
   std::vector<StoredHistory> stored;
-  std::vector<HeatmapOptions> ways;    // those that are not there
-  std::deque<HeatmapsWriter> writers;  // of each way
+  std::vector<HeatmapOptions> renderings;  // the missing ones
+  std::deque<HeatmapsWriter> writers;      // of each way
   for (const HeatmapOptions& options : histories) {
     check_renders(dataset, options);
     const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
     const StoredHeatmaps wanted{.name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
     const auto found = dataset.find_heatmaps(wanted.name);
     const bool is_there = found && found->settings == wanted.settings;
-    const bool is_coming = std::find(ways.begin(), ways.end(), options) != ways.end();
+    const bool is_coming = std::find(renderings.begin(), renderings.end(), options) != renderings.end();
     stored.push_back({wanted, is_there || is_coming});
-    if (!is_there && !is_coming) ways.push_back(options);
+    if (!is_there && !is_coming) renderings.push_back(options);
   }
   for (const StoredHistory& each : stored) {
     if (!each.kept) writers.emplace_back(dataset, each.heatmaps);
   }
-  if (ways.empty()) return stored;
+  if (renderings.empty()) return stored;
 
   const std::vector<RunSamples> runs = samples_by_run(dataset);
   InTurn in_turn;
@@ -89,17 +89,18 @@ std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<cons
     const std::span<const std::uint32_t> sample_indexes = runs[i].sample_indexes;
     try {
       std::vector<std::vector<std::uint8_t>> heatmaps;
-      for (const HeatmapOptions& options : ways) {
+      for (const HeatmapOptions& options : renderings) {
         const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
         heatmaps.emplace_back(sample_indexes.size() * static_cast<std::size_t>(size.width) *
                               static_cast<std::size_t>(size.height));
       }
-      render_run(dataset, run_index, ways, sample_indexes, [&](std::size_t way_index, std::size_t place) {
-        const std::size_t length = heatmaps[way_index].size() / sample_indexes.size();
-        return std::span(heatmaps[way_index]).subspan(place * length, length);
+      render_run(dataset, run_index, renderings, sample_indexes, [&](std::size_t rendering_index, std::size_t place) {
+        const std::size_t length = heatmaps[rendering_index].size() / sample_indexes.size();
+        return std::span(heatmaps[rendering_index]).subspan(place * length, length);
       });
       in_turn.call(i, [&] {
-        for (std::size_t way_index = 0; way_index < ways.size(); ++way_index) writers[way_index].append(heatmaps[way_index]);
+        for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
+          writers[rendering_index].append(heatmaps[rendering_index]);
         const DatasetRun& run = dataset.runs()[run_index];
         tell(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
       });

@@ -3,17 +3,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <set>
 
 namespace tactile {
 namespace {
 
-constexpr std::size_t no_index = static_cast<std::size_t>(-1);
-
 bool is_a_persons(const LabelledInterval& interval) { return interval.confirmed || interval.source == "person"; }
 
-/// How long both last at once; less than 0 if they do not meet.
+/// How long both last at once; below 0 if they do not meet.
 microseconds overlap(const TouchInterval& a, const TouchInterval& b) {
   return between(std::max(a.start, b.start), std::min(a.end, b.end));
 }
@@ -25,8 +24,8 @@ bool is_rejected(const LabelledInterval& interval, const std::vector<TouchInterv
 }
 
 void take_evidence(Evidence& evidence, const Evidence& fresh) {
-  const auto take = [](std::optional<CameraTime>& old, const std::optional<CameraTime>& anew) {
-    if (anew) old = anew;
+  const auto take = [](std::optional<CameraTime>& old, const std::optional<CameraTime>& now) {
+    if (now) old = now;
   };
   take(evidence.events, fresh.events);
   take(evidence.robot, fresh.robot);
@@ -38,10 +37,10 @@ void end_at(LabelledInterval& interval, CameraTime t) {
   interval.end = {t, std::min(interval.end.low, t), std::min(interval.end.high, t)};
 }
 
-/// What is left of a fresh interval beside a person's.
+/// What is left of a new interval where a person's overlaps it.
 enum class Remains : std::uint8_t { whole, cut_at_end, cut_at_start, nothing };
 
-Remains beside(LabelledInterval& fresh, LabelledInterval& persons) {
+Remains cut_by(LabelledInterval& fresh, LabelledInterval& persons) {
   if (fresh.start.at >= persons.end.at || persons.start.at >= fresh.end.at) return Remains::whole;
   const microseconds common = overlap(fresh.interval(), persons.interval());
   const microseconds length = between(fresh.start.at, fresh.end.at);
@@ -59,8 +58,55 @@ Remains beside(LabelledInterval& fresh, LabelledInterval& persons) {
 struct Kept {
   LabelledInterval interval = {};
   bool is_persons = false;
-  std::string cut_by = {};  ///< the person's interval in which it had begun
+  std::string begun_in = {};  ///< the person's interval in which it began
 };
+
+/// The intervals of the result, and where the new ones went.
+struct Merged {
+  std::vector<Kept> kept;  ///< a person's first
+  std::size_t persons = 0;
+  std::vector<std::optional<std::size_t>> became;  ///< of each new interval: its place in `kept`
+
+  /// `kept` by time, as indices.
+  std::vector<std::size_t> order() const {
+    std::vector<std::size_t> order(kept.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return std::pair(kept[a].interval.start.at, kept[a].interval.end.at) <
+             std::pair(kept[b].interval.start.at, kept[b].interval.end.at);
+    });
+    return order;
+  }
+};
+
+Merged merge(const Labels& fresh, const Labels& old) {
+  Merged merged;
+  std::vector<Kept>& kept = merged.kept;
+  for (const LabelledInterval& interval : old.intervals) {
+    if (is_a_persons(interval)) kept.push_back({interval, true});
+  }
+  merged.persons = kept.size();
+  for (const LabelledInterval& interval : fresh.intervals) {
+    std::optional<std::size_t>& became = merged.became.emplace_back();
+    Kept candidate{interval};
+    if (is_rejected(candidate.interval, old.rejected)) continue;
+    bool stays = true;
+    for (std::size_t i = 0; i < merged.persons && stays; ++i) {
+      LabelledInterval& person = kept[i].interval;
+      const Remains remains = cut_by(candidate.interval, person);
+      if (remains == Remains::cut_at_start) candidate.begun_in = person.id;
+      if (remains != Remains::nothing) continue;
+      stays = false;
+      if (person.touch != candidate.interval.touch) continue;
+      take_evidence(person.evidence, candidate.interval.evidence);
+      became = i;
+    }
+    if (!stays) continue;
+    became = kept.size();
+    kept.push_back(std::move(candidate));
+  }
+  return merged;
+}
 
 bool was_confirmed(const LabelFlag& flag, const std::vector<Kept>& kept, const Labels& old) {
   return std::any_of(old.flags.begin(), old.flags.end(), [&](const LabelFlag& before) {
@@ -73,6 +119,30 @@ bool was_confirmed(const LabelFlag& flag, const std::vector<Kept>& kept, const L
   });
 }
 
+/// The flags of the new labels that still hold. @param place  in time, of each of the merged intervals
+std::vector<LabelFlag> merged_flags(std::vector<LabelFlag> fresh, const Merged& merged, const std::vector<std::size_t>& place,
+                                    const Labels& old) {
+  std::vector<LabelFlag> flags;
+  for (LabelFlag& flag : fresh) {
+    if (flag.interval_index) {
+      flag.interval_index = merged.became[*flag.interval_index];
+      if (!flag.interval_index) continue;
+      flag.confirmed = flag.confirmed || merged.kept[*flag.interval_index].is_persons;
+    }
+    flag.confirmed = flag.confirmed || was_confirmed(flag, merged.kept, old);
+    if (flag.interval_index) flag.interval_index = place[*flag.interval_index];
+    flags.push_back(std::move(flag));
+  }
+  for (std::size_t i = merged.persons; i < merged.kept.size(); ++i) {
+    if (merged.kept[i].begun_in.empty()) continue;
+    flags.push_back({.interval_index = place[i],
+                     .reason = fmt::format("its onset was found within {}, which a person made: it begins where that ends",
+                                           merged.kept[i].begun_in),
+                     .confirmed = false});
+  }
+  return flags;
+}
+
 }  // namespace
 
 bool has_human_edits(const Labels& labels) {
@@ -81,72 +151,20 @@ bool has_human_edits(const Labels& labels) {
 }
 
 Labels keep_human_edits(Labels fresh, const Labels& old) {
-  std::vector<Kept> kept;
-  for (const LabelledInterval& interval : old.intervals) {
-    if (is_a_persons(interval)) kept.push_back({interval, true});
-  }
-  const std::size_t persons = kept.size();
-
-  // Which of `kept` each fresh interval has become, for its flags.
-  std::vector<std::size_t> became(fresh.intervals.size(), no_index);
-  for (std::size_t i = 0; i < fresh.intervals.size(); ++i) {
-    Kept candidate{fresh.intervals[i]};
-    if (is_rejected(candidate.interval, old.rejected)) continue;
-    bool stays = true;
-    for (std::size_t p = 0; p < persons && stays; ++p) {
-      LabelledInterval& person = kept[p].interval;
-      const Remains remains = beside(candidate.interval, person);
-      if (remains == Remains::cut_at_start) candidate.cut_by = person.id;
-      if (remains != Remains::nothing) continue;
-      stays = false;
-      if (person.touch == candidate.interval.touch) {
-        take_evidence(person.evidence, candidate.interval.evidence);
-        became[i] = p;
-      }
-    }
-    if (!stays) continue;
-    became[i] = kept.size();
-    kept.push_back(std::move(candidate));
-  }
-
-  std::vector<std::size_t> order(kept.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(kept[a].interval.start.at, kept[a].interval.end.at) <
-           std::pair(kept[b].interval.start.at, kept[b].interval.end.at);
-  });
-  std::vector<std::size_t> place(kept.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
-
-  std::vector<LabelFlag> flags;
-  for (LabelFlag& flag : fresh.flags) {
-    if (flag.interval_index) {
-      const std::size_t index = became[*flag.interval_index];
-      if (index == no_index) continue;
-      flag.interval_index = index;
-      flag.confirmed = flag.confirmed || kept[index].is_persons;
-    }
-    flag.confirmed = flag.confirmed || was_confirmed(flag, kept, old);
-    if (flag.interval_index) flag.interval_index = place[*flag.interval_index];
-    flags.push_back(std::move(flag));
-  }
+  Merged merged = merge(fresh, old);
   std::set<std::string> taken;
-  for (std::size_t i = 0; i < persons; ++i) taken.insert(kept[i].interval.id);
-  for (std::size_t i = persons; i < kept.size(); ++i) {
-    if (!taken.insert(kept[i].interval.id).second) kept[i].interval.id.clear();
-    if (kept[i].cut_by.empty()) continue;
-    flags.push_back(
-        {.interval_index = place[i],
-         .reason = fmt::format("its onset was found within {}, which a person made: it is taken to begin where that ends",
-                               kept[i].cut_by),
-         .confirmed = false});
+  for (std::size_t i = 0; i < merged.kept.size(); ++i) {
+    const bool is_new = taken.insert(merged.kept[i].interval.id).second;
+    if (!is_new && i >= merged.persons) merged.kept[i].interval.id.clear();
   }
-
+  const std::vector<std::size_t> order = merged.order();
+  std::vector<std::size_t> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  fresh.flags = merged_flags(std::move(fresh.flags), merged, place, old);
   fresh.intervals.clear();
-  for (const std::size_t i : order) fresh.intervals.push_back(std::move(kept[i].interval));
+  for (const std::size_t i : order) fresh.intervals.push_back(std::move(merged.kept[i].interval));
   name_intervals(fresh.intervals);
-  fresh.flags = std::move(flags);
-  for (const TouchInterval& one : old.rejected) fresh.rejected.push_back(one);
+  fresh.rejected.insert(fresh.rejected.end(), old.rejected.begin(), old.rejected.end());
   return fresh;
 }
 

@@ -4,20 +4,20 @@
 
 namespace tactile {
 
-/// Whether anything in these labels is a person's: an interval made, moved or confirmed, one rejected, or a flag confirmed.
+/// Whether a person edited these labels: made, moved, confirmed or rejected an interval, or confirmed a flag.
 bool has_human_edits(const Labels& labels);
 
-/// Labels that were made anew, with what a person did to the `old` ones.
+/// The new labels, with a person's edits of the `old` ones.
 ///
-/// - Clocks, provenance, evidence and flags are the fresh ones, and so are intervals that no person's says anything of.
-/// - An interval that a person made, moved or confirmed stays as it was. A fresh one that overlaps it is dropped, its evidence
-/// going to the person's, if it is of the same class or lies in it by more than half; else the later start ends the earlier
-/// interval, and where the later is the fresh one it begins at the person's end and is flagged.
-/// - A fresh interval of the class that overlaps a rejected one is dropped.
-/// - A flag is confirmed if it is on a person's interval, or one of the same words was confirmed, on the whole run or on an
-/// interval of the class that overlaps it.
+/// - Clocks, provenance, evidence and flags are the new ones, and so are intervals that no person has touched.
+/// - An interval that a person made, moved or confirmed stays. A new one that overlaps it is dropped if it has the same class or
+///   lies in it by more than half; if it has the same class, its evidence goes to the person's. Else the person's start ends the
+///   new interval; a new interval that starts within the person's begins at the person's end and is flagged.
+/// - A new interval of the same class as a rejected one that it overlaps is dropped.
+/// - A flag is confirmed if it is on a person's interval, or if a flag with the same words was confirmed on the whole run or on
+///   an overlapping interval of the class.
 ///
-/// Ids of a person's intervals stay; a fresh one of the same id gets another.
+/// Ids of a person's intervals stay; a new one with the same id gets another.
 Labels keep_human_edits(Labels fresh, const Labels& old);
 
 }  // namespace tactile

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "tactile/alignment/session_clocks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json_text.hpp"
@@ -15,21 +16,20 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/labels/human_edits.hpp"
-#include "tactile/labels/session_clocks.hpp"
 
 namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts up with every change of what labels the same files otherwise.
-constexpr int method_version = 5;
+/// Increases with every change that gives the same files other labels.
+constexpr int method_version = 6;
 
-/// Runs that are labelled together, since they share their clocks: those of a session, or one alone.
+/// Runs that are labelled together because they share their clocks: those of a session, or one alone.
 struct Group {
-  std::vector<RunFolder> runs;            ///< by name; those that were asked for and the rest of their session
-  std::vector<std::size_t> asked_for;     ///< indices into `runs`
-  std::vector<std::size_t> result_index;  ///< of each that was asked for
+  std::vector<RunFolder> runs;            ///< by name; the requested ones and the rest of their session
+  std::vector<std::size_t> requested;     ///< indices into `runs`
+  std::vector<std::size_t> result_index;  ///< of each requested one
 };
 
 std::optional<std::string> session_of(const RunFolder& run) {
@@ -37,7 +37,7 @@ std::optional<std::string> session_of(const RunFolder& run) {
     const std::string session = read_run_info(run).session;
     return session.empty() ? std::nullopt : std::optional(session);
   } catch (const std::exception&) {
-    return std::nullopt;  // whoever reads the run says what is wrong with it
+    return std::nullopt;  // the error appears when the run is read
   }
 }
 
@@ -74,7 +74,7 @@ std::vector<Group> groups_of(const std::vector<RunFolder>& runs) {
     if (session) {
       const fs::path data = data_folder_of(runs[i]);
       const auto [found, is_new] = group_of_session.try_emplace({data, *session}, groups.size());
-      if (is_new) groups.push_back({.runs = sessions.runs_of(data, *session), .asked_for = {}, .result_index = {}});
+      if (is_new) groups.push_back({.runs = sessions.runs_of(data, *session), .requested = {}, .result_index = {}});
       group = &groups[found->second];
     } else {
       group = &groups.emplace_back();
@@ -84,14 +84,14 @@ std::vector<Group> groups_of(const std::vector<RunFolder>& runs) {
       return fs::equivalent(run.folder, runs[i].folder, unknown);
     };
     const auto place = std::find_if(group->runs.begin(), group->runs.end(), same);
-    group->asked_for.push_back(static_cast<std::size_t>(place - group->runs.begin()));
+    group->requested.push_back(static_cast<std::size_t>(place - group->runs.begin()));
     group->result_index.push_back(i);
     if (place == group->runs.end()) group->runs.push_back(runs[i]);
   }
   return groups;
 }
 
-/// What the labels of the group's runs follow from, as one hash: any change of it changes the hash.
+/// A hash of all that the labels of the group's runs depend on.
 std::string key_of(const Group& group, const std::vector<nlohmann::json>& inputs, const RunFolder& run,
                    const LabelOptions& options) {
   nlohmann::json made_from = {{"method", method_version}, {"settings", settings_of(options)}, {"run", run.name()}};
@@ -99,7 +99,7 @@ std::string key_of(const Group& group, const std::vector<nlohmann::json>& inputs
   return sha256_of(json_text(made_from));
 }
 
-/// Reads the signals of each run, or the reason why not.
+/// The signals of a run, or why they could not be read.
 struct ReadRun {
   std::optional<RunSignals> signals;
   std::string error;
@@ -107,57 +107,39 @@ struct ReadRun {
 
 class GroupLabeller {
  public:
+  using Done = std::function<void(const RunFolder&)>;
+
   GroupLabeller(const LabelRunsOptions& options, unsigned threads) : options_(options), threads_(threads) {}
 
-  /// Puts what became of each run that was asked for to its place in `results`.
-  void label(const Group& group, std::vector<RunOutcome>& results, const std::function<void(const RunFolder&)>& tell_done) const {
-    std::vector<nlohmann::json> inputs(group.runs.size());
-    std::vector<std::string> errors(group.runs.size());
-    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
-      try {
-        inputs[i] = hashes_of_inputs(group.runs[i]);
-      } catch (const std::exception& e) {
-        errors[i] = sentence_of(e, group.runs[i].name());
-      }
-    });
-
-    std::vector<std::size_t> to_label;  // places in `asked_for`
-    for (std::size_t k = 0; k < group.asked_for.size(); ++k) {
-      const RunFolder& run = group.runs[group.asked_for[k]];
+  /// Sets the results of the requested runs.
+  void label(const Group& group, std::vector<RunOutcome>& results, const Done& done) const {
+    const std::vector<nlohmann::json> inputs = input_hashes(group, results);
+    std::vector<std::size_t> to_label;  // places in `requested`
+    for (std::size_t k = 0; k < group.requested.size(); ++k) {
+      const RunFolder& run = group.runs[group.requested[k]];
       RunOutcome& result = results[group.result_index[k]];
-      result.run = run;
-      result.error = errors[group.asked_for[k]];
-      if (result.error.empty()) take_standing(run, key_of(group, inputs, run, options_.label), result);
+      if (result.error.empty()) take_existing(run, key_of(group, inputs, run, options_.label), result);
       if (result.error.empty() && !result.unchanged) {
         to_label.push_back(k);
       } else {
-        tell_done(run);
+        done(run);
       }
     }
     if (to_label.empty()) return;
 
-    std::vector<ReadRun> read(group.runs.size());
-    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
-      try {
-        read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
-      } catch (const std::exception& e) {
-        read[i].error = sentence_of(e, group.runs[i].name());
-      }
-    });
-    std::vector<const RunSignals*> whole;
+    const std::vector<ReadRun> read = read_all(group);
+    std::vector<const RunSignals*> readable;
     for (const ReadRun& run : read) {
-      if (run.signals) whole.push_back(&*run.signals);
+      if (run.signals) readable.push_back(&*run.signals);
     }
-    const std::vector<RobotClocks> clocks = robot_clocks_of(whole, options_.label.clocks);
-
+    const std::vector<RobotClocks> clocks = robot_clocks_of(readable, options_.label.clocks);
     parallel_for(to_label.size(), threads_, [&](std::size_t n) {
-      const std::size_t k = to_label[n];
-      const std::size_t i = group.asked_for[k];
-      RunOutcome& result = results[group.result_index[k]];
+      const std::size_t i = group.requested[to_label[n]];
+      RunOutcome& result = results[group.result_index[to_label[n]]];
       try {
         if (!read[i].signals) throw Error(read[i].error);
         const RunSignals& signals = *read[i].signals;
-        const auto place = std::find(whole.begin(), whole.end(), &signals) - whole.begin();
+        const auto place = std::find(readable.begin(), readable.end(), &signals) - readable.begin();
         Labels labels = label_signals(signals, clocks[static_cast<std::size_t>(place)], options_.label);
         labels.provenance["inputs"] = inputs[i];
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
@@ -169,23 +151,53 @@ class GroupLabeller {
       } catch (const std::exception& e) {
         result.error = sentence_of(e, result.run.name());
       }
-      tell_done(result.run);
+      done(result.run);
     });
   }
 
  private:
-  /// The labels that are there, if they follow from the same files and settings.
-  void take_standing(const RunFolder& run, const std::string& key, RunOutcome& result) const {
+  /// Of all runs. Sets run and error of the requested ones' results.
+  std::vector<nlohmann::json> input_hashes(const Group& group, std::vector<RunOutcome>& results) const {
+    std::vector<nlohmann::json> inputs(group.runs.size());
+    std::vector<std::string> errors(group.runs.size());
+    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+      try {
+        inputs[i] = hashes_of_inputs(group.runs[i]);
+      } catch (const std::exception& e) {
+        errors[i] = sentence_of(e, group.runs[i].name());
+      }
+    });
+    for (std::size_t k = 0; k < group.requested.size(); ++k) {
+      results[group.result_index[k]].run = group.runs[group.requested[k]];
+      results[group.result_index[k]].error = errors[group.requested[k]];
+    }
+    return inputs;
+  }
+
+  std::vector<ReadRun> read_all(const Group& group) const {
+    std::vector<ReadRun> read(group.runs.size());
+    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+      try {
+        read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
+      } catch (const std::exception& e) {
+        read[i].error = sentence_of(e, group.runs[i].name());
+      }
+    });
+    return read;
+  }
+
+  /// Takes the labels of the file, if they follow from the same files and settings.
+  void take_existing(const RunFolder& run, const std::string& key, RunOutcome& result) const {
     if (options_.force || !is_there(run.labels())) return;
     if (options_.has_companions && !options_.has_companions(run)) return;
     try {
       Labels labels = read_labels(run.labels());
-      const auto made_with = labels.provenance.find("key");
-      if (made_with == labels.provenance.end() || *made_with != key) return;
+      const auto made_from = labels.provenance.find("key");
+      if (made_from == labels.provenance.end() || *made_from != key) return;
       result.labels = std::move(labels);
       result.unchanged = true;
     } catch (const std::exception& e) {
-      result.error = sentence_of(e, run.name()) + "; mend it, or replace it with --force";
+      result.error = sentence_of(e, run.name()) + "; repair it, or replace it with --force";
     }
   }
 

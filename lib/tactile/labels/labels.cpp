@@ -32,19 +32,18 @@ UncertainTime uncertain_time_in(const json& object, const std::string& name, con
   return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
 }
 
-/// Whether the recording beside the labels has times below 0, as no camera gives them.
+/// Whether the recording of the labels has times below 0, which no camera gives.
 bool has_times_below_zero(const std::filesystem::path& recording) {
   try {
     const RecordingReader reader(recording);
     const auto is_below = [](const PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
     return std::any_of(reader.packets().begin(), reader.packets().end(), is_below);
   } catch (const Error&) {
-    return false;  // who reads its events says what is wrong with it
+    return false;  // the error appears when its events are read
   }
 }
 
-/// Labels lie within their recording, which begins at 0 at the earliest but for one that is made up. An interval of confidence
-/// may reach below.
+/// Labels lie within their recording. A real one begins at 0 or later; the 95 % interval of an onset may reach below.
 void check_begins(const Labels& labels, const std::filesystem::path& file) {
   const auto check = [&](const char* list, std::size_t index, CameraTime start) {
     if (us_of(start) >= 0 || has_times_below_zero(file.parent_path() / "events.aedat4")) return;
@@ -144,17 +143,12 @@ void check_intervals(const std::vector<LabelledInterval>& intervals, const std::
     }
     if (i > 0 && intervals[i].start.at < intervals[i - 1].end.at) {
       throw Error(where + ": interval " + std::to_string(i) +
-                  " starts before the one ahead of it ends; expected intervals by start that do not overlap");
+                  " starts before the one before it ends; expected intervals by start that do not overlap");
     }
   }
 }
 
 }  // namespace
-
-microseconds FittedClock::uncertainty() const {
-  return microseconds{std::max({saturating_subtract(relation.offset_us, offset_low_us),
-                                saturating_subtract(offset_high_us, relation.offset_us), std::int64_t{0}})};
-}
 
 const FittedClock* Labels::robot_clock_of(RobotTime first_stamp) const {
   const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(),

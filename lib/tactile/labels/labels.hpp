@@ -6,74 +6,54 @@
 #include <string>
 #include <vector>
 
-#include "tactile/core/clock_relation.hpp"
+#include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/core/touch.hpp"
 
 namespace tactile {
 
-/// A time and its 95 % interval.
-struct UncertainTime {
-  CameraTime at{};
-  CameraTime low{};
-  CameraTime high{};
-};
-
-/// What each source says of an onset, in camera time; nothing where it says nothing.
+/// The onset by each source, in camera time; nothing where a source does not show it.
 struct Evidence {
   std::optional<CameraTime> events, robot, video, imu;
 };
 
 struct LabelledInterval {
-  std::string id = {};  ///< unique in its run, such as "press-1"; kept wherever the interval goes, so that it is known again
+  std::string id = {};  ///< unique in its run, such as "press-1"; it identifies the interval in all formats
   Touch touch = Touch::none;
   UncertainTime start, end;
-  std::string source;  ///< what the onset was taken from: "events", or "person" once somebody has made or moved it
+  std::string source;  ///< of the onset: "events", or "person" if a person made or moved it
   Evidence evidence;
   bool confirmed = false;  ///< a person has looked at it
 
   TouchInterval interval() const { return {touch, start.at, end.at}; }
 };
 
-/// A clock as it was found, and how well.
-struct FittedClock {
-  ClockRelation relation;
-  double residual_us = 0;          ///< robust standard deviation at the anchors
-  std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`, in the run's middle
-  std::int64_t offset_high_us = 0;
-  int anchors = 0;
-  std::string method;
-  std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that starts anew within the run
-
-  microseconds uncertainty() const;  ///< how far the offset may be off, either way, >= 0
-};
-
-/// What a person should look at: one interval, or the whole run.
+/// A doubt that a person should check: about one interval, or the whole run.
 struct LabelFlag {
   std::optional<std::size_t> interval_index;
   std::string reason;
-  bool confirmed = false;  ///< looked at and found well: lifts the flag
+  bool confirmed = false;  ///< a person found the label right: the flag no longer stands
 };
 
 struct Labels {
   std::vector<LabelledInterval> intervals;  ///< by start; never overlapping
-  std::vector<FittedClock> robot_clocks;    ///< one for each unbroken piece of the robot log that could be related, by time
+  std::vector<FittedClock> robot_clocks;    ///< one per unbroken piece of the robot log that could be related, by time
   std::optional<FittedClock> video_clock;
   std::vector<LabelFlag> flags;
-  std::vector<std::string> remarks;  ///< what is missing or odd, but needs nobody's look
-  std::vector<TouchInterval>
-      rejected;  ///< what a person took away: an interval of the class that overlaps one is not found again
-  nlohmann::json provenance = nlohmann::json::object();  ///< settings and hashes of what they were made from
+  std::vector<std::string> remarks;  ///< what is missing or unusual, but needs no check
+  /// Removed by a person: an interval of the same class that overlaps one is not found again.
+  std::vector<TouchInterval> rejected;
+  nlohmann::json provenance = nlohmann::json::object();  ///< the settings, and hashes of the files that the labels were made from
 
-  bool run_is_flagged() const;                        ///< a flag on the whole run stands
-  bool interval_is_flagged(std::size_t index) const;  ///< a flag on this interval stands
+  bool run_is_flagged() const;                        ///< there is an unconfirmed flag on the whole run
+  bool interval_is_flagged(std::size_t index) const;  ///< there is an unconfirmed flag on this interval
 
-  /// The clock of the piece of the robot log whose first stamp this is; nothing if it could not be related.
+  /// The clock of the piece of the robot log with this first stamp; null if it could not be related.
   const FittedClock* robot_clock_of(RobotTime first_stamp) const;
-  /// The piece of the robot's clock that holds at `t`, else the one nearest to it; nothing if there is none.
+  /// The piece of the robot's clock that holds at `t`, else the nearest; null if there is none.
   const FittedClock* robot_clock_at(CameraTime t) const;
 };
 
-/// Gives every interval that has no id one: its class and the least number from 1 that is free, in order.
+/// Gives every interval without an id one: its class and the least free number from 1, in order.
 void name_intervals(std::vector<LabelledInterval>& intervals);
 
 /// Intervals without an id are named. @throws Error  if the file is missing or not of labels, or its intervals overlap or share

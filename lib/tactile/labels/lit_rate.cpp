@@ -12,10 +12,10 @@ constexpr std::int64_t never = std::int64_t{-1} << 40;
 /// By cell, how many events it had in some stretch of time.
 using CellCounts = std::vector<std::uint32_t>;
 
-/// By cell, how many more events were brighter than darker.
+/// By cell, the number of brighter events less that of darker ones.
 using Brightening = std::vector<std::int32_t>;
 
-/// About 0, not about the means: no brightening is no likeness.
+/// About 0, not about the means: cells without brightening do not count.
 double correlation_of(const Brightening& a, const Brightening& b) {
   double aa = 0, bb = 0, ab = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -55,7 +55,7 @@ std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const Ce
   const double mean = quiet_events / static_cast<double>(quiet.size());
   std::vector<bool> lit(burst.size());
   for (std::size_t cell = 0; cell < burst.size(); ++cell) {
-    // A cell's own count where it is noisier than the mean, for one that was quiet by chance is no quieter than others.
+    // A cell's own count only where it is noisier than the mean: one that was quiet by chance is no quieter than others.
     const double noise = quiet_bins > 0 ? std::max<double>(quiet[cell], mean) * burst_bins / quiet_bins : 0.0;
     lit[cell] = burst[cell] > noise + stands_out * std::sqrt(noise) + 4.0;
   }
@@ -64,8 +64,8 @@ std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const Ce
 
 constexpr int no_place = -1;
 
-/// By cell the place that it belongs to: those of the lit cells that hang together and have at least `least` events above the
-/// noise together, the strongest first.
+/// By cell the place that it belongs to: connected lit cells with at least `least` events above the noise together, the strongest
+/// first.
 struct Places {
   std::vector<int> of_cell;
   std::size_t count = 0;
@@ -112,7 +112,7 @@ Places places_of(const Cells& cells, const std::vector<bool>& lit, const CellCou
   return places;
 }
 
-/// Variance per mean of sums over `width` bins ahead of the burst, from successive differences: a slow change is no clump.
+/// Variance per mean of sums over `width` bins before the burst, from successive differences: a slow change is no clump.
 double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
   std::vector<double> sums;
   for (std::size_t begin = 0; begin + width <= counts.size(); begin += width) {
@@ -128,127 +128,170 @@ double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
   return std::max(1.0, squares / (2.0 * (n - 1.0)) / (total / n));
 }
 
+/// Finds the rates of all bursts together, for each pass over the recording serves all of them.
+class LitRates {
+ public:
+  LitRates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate, std::span<const Burst> bursts,
+           const LitRateOptions& options)
+      : recording_(recording),
+        stream_id_(stream_id),
+        rate_(rate),
+        bursts_(bursts),
+        options_(options),
+        size_(*recording.stream(stream_id).size),
+        cells_(size_, options.cell_px),
+        is_quiet_(rate.counts.size(), true),
+        quiet_(cells_.count()),
+        of_burst_(bursts.size(), CellCounts(cells_.count())),
+        brighter_(bursts.size(), Brightening(cells_.count())) {}
+
+  std::vector<LitRate> find() {
+    set_windows();
+    count_cells();
+    Brightening so_far(cells_.count());
+    for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      add_rate(i);
+      rates_[i].undoes = -correlation_of(brighter_[i], so_far);
+      for (std::size_t cell = 0; cell < cells_.count(); ++cell) so_far[cell] += brighter_[i][cell];
+    }
+    count_events();
+    for (std::size_t i = 0; i < bursts_.size(); ++i) set_dispersions(i);
+    return std::move(rates_);
+  }
+
+ private:
+  std::size_t bins(microseconds span) const { return static_cast<std::size_t>(span / rate_.bin); }
+
+  void set_windows() {
+    const std::size_t bin_count = rate_.counts.size();
+    for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      const Burst& burst = bursts_[i];
+      const auto around = [&](std::size_t margin) {
+        return Stretch{burst.begin - std::min(burst.begin, margin), std::min(bin_count, burst.end + margin)};
+      };
+      const Stretch loud = around(bins(options_.quiet_margin));
+      std::fill(is_quiet_.begin() + static_cast<std::ptrdiff_t>(loud.begin),
+                is_quiet_.begin() + static_cast<std::ptrdiff_t>(loud.end), false);
+      // Without the events of other bursts.
+      Stretch window = around(bins(options_.margin));
+      if (i > 0) window.begin = std::max(window.begin, std::min(bursts_[i - 1].end, burst.begin));
+      if (i + 1 < bursts_.size()) window.end = std::min(window.end, std::max(bursts_[i + 1].begin, burst.end));
+      windows_.push_back(window);
+    }
+    quiet_bins_ = static_cast<double>(std::count(is_quiet_.begin(), is_quiet_.end(), true));
+  }
+
+  /// In which cells each burst has its events.
+  void count_cells() {
+    for_counted_events(recording_, stream_id_, rate_, [&](const Event& event, std::size_t bin) {
+      if (is_quiet_[bin]) ++quiet_[cells_.at(event)];
+      for (std::size_t i = 0; i < bursts_.size(); ++i) {
+        if (bin < bursts_[i].begin || bin >= bursts_[i].end) continue;
+        const std::size_t cell = cells_.at(event);
+        ++of_burst_[i][cell];
+        brighter_[i][cell] += event.on != 0 ? 1 : -1;
+      }
+    });
+  }
+
+  /// All of a burst's rate but the counts.
+  void add_rate(std::size_t i) {
+    const Burst& burst = bursts_[i];
+    const auto burst_bins = static_cast<double>(burst.end - burst.begin);
+    std::vector<bool>& lit = lit_.emplace_back(lit_cells(of_burst_[i], burst_bins, quiet_, quiet_bins_, options_.stands_out));
+    // A burst that no place of the image explains, such as a flicker, has the whole image.
+    if (std::none_of(lit.begin(), lit.end(), [](bool is_lit) { return is_lit; })) lit.assign(cells_.count(), true);
+    const Places& places = places_.emplace_back(places_of(cells_, lit, of_burst_[i], burst_bins, quiet_, quiet_bins_, options_));
+    LitRate& found = rates_.emplace_back();
+    const std::size_t length = windows_[i].end - windows_[i].begin;
+    found.rate.begin = rate_.begin_of(windows_[i].begin);
+    found.rate.bin = rate_.bin;
+    found.rate.counts.resize(length);
+    found.rate.hot_pixels = rate_.hot_pixels;
+    found.rate.last = std::min(rate_.last, rate_.begin_of(windows_[i].end));
+    found.repeats.resize(length);
+    found.burst_begin = burst.begin - windows_[i].begin;
+    found.burst_end = burst.end - windows_[i].begin;
+    LitPlace empty;
+    empty.counts.resize(length);
+    empty.repeats.resize(length);
+    found.places.assign(places.count, empty);
+    double quiet_events = 0, lit_count = 0;
+    for (std::size_t cell = 0; cell < cells_.count(); ++cell) {
+      if (const int place = places.of_cell[cell]; place != no_place && quiet_bins_ > 0)
+        found.places[static_cast<std::size_t>(place)].quiet_per_bin += quiet_[cell] / quiet_bins_;
+      if (!lit[cell]) continue;
+      quiet_events += quiet_[cell];
+      lit_count += 1;
+    }
+    found.quiet_per_bin = quiet_bins_ > 0 ? quiet_events / quiet_bins_ : 0.0;
+    const std::size_t still_from = i > 0 ? std::min(bursts_[i - 1].end, burst.begin) : 0;
+    const double pixels = std::max(1.0, lit_count * options_.cell_px * options_.cell_px);
+    found.reset_share = 1.0 - std::exp(-found.quiet_per_bin * static_cast<double>(burst.begin - still_from) / pixels);
+    found.lit_share = lit_count / static_cast<double>(cells_.count());
+  }
+
+  void count_events() {
+    // By pixel the bin and polarity of its last event: 2 * bin + on.
+    std::vector<std::int64_t> last_of(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height), never);
+    const auto repeat_bins = static_cast<std::int64_t>(bins(options_.repeat_within));
+    for_counted_events(recording_, stream_id_, rate_, [&](const Event& event, std::size_t bin) {
+      std::int64_t& last =
+          last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(event.x)];
+      const std::int64_t now = 2 * static_cast<std::int64_t>(bin) + event.on;
+      const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
+      last = now;
+      const std::size_t cell = cells_.at(event);
+      for (std::size_t i = 0; i < bursts_.size(); ++i) {
+        if (!windows_[i].holds(bin) || !lit_[i][cell]) continue;
+        const std::size_t at = bin - windows_[i].begin;
+        ++rates_[i].rate.counts[at];
+        if (repeats) ++rates_[i].repeats[at];
+        const int which = places_[i].of_cell[cell];
+        if (which == no_place) continue;
+        LitPlace& place = rates_[i].places[static_cast<std::size_t>(which)];
+        ++place.counts[at];
+        if (repeats) ++place.repeats[at];
+      }
+    });
+  }
+
+  /// Before the burst, as far as there is no other.
+  void set_dispersions(std::size_t i) {
+    const std::size_t loud = bursts_[i].begin - std::min(bursts_[i].begin, bins(options_.quiet_margin));
+    std::size_t from = loud;
+    while (from > windows_[i].begin && is_quiet_[from - 1]) --from;
+    const auto dispersion_before = [&](std::span<const std::uint32_t> counts) {
+      return dispersion_of(counts.subspan(from - windows_[i].begin, loud - from), std::max<std::size_t>(1, bins(5ms)));
+    };
+    rates_[i].dispersion = dispersion_before(rates_[i].rate.counts);
+    for (LitPlace& place : rates_[i].places) place.dispersion = dispersion_before(place.counts);
+  }
+
+  RecordingReader& recording_;
+  std::int32_t stream_id_;
+  const EventRate& rate_;
+  std::span<const Burst> bursts_;
+  const LitRateOptions& options_;
+  SensorSize size_;
+  Cells cells_;
+  std::vector<bool> is_quiet_;  ///< by bin
+  double quiet_bins_ = 0;
+  CellCounts quiet_;              ///< of the quiet bins
+  std::vector<Stretch> windows_;  ///< by burst, as are the following
+  std::vector<CellCounts> of_burst_;
+  std::vector<Brightening> brighter_;
+  std::vector<std::vector<bool>> lit_;
+  std::vector<Places> places_;
+  std::vector<LitRate> rates_;
+};
+
 }  // namespace
 
 std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
                                std::span<const Burst> bursts, const LitRateOptions& options) {
   if (bursts.empty()) return {};
-  const SensorSize size = *recording.stream(stream_id).size;
-  const Cells cells(size, options.cell_px);
-  const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
-  const std::size_t bin_count = rate.counts.size();
-
-  std::vector<bool> is_quiet(bin_count, true);
-  std::vector<Stretch> windows;
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    const Burst& burst = bursts[i];
-    const auto around = [&](std::size_t margin) {
-      return Stretch{burst.begin - std::min(burst.begin, margin), std::min(bin_count, burst.end + margin)};
-    };
-    const Stretch loud = around(bins(options.quiet_margin));
-    std::fill(is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.begin),
-              is_quiet.begin() + static_cast<std::ptrdiff_t>(loud.end), false);
-    // What another burst did is none of this one's.
-    Stretch window = around(bins(options.margin));
-    if (i > 0) window.begin = std::max(window.begin, std::min(bursts[i - 1].end, burst.begin));
-    if (i + 1 < bursts.size()) window.end = std::min(window.end, std::max(bursts[i + 1].begin, burst.end));
-    windows.push_back(window);
-  }
-  const auto quiet_bins = static_cast<double>(std::count(is_quiet.begin(), is_quiet.end(), true));
-
-  // In which cells each burst has its events.
-  CellCounts quiet(cells.count());
-  std::vector<CellCounts> of_burst(bursts.size(), CellCounts(cells.count()));
-  std::vector<Brightening> brighter(bursts.size(), Brightening(cells.count()));
-  for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
-    if (is_quiet[bin]) ++quiet[cells.at(event)];
-    for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (bin >= bursts[i].begin && bin < bursts[i].end) {
-        const std::size_t cell = cells.at(event);
-        ++of_burst[i][cell];
-        brighter[i][cell] += event.on != 0 ? 1 : -1;
-      }
-    }
-  });
-  Brightening so_far(cells.count());
-  std::vector<std::vector<bool>> lit;
-  std::vector<Places> places;
-  std::vector<LitRate> rates;
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    const auto burst_bins = static_cast<double>(bursts[i].end - bursts[i].begin);
-    lit.push_back(lit_cells(of_burst[i], burst_bins, quiet, quiet_bins, options.stands_out));
-    // A burst that no place of the image explains, such as a flicker, is taken whole.
-    if (std::none_of(lit[i].begin(), lit[i].end(), [](bool is_lit) { return is_lit; })) lit[i].assign(cells.count(), true);
-    places.push_back(places_of(cells, lit[i], of_burst[i], burst_bins, quiet, quiet_bins, options));
-    LitRate found;
-    found.rate = {.begin = rate.begin_of(windows[i].begin),
-                  .bin = rate.bin,
-                  .counts = std::vector<std::uint32_t>(windows[i].end - windows[i].begin),
-                  .hot_pixels = rate.hot_pixels,
-                  .last = std::min(rate.last, rate.begin_of(windows[i].end)),
-                  .hot = {},
-                  .saturated_bins = 0,
-                  .flicker_hz = {}};
-    found.repeats.resize(found.rate.counts.size());
-    found.burst_begin = bursts[i].begin - windows[i].begin;
-    found.burst_end = bursts[i].end - windows[i].begin;
-    found.places.resize(places[i].count);
-    for (LitPlace& place : found.places) {
-      place.counts.resize(found.rate.counts.size());
-      place.repeats.resize(found.rate.counts.size());
-    }
-    double quiet_events = 0, lit_count = 0;
-    for (std::size_t cell = 0; cell < cells.count(); ++cell) {
-      if (const int place = places[i].of_cell[cell]; place != no_place && quiet_bins > 0)
-        found.places[static_cast<std::size_t>(place)].quiet_per_bin += quiet[cell] / quiet_bins;
-      if (!lit[i][cell]) continue;
-      quiet_events += quiet[cell];
-      lit_count += 1;
-    }
-    found.quiet_per_bin = quiet_bins > 0 ? quiet_events / quiet_bins : 0.0;
-    const std::size_t still_from = i > 0 ? std::min(bursts[i - 1].end, bursts[i].begin) : 0;
-    const double pixels = std::max(1.0, lit_count * options.cell_px * options.cell_px);
-    found.set_anew = 1.0 - std::exp(-found.quiet_per_bin * static_cast<double>(bursts[i].begin - still_from) / pixels);
-    found.lit_share = lit_count / static_cast<double>(cells.count());
-    found.undoes = -correlation_of(brighter[i], so_far);
-    for (std::size_t cell = 0; cell < cells.count(); ++cell) so_far[cell] += brighter[i][cell];
-    rates.push_back(std::move(found));
-  }
-  // By pixel the bin and polarity of its last event: 2 * bin + on.
-  std::vector<std::int64_t> last_of(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), never);
-  const auto repeat_bins = static_cast<std::int64_t>(bins(options.repeat_within));
-  for_counted_events(recording, stream_id, rate, [&](const Event& event, std::size_t bin) {
-    std::int64_t& last =
-        last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(event.x)];
-    const std::int64_t now = 2 * static_cast<std::int64_t>(bin) + event.on;
-    const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
-    last = now;
-    for (std::size_t i = 0; i < bursts.size(); ++i) {
-      const std::size_t cell = cells.at(event);
-      if (!windows[i].holds(bin) || !lit[i][cell]) continue;
-      const std::size_t at = bin - windows[i].begin;
-      ++rates[i].rate.counts[at];
-      if (repeats) ++rates[i].repeats[at];
-      const int which = places[i].of_cell[cell];
-      if (which == no_place) continue;
-      LitPlace& place = rates[i].places[static_cast<std::size_t>(which)];
-      ++place.counts[at];
-      if (repeats) ++place.repeats[at];
-    }
-  });
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    // Ahead of the burst, as far as nothing else was on.
-    const auto loud = static_cast<std::ptrdiff_t>(bursts[i].begin - std::min(bursts[i].begin, bins(options.quiet_margin)));
-    auto from = loud;
-    while (from > static_cast<std::ptrdiff_t>(windows[i].begin) && is_quiet[static_cast<std::size_t>(from - 1)]) --from;
-    const auto dispersion_ahead = [&](std::span<const std::uint32_t> counts) {
-      const auto ahead = counts.subspan(static_cast<std::size_t>(from) - windows[i].begin, static_cast<std::size_t>(loud - from));
-      return dispersion_of(ahead, std::max<std::size_t>(1, bins(5ms)));
-    };
-    rates[i].dispersion = dispersion_ahead(rates[i].rate.counts);
-    for (LitPlace& place : rates[i].places) place.dispersion = dispersion_ahead(place.counts);
-  }
-  return rates;
+  return LitRates(recording, stream_id, rate, bursts, options).find();
 }
 
 }  // namespace tactile

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "tactile/alignment/moving_mean.hpp"
+
 namespace tactile {
 namespace {
 
@@ -32,7 +34,7 @@ Steps steps_from(const LitRate& lit, CameraTime onset, microseconds wanted) {
   const std::int64_t per_step = std::max<std::int64_t>(1, wanted / rate.bin);
   const auto first = static_cast<std::size_t>(
       std::clamp<std::int64_t>(between(rate.begin, onset) / rate.bin, 0, static_cast<std::int64_t>(rate.counts.size())));
-  // Events of a read-out were caused since the one before it.
+  // The events of a read-out were caused since the one before it.
   Steps steps{.begin = before(rate.begin_of(first), rate.bin / 2),
               .step = rate.bin * per_step,
               .events = {},
@@ -44,18 +46,6 @@ Steps steps_from(const LitRate& lit, CameraTime onset, microseconds wanted) {
     steps.events.push_back(sum);
   }
   return steps;
-}
-
-/// Means over `width` steps centred on each.
-std::vector<double> smoothed(const std::vector<double>& events, std::size_t width) {
-  const std::size_t n = events.size();
-  std::vector<double> until(n + 1), means(n);
-  for (std::size_t i = 0; i < n; ++i) until[i + 1] = until[i] + events[i];
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t begin = i - std::min(i, width / 2), end = std::min(n, i + width - width / 2);
-    means[i] = (until[end] - until[begin]) / static_cast<double>(end - begin);
-  }
-  return means;
 }
 
 /// The first step of the first stretch of `still` in which `rates` stays below `limit`, from `begin` on.
@@ -102,96 +92,129 @@ double best_mix(std::span<const double> events, std::span<const double> shape, d
   return likelihood;
 }
 
-}  // namespace
+/// The end of a burst, in whole steps from the onset.
+std::size_t burst_steps(const LitRate& lit, const Steps& steps) {
+  const CameraTime end = lit.rate.begin_of(lit.burst_end);
+  return static_cast<std::size_t>(std::max<std::int64_t>(0, between(steps.begin, end) / steps.step));
+}
 
-FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
-  const Steps steps = steps_from(lit, onset.at, 1ms);
-  const std::vector<double> rates = smoothed(steps.events, steps.in(5ms));
-  const CameraTime burst_end = lit.rate.begin_of(lit.burst_end);
-  const auto whole = static_cast<std::size_t>(std::max<std::int64_t>(0, between(steps.begin, burst_end) / steps.step));
-  const std::size_t searched = std::min(rates.size(), whole + steps.in(50ms));
-  if (searched < 3) {
-    return {.time = {.at = std::max(onset.at, burst_end), .low = onset.at, .high = std::max(onset.at, burst_end)},
-            .doubt = "its end cannot be told from its onset"};
-  }
-  // Where the rate first stays near the noise for as long as a press's end asks for.
+/// The end of a touch that has too few steps for one.
+FoundTime unknown_end(const LitRate& lit, const UncertainTime& onset) {
+  const CameraTime end = std::max(onset.at, lit.rate.begin_of(lit.burst_end));
+  return {.time = {.at = end, .low = onset.at, .high = end}, .doubt = "its end cannot be told from its onset"};
+}
+
+/// The decline of a press: its peak above the quiet rate, and the step where it has faded into the noise for long enough.
+struct Decline {
   double peak = 0;
-  std::size_t peak_at = 0;
   std::size_t faded = 0;
+};
+
+Decline decline_of(const Steps& steps, const std::vector<double>& rates, std::size_t searched, double dispersion,
+                   const EndOptions& options) {
+  Decline decline;
   for (int round = 0; round < 3; ++round) {
-    // A micro-slip behind the still hold is no part of it: the peak is that of the motion ahead of the first stillness.
-    const std::size_t until = round == 0 ? searched : std::max<std::size_t>(faded, 1);
+    // The peak of the motion before the first stillness: a micro-slip later is no part of it.
+    const std::size_t until = round == 0 ? searched : std::max<std::size_t>(decline.faded, 1);
     const auto top = std::max_element(rates.begin(), rates.begin() + static_cast<std::ptrdiff_t>(until));
-    peak_at = static_cast<std::size_t>(top - rates.begin());
-    peak = std::max(1e-6, *top - steps.quiet);
-    const double limit = steps.quiet + std::max(0.04 * peak, least_limit(steps, lit.dispersion, steps.in(5ms), 3.0));
-    // Some first contacts are weak and pause: stillness counts once a tenth of the peak has been reached.
+    decline.peak = std::max(1e-6, *top - steps.quiet);
+    const double limit = steps.quiet + std::max(0.04 * decline.peak, least_limit(steps, dispersion, steps.in(5ms), 3.0));
+    // Some first contacts are weak and pause: stillness counts from a tenth of the peak on.
     std::size_t from = 0;
-    while (from < until && rates[from] < steps.quiet + 0.1 * peak) ++from;
-    faded = still_from(rates, std::min(from, searched), limit, steps.in(options.press_still));
-    if (faded > peak_at) break;
+    while (from < until && rates[from] < steps.quiet + 0.1 * decline.peak) ++from;
+    decline.faded = still_from(rates, std::min(from, searched), limit, steps.in(options.press_still));
+    if (decline.faded > static_cast<std::size_t>(top - rates.begin())) break;
   }
-  faded = std::min(faded, searched);
+  decline.faded = std::min(decline.faded, searched);
+  return decline;
+}
 
-  // The decline's last half, or from where it last has 0.6 of its peak.
-  std::size_t first = faded;
-  while (first > 0 && rates[first - 1] < steps.quiet + 0.6 * peak) --first;
-  first = std::max(std::min(first, faded - std::min(faded, steps.in(12ms))), faded / 2);
-  const std::size_t last = std::min(steps.events.size(), faded + steps.in(40ms));
-  const std::span<const double> events(steps.events.data() + first, last - first);
-  const auto fade = static_cast<double>(faded - first);
+/// rate = z + g (still - t)^power before the stage stands still, z after it. Steps from the onset.
+struct DeclineFit {
+  double still = 0, power = 1, log_likelihood = 0;
+  double z = 0, chi2 = 0;
 
-  // A marker that goes aside fast and is touched late sets the peak speed later than the onset, and lower: 1 % of it is 0.5 % to
-  // 1 % of the stage's speed at the onset.
-  const auto end_of = [&](double whole_press, double power, double of_onset_speed) {
-    return whole_press * (1.0 - std::pow(of_onset_speed * options.still_share, 1.0 / power));
-  };
-  struct Fit {
-    double whole_press = 0, power = 1, log_likelihood = 0;
-  };
-  std::vector<Fit> fits;
-  Fit best{.whole_press = static_cast<double>(faded), .power = 1, .log_likelihood = -std::numeric_limits<double>::infinity()};
-  double best_z = 0, best_chi2 = 0;
+  /// When the speed is `share` of that at the onset.
+  double end(double share) const { return still * (1.0 - std::pow(share, 1.0 / power)); }
+};
+
+/// The sum of squared residuals over the expected variance.
+double chi2_of(std::span<const double> events, std::span<const double> shape, double z, double g) {
+  double chi2 = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const double rate = z + g * shape[i];
+    chi2 += (events[i] - rate) * (events[i] - rate) / std::max(rate, 0.5);
+  }
+  return chi2;
+}
+
+/// Fits of all powers and ends to the steps from `first` on; the best is the last.
+std::vector<DeclineFit> decline_fits(const Steps& steps, std::span<const double> events, std::size_t first,
+                                     const Decline& decline) {
+  const auto fade = static_cast<double>(decline.faded - first);
+  std::vector<DeclineFit> fits;
+  DeclineFit best{.still = static_cast<double>(decline.faded), .log_likelihood = -std::numeric_limits<double>::infinity()};
   std::vector<double> shape(events.size());
   for (double power = 0.05; power <= 3.2; power *= 1.2) {
-    double z = std::max(steps.quiet, 0.05), g = peak / std::pow(std::max(fade, 1.0), power);
+    double z = std::max(steps.quiet, 0.05), g = decline.peak / std::pow(std::max(fade, 1.0), power);
     for (double still = std::max(2.0, fade - 15.0); still <= std::min(fade + 25.0, static_cast<double>(events.size()));
          still += 0.5) {
       for (std::size_t i = 0; i < shape.size(); ++i) {
         const double left = still - (static_cast<double>(i) + 0.5);
         shape[i] = left > 0 ? std::pow(left, power) : 0.0;
       }
-      const double likelihood = best_mix(events, shape, z, g);
-      fits.push_back({.whole_press = still + static_cast<double>(first), .power = power, .log_likelihood = likelihood});
-      if (likelihood > best.log_likelihood) {
-        best = fits.back();
-        best_z = z;
-        best_chi2 = 0;
-        for (std::size_t i = 0; i < events.size(); ++i) {
-          const double rate = z + g * shape[i];
-          best_chi2 += (events[i] - rate) * (events[i] - rate) / std::max(rate, 0.5);
-        }
+      DeclineFit fit{.still = still + static_cast<double>(first), .power = power};
+      fit.log_likelihood = best_mix(events, shape, z, g);
+      if (fit.log_likelihood > best.log_likelihood) {
+        fit.z = z;
+        fit.chi2 = chi2_of(events, shape, z, g);
+        best = fit;
       }
+      fits.push_back(fit);
     }
   }
+  fits.push_back(best);
+  return fits;
+}
+
+}  // namespace
+
+FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
+  const Steps steps = steps_from(lit, onset.at, 1ms);
+  const std::vector<double> rates = moving_mean(steps.events, steps.in(5ms));
+  const std::size_t searched = std::min(rates.size(), burst_steps(lit, steps) + steps.in(50ms));
+  if (searched < 3) return unknown_end(lit, onset);
+  const Decline decline = decline_of(steps, rates, searched, lit.dispersion, options);
+
+  // The decline's last half, or from where it last has 0.6 of its peak.
+  std::size_t first = decline.faded;
+  while (first > 0 && rates[first - 1] < steps.quiet + 0.6 * decline.peak) --first;
+  first = std::max(std::min(first, decline.faded - std::min(decline.faded, steps.in(12ms))), decline.faded / 2);
+  const std::size_t last = std::min(steps.events.size(), decline.faded + steps.in(40ms));
+  const std::span<const double> events(steps.events.data() + first, last - first);
+  const std::vector<DeclineFit> fits = decline_fits(steps, events, first, decline);
+  const DeclineFit& best = fits.back();
+
+  // A marker that moves sideways fast and is touched late has its peak speed after the onset, and a lower one: 1 % of the peak is
+  // 0.5 % to 1 % of the stage's speed at the onset.
   const double freedom = std::max(1.0, static_cast<double>(events.size()) - 4.0);
-  const double dispersion = std::max({1.0, lit.dispersion, best_chi2 / freedom});
-  const double at = end_of(best.whole_press, best.power, 0.8);
+  const double dispersion = std::max({1.0, lit.dispersion, best.chi2 / freedom});
+  const double at = best.end(0.8 * options.still_share);
   double low = at, high = at;
-  for (const Fit& fit : fits) {
+  for (const DeclineFit& fit : fits) {
     if (fit.log_likelihood < best.log_likelihood - half_chi2 * dispersion) continue;
-    low = std::min(low, end_of(fit.whole_press, fit.power, 1.0));
-    high = std::max(high, end_of(fit.whole_press, fit.power, 0.5));
+    low = std::min(low, fit.end(options.still_share));
+    high = std::max(high, fit.end(0.5 * options.still_share));
   }
   FoundTime end{.time = {.at = steps.time_of(at),
                          .low = before(steps.time_of(low), options.least_error),
                          .high = after(steps.time_of(high), options.least_error)},
                 .doubt = {}};
-  if (best_z - steps.quiet > 0.8 * options.still_share * peak) {
+  if (best.z - steps.quiet > 0.8 * options.still_share * decline.peak) {
     end.doubt = "its tips creep on at about 1 % of their peak speed";
-    end.time.high = std::max(end.time.high, burst_end);
+    end.time.high = std::max(end.time.high, lit.rate.begin_of(lit.burst_end));
   }
-  if (faded >= searched) end.doubt = "it does not come to rest before the next motion";
+  if (decline.faded >= searched) end.doubt = "it does not come to rest before the next motion";
   end.time.at = std::max(end.time.at, onset.at);
   end.time.low = std::max(end.time.low, onset.low);
   end.time.high = std::max(end.time.high, end.time.at);
@@ -202,18 +225,13 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
 FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options,
                    const std::optional<UncertainTime>& arm_stop) {
   const Steps steps = steps_from(lit, onset.at, 400us);
-  const std::vector<double> rates = smoothed(steps.events, steps.in(3ms));
-  const CameraTime burst_end = lit.rate.begin_of(lit.burst_end);
-  const auto whole = std::min(
-      rates.size(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(steps.begin, burst_end) / steps.step)) + 1);
-  if (whole < 3) {
-    return {.time = {.at = std::max(onset.at, burst_end), .low = onset.at, .high = std::max(onset.at, burst_end)},
-            .doubt = "its end cannot be told from its onset"};
-  }
+  const std::vector<double> rates = moving_mean(steps.events, steps.in(3ms));
+  const std::size_t whole = std::min(rates.size(), burst_steps(lit, steps) + 1);
+  if (whole < 3) return unknown_end(lit, onset);
   const double peak =
       std::max(1e-6, *std::max_element(rates.begin(), rates.begin() + static_cast<std::ptrdiff_t>(whole)) - steps.quiet);
   const double visible = std::max(options.still_share * peak, least_limit(steps, lit.dispersion, steps.in(3ms), 3.5));
-  // Until then the tips are seen to move; what goes on afterwards is fainter, or somebody else's.
+  // The tips are seen to move until then; later motion is fainter, or not theirs.
   const std::size_t seen =
       std::max<std::size_t>(1, std::min(still_from(rates, 0, steps.quiet + visible, steps.in(options.slip_still)), rates.size()));
   const std::size_t from = seen - std::min(seen, steps.in(20ms));
@@ -227,7 +245,7 @@ FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOpti
     return after(steps.time_of(static_cast<double>(seen) + steps_later), shift);
   };
   FoundTime end{.time = {.at = at(4.0 * tau, 0us), .low = at(0.0, -9ms), .high = at(6.0 * tau, 20ms)}, .doubt = {}};
-  // A long, weak tail may be the arm's ringing where it stops, which is nobody's, or a surface that still runs past.
+  // A long, weak tail may be the arm's ringing where it stops, which is no slip, or a surface that still runs past.
   std::size_t strong = seen;
   while (strong > 1 && rates[strong - 1] < steps.quiet + std::max(0.1 * peak, visible)) --strong;
   if (seen - strong > steps.in(60ms)) end.time.low = std::min(end.time.low, steps.time_of(static_cast<double>(strong)));

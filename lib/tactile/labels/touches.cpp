@@ -5,7 +5,7 @@
 namespace tactile {
 namespace {
 
-/// How much of the burst lies in the move, its clock's uncertainty included.
+/// How long the burst and the move overlap, with the uncertainty of the clock.
 microseconds common_time(const EventRate& rate, const Burst& burst, const ArmMove& move) {
   const CameraTime begin = std::max(rate.begin_of(burst.begin), before(move.start, move.uncertainty));
   const CameraTime end = std::min(rate.begin_of(burst.end), after(move.end, move.uncertainty));
@@ -43,7 +43,7 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
       if (const auto slip = slip_of(rate, bursts, lift)) is_slip(*slip);
     }
   } else {
-    // By order alone: the last burst that is no trifle, if there is another before it.
+    // By order alone: the last burst that is no after-effect, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (!is_after_effect(bursts[i], rate, bursts)) large.push_back(i);

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tactile/labels/activity.hpp"
+#include "tactile/alignment/activity.hpp"
 
 namespace tactile {
 
@@ -18,31 +18,32 @@ struct ArmMove {
 enum class BurstKind : std::uint8_t {
   press,
   slip,
-  release,  ///< a press is taken back
+  release,  ///< the end of a press
   tap,      ///< the arm sets the sensor against something for an instant
-  brief,    ///< too short and too small to be a touch: a micro-slip
-  after     ///< the slip is over: creep, ringing, another contact
+  brief,    ///< too short and too small for a touch: a micro-slip
+  after     ///< after the slip: creep, ringing, another contact
 };
 
 struct TouchesOptions {
   microseconds shortest_press{100'000};  ///< of a second press on top of the first
-  double releases = 0.5;                 ///< a burst that undoes what was done before it by more than this is a release, 0 to 1
+  double releases = 0.5;                 ///< a burst whose `undoes` is greater is a release, 0 to 1
 };
 
-/// Tells bursts apart, in order of time:
+/// Classifies bursts, in order of time:
 ///
-/// - Of each lift the burst that has the most events in it is the slip. Where nobody knows of a lift the last burst is, unless
+/// - Of each lift, the burst with the most events in it is the slip. If it is not known whether the arm rose, the last burst is
 /// the
-///   arm is known not to have risen.
-/// - What lies in a tap of the arm is the tap.
-/// - What follows the last slip is `after`; what `is_after_effect` brief. So is, while a press stands, what is shorter than a
-/// stage
-///   takes and smaller than that press: tips that spring back.
-/// - Any other burst is a press, unless a press stands and it takes that back: a marker that goes back leaves dark where it had
+///   slip.
+/// - A burst during a tap of the arm is the tap.
+/// - A burst after the last slip is `after`; one for which `is_after_effect` holds is brief. While a press stands, a burst is
+/// also
+///   brief if it is shorter than a stage takes and smaller than that press: tips that spring back.
+/// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where it
+/// had
 ///   left bright.
 ///
-/// @param lifts   nothing: nobody knows whether the arm rose
-/// @param undoes  of each burst, as `LitRate` has it
+/// @param lifts   nothing: it is not known whether the arm rose
+/// @param undoes  of each burst, `LitRate::undoes`
 std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options = {});

@@ -163,8 +163,8 @@ void HtmlPage::table(const HtmlTable& table) {
 }
 
 void HtmlPage::figure(const HtmlFigure& figure) {
-  // As an image of its own a figure's ids meet no other's, and nothing in it can run. On a narrow screen it keeps a width at
-  // which its words can be read, and scrolls.
+  // As a separate image a figure's ids cannot clash with others, and nothing in it can run. On a narrow screen it keeps a width
+  // at which its words can be read, and scrolls.
   here() += fmt::format(
       "<figure id=\"{0}\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{1}\">"
       "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px;max-width:{5}px\" alt=\"{1}\" "

@@ -8,14 +8,14 @@
 
 namespace tactile {
 
-/// `text` as HTML that shows just that: whatever means something to HTML stands for itself, in attributes too. Control characters
+/// `text` as HTML in which no character has a meaning for HTML, in attributes too. Control characters
 /// become blanks, bytes that are no UTF-8 U+FFFD.
 std::string html_text(std::string_view text);
 
 /// Source: RFC 4648, section 4.
 std::string base64_of(std::string_view bytes);
 
-/// What a table's field says, beyond its words.
+/// How a table's field is shown.
 enum class HtmlTone : std::uint8_t { plain, number, good, bad, open };
 
 struct HtmlCell {
@@ -35,25 +35,27 @@ struct HtmlFigure {
   std::string id;   ///< lower-case letters, digits and hyphens
   std::string svg;  ///< a whole SVG file
   int width_px = 0, height_px = 0;
-  std::string in_words;  ///< for those who cannot see it
+  std::string in_words;  ///< for readers who cannot see it
   std::string caption;
 };
 
-/// One self-contained page: styles and figures lie in it, nothing is loaded from anywhere and no script runs; a policy in its
-/// head forbids both. Readable on a phone, in print, in light and dark. Whatever it is given is text, and escaped.
+/// One self-contained page: it contains its styles and figures. It loads nothing and runs no script; a policy in its head forbids
+/// both. Readable on a phone, in print, in light and dark. Whatever it is given is text, and escaped.
 class HtmlPage {
  public:
   explicit HtmlPage(std::string title) : title_(std::move(title)) {}
+
+  const std::string& title() const { return title_; }
 
   void section(std::string_view id, std::string_view heading);  ///< begins one; listed in the page's contents
   void heading(std::string_view text);                          ///< within a section
   void paragraph(std::string_view text);
   void warning(std::string_view text);  ///< framed
   void list(const std::vector<std::string>& items);
-  void table(const HtmlTable&
-                 table);  ///< scrolls in itself where it is wider than the page and does not stack; one without rows is left out
+  void table(
+      const HtmlTable& table);  ///< scrolls where it is wider than the page and does not stack; one without rows is left out
   void figure(const HtmlFigure& figure);
-  void begin_folded(std::string_view summary);  ///< what comes until `end_folded` is shown once it is asked for, and in print
+  void begin_folded(std::string_view summary);  ///< the part until `end_folded` is shown on a click, and in print
   void end_folded();
 
   std::string text() const;  ///< the whole page

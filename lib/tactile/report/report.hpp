@@ -10,27 +10,27 @@
 
 namespace tactile {
 
-/// What a report holds, and what it could not.
+/// The contents of a report, and what is missing.
 struct ReportSummary {
   std::string title;
   bool simulated = false;
   std::filesystem::path page;                    ///< one HTML file, which needs no other
   std::vector<std::string> figures;              ///< by name: `figures/NAME.svg` and `.png` beside the page
-  std::vector<std::string> missing;              ///< what was not measured or could not be drawn, in sentences
-  std::vector<std::string> errors;               ///< why runs could not be drawn, in sentences
-  std::size_t claims = 0, hold = 0, do_not = 0;  ///< of the paper's claims; of the others one cannot tell
+  std::vector<std::string> missing;              ///< sentences: what was not measured or could not be drawn
+  std::vector<std::string> errors;               ///< sentences: why runs could not be drawn
+  std::size_t claims = 0, hold = 0, do_not = 0;  ///< of the paper's claims; the others have no verdict
 };
 
-/// Told the name of each figure before it is drawn; may throw to end it.
+/// Called with the name of each figure before it is drawn; may throw to stop.
 using FigureCallback = std::function<void(std::string_view name)>;
 
-/// Draws every figure that there are results for, and writes them with tables, settings and the paper's claims as one page that
-/// needs nothing beside it: `out/report.html`, `out/figures/NAME.svg` and `.png`. Each file appears whole or not at all, the page
-/// last; figures of an earlier report that are not drawn again are removed.
-/// @throws Error  if gnuplot is not installed, a run over time is no such table, or a file cannot be written
+/// Draws every figure that has results, and writes them with tables, settings and the paper's claims as one self-contained page:
+/// `out/report.html`, `out/figures/NAME.svg` and `.png`. Each file appears whole or not at all, the page last; figures of an
+/// earlier report that are not drawn again are removed.
+/// @throws Error  if gnuplot is not installed, a run over time is not of its format, or a file cannot be written
 ReportSummary write_report(const ReportInput& input, const std::filesystem::path& out, const FigureCallback& tell = {});
 
-/// The same of a folder that `tactile reproduce` wrote.
+/// The same for a folder of `tactile reproduce`.
 /// @throws Error  also as `read_study` does
 ReportSummary write_report(const std::filesystem::path& study, const std::filesystem::path& out, const FigureCallback& tell = {});
 

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "tactile/report/result_plots.hpp"
 #include "tactile/results/cost_growth.hpp"
+#include "tactile/results/figure.hpp"
 
 namespace tactile {
 
@@ -35,18 +36,5 @@ struct ReportedTrade {
 
 /// @throws Error  if trade.json is missing or not of its format
 ReportedTrade read_trade(const std::filesystem::path& folder);
-
-// What is on a front is filled, with its interval, and numbered; the first 24 are named whole below. The front was found on the
-// runs to choose on, of two or three figures: among what is drawn it need not be one, and no line joins it. The others are
-// hollow, and numbered and named likewise: 42 of them, those first that turn one knob alone; where circles meet one label tells
-// all their numbers. The usual one is told by a word. What has no value is left out, and counted.
-
-/// Accuracy against the time that 99 of 100 ticks do not exceed, by its logarithm.
-Plot trade_accuracy_plot(const ReportedTrade& trade);
-/// Mean delay against false alarms, whose axis is linear near 0 and logarithmic beyond: log10(x + 1).
-Plot trade_delay_plot(const ReportedTrade& trade);
-/// Time per tick against event rate, history and resolution, all by their logarithms, with the dense way beside it; tics are at
-/// what was measured.
-Plot trade_growth_plot(const ReportedTrade& trade);
 
 }  // namespace tactile

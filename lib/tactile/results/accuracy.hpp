@@ -8,7 +8,7 @@
 
 namespace tactile {
 
-/// The share of balanced samples said right: of each object over all samples of its runs, and the mean over objects.
+/// The share of balanced samples predicted correctly: of each object over all samples of its runs, and the mean over objects.
 struct Accuracy {
   Figure mean;                            ///< objects drawn first, then runs; n = objects
   std::map<std::string, Figure> objects;  ///< runs drawn; n = runs

@@ -16,10 +16,10 @@ struct ReliabilityBin {
   double from = 0, to = 0;
   std::uint64_t samples = 0;
   double confidence = std::numeric_limits<double>::quiet_NaN();  ///< mean of their largest probability; NaN without samples
-  Figure accuracy{};                                             ///< share of them said right; objects drawn first, then runs
+  Figure accuracy{};  ///< share of them predicted correctly; objects drawn first, then runs
 };
 
-/// Whether the network's probabilities are what they say.
+/// How well the network's probabilities agree with its accuracy.
 struct Calibration {
   Figure error;                           ///< ECE of the samples of all runs together; objects drawn first, then runs
   std::map<std::string, Figure> objects;  ///< ECE; runs drawn

@@ -21,7 +21,7 @@ enum class Asked : std::uint8_t { below, above };
 
 std::string_view name_of(Asked asked);  ///< "below", "above"
 
-/// What a claim is about, and so what it takes to tell it.
+/// What a claim is about, and what a verdict needs.
 enum class ClaimScope : std::uint8_t {
   every_object,  ///< three runs of each
   one_object,    ///< three runs of it
@@ -33,23 +33,23 @@ struct ClaimOutcome {
   Figure measured{};
   std::map<std::string, Figure> objects{};  ///< where the claim is about each object
   std::optional<std::size_t> kept{}, of{};  ///< of how many objects the claim is true by their values, and of how many measured
-  std::string in_words{};                   ///< what was measured, a sentence: which object decides, and of how many it is true
+  std::string in_words{};  ///< the measurement as a sentence: which object decides, and for how many the claim is true
   Verdict verdict = Verdict::cannot_tell;
-  std::string why{};         ///< one cannot tell, in words; empty where one can
-  bool can_be_told = false;  ///< there are runs and objects enough for a verdict, whatever they say
-  std::string note{};        ///< what there is to be said beside, such as intervals missed; may be empty
+  std::string why{};         ///< the reason for no verdict; empty where there is one
+  bool can_be_told = false;  ///< there are enough runs and objects for a verdict
+  std::string note{};        ///< a remark, such as the number of missed intervals; may be empty
 };
 
-/// One of the paper's claims beside what was measured of it on the runs reported on.
+/// One of the paper's claims, with its measurement on the reported runs.
 struct Claim : ClaimOutcome {
   std::string id;     ///< "history-2-worst"
-  std::string claim;  ///< in words, with what it is measured by
+  std::string claim;  ///< in words, with its measure
   std::string paper;  ///< what the paper says
   std::string unit;   ///< of `measured`, `limit` and `objects`: "%", "points" (of percent), "ms", "objects"
   ClaimScope scope = ClaimScope::over_objects;  ///< not in JSON
   Asked asked = Asked::below;
   double limit = std::numeric_limits<double>::quiet_NaN();
-  std::optional<ClaimOutcome> all_test;  ///< chosen on the runs reported on, as in the paper
+  std::optional<ClaimOutcome> all_test;  ///< chosen on the reported runs themselves, as in the paper
 };
 
 /// {"id", "claim", "paper", "unit", "asked", "limit", "measured", "objects", "kept", "of", "in_words", "verdict", "why",

@@ -4,23 +4,30 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
 
 namespace tactile {
 
-/// How often each touch was taken for which: rows true, columns said, in the order none, press, slip.
+/// How often each class was predicted for each true class: rows true, columns predicted, in the order none, press, slip.
 struct Confusion {
   std::array<std::array<std::uint64_t, touch_count>, touch_count> counts{};
 
-  void add(Touch truth, Touch said) { ++counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(said)]; }
+  void add(Touch truth, Touch predicted) { ++counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(predicted)]; }
   Confusion& operator+=(const Confusion& other);
   std::uint64_t samples() const;
   std::uint64_t correct() const;           ///< on the diagonal
   std::optional<double> accuracy() const;  ///< correct / samples, in [0, 1]; nothing without samples
 
   friend bool operator==(const Confusion&, const Confusion&) = default;
+};
+
+/// The balanced samples of one run.
+struct RunConfusion {
+  std::string object;
+  Confusion confusion;
 };
 
 /// A list of three rows of three counts.

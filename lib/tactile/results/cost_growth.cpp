@@ -1,7 +1,5 @@
 #include "tactile/results/cost_growth.hpp"
 
-#include <cmath>
-
 namespace tactile {
 namespace {
 
@@ -34,7 +32,7 @@ void to_json(nlohmann::json& json, const GrowthPoint& point) {
 
 void from_json(const JsonView& json, GrowthPoint& point) {
   point = {.events_per_s = json["events_per_s"].number(),
-           .history = microseconds{std::llround(1000 * json["th_ms"].number_if_there().value_or(0))},
+           .history = json["th_ms"].milliseconds(),
            .sensor = size_in(json["sensor"]),
            .heatmap = size_in(json["heatmap"]),
            .lit_share = json["lit_share"].number(),

@@ -9,8 +9,8 @@
 
 namespace tactile {
 
-/// What a tick costs at one place of a curve, by our way and by the dense one [us]: rendering with what comes and goes, and the
-/// network.
+/// The time of a tick at one point of a curve, by the sparse and by the dense method [us]: rendering, with the events that enter
+/// and leave the window, and the network.
 struct GrowthPoint {
   double events_per_s = 0;
   microseconds history{0};

@@ -28,4 +28,12 @@ void from_json(const JsonView& json, Figure& figure) {
   }
 }
 
+void to_json(nlohmann::json& json, const BootstrapOptions& options) {
+  json = {{"draws", options.draws}, {"confidence", options.confidence}, {"seed", options.seed}};
+}
+
+void from_json(const JsonView& json, BootstrapOptions& options) {
+  options = {json["draws"].count(), json["confidence"].number(), json["seed"].count()};
+}
+
 }  // namespace tactile

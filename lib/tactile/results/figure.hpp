@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -27,5 +28,16 @@ void from_json(const JsonView& json, Figure& figure);  ///< a plain number is a 
 
 /// A number in JSON, null where it is not finite.
 nlohmann::json number_or_null(double number);
+
+/// How intervals are drawn.
+struct BootstrapOptions {
+  std::size_t draws = 2000;  ///< > 0
+  double confidence = 0.95;  ///< in (0, 1)
+  std::uint64_t seed = 1;
+};
+
+/// {"draws", "confidence", "seed"}
+void to_json(nlohmann::json& json, const BootstrapOptions& options);
+void from_json(const JsonView& json, BootstrapOptions& options);
 
 }  // namespace tactile

@@ -26,7 +26,7 @@ void from_json(const JsonView& json, FullRun& run) {
   }
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
   if (run.events.size() != run.verdicts.size() || run.ticks.tick <= microseconds{0})
-    throw Error(json.where() + ": not one count of events for each verdict; expected what a model says in runs");
+    throw Error(json.where() + ": the numbers of verdicts and event counts differ; expected a full run of a model");
 }
 
 }  // namespace tactile

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
-#include "tactile/windows/sample.hpp"
 
 namespace tactile {
 

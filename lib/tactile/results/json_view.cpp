@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tactile/core/error.hpp"
@@ -63,6 +64,8 @@ std::optional<std::uint64_t> JsonView::count_if_there() const {
   return json_->get<std::uint64_t>();
 }
 
+microseconds JsonView::milliseconds() const { return microseconds{std::llround(1000 * number_if_there().value_or(0))}; }
+
 bool JsonView::truth() const {
   if (json_ == nullptr) return false;
   if (!json_->is_boolean()) refuse("true or false");
@@ -91,6 +94,8 @@ std::vector<std::uint64_t> JsonView::counts() const {
   }
   return counts;
 }
+
+nlohmann::json JsonView::copy() const { return json_ == nullptr ? nlohmann::json() : *json_; }
 
 std::string JsonView::words() const {
   if (json_ == nullptr) return "-";

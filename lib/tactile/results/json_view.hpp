@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "tactile/core/time.hpp"
+
 namespace tactile {
 
-/// What a member that is not there is taken for: null, as files of older versions lack members, or an error.
+/// How a missing member is read: as null, since files of older versions lack members, or as an error.
 enum class MissingMember : std::uint8_t { is_null, is_error };
 
 /// A value in a file of results, or its absence. One of another type than asked for is an `Error` that names file and member.
@@ -34,10 +36,13 @@ class JsonView {
   std::int64_t whole_number() const;              ///< 0 where there is none
   std::uint64_t count() const;                    ///< 0 where there is none
   std::optional<std::uint64_t> count_if_there() const;
-  bool truth() const;        ///< false where there is none
-  std::string text() const;  ///< empty where there is none
+  microseconds milliseconds() const;  ///< of a number of milliseconds; 0 where there is none
+  bool truth() const;                 ///< false where there is none
+  std::string text() const;           ///< empty where there is none
   std::vector<std::string> texts() const;
   std::vector<std::uint64_t> counts() const;
+
+  nlohmann::json copy() const;  ///< null where there is none
 
   /// Whatever it is, in words: texts as they are, lists with commas, objects as JSON.
   std::string words() const;

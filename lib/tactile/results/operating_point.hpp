@@ -9,7 +9,7 @@
 
 namespace tactile {
 
-/// Delays and false alarms where press or slip is predicted from one probability on.
+/// Delays and false alarms at one probability threshold of press and slip.
 struct OperatingPoint {
   double threshold = std::numeric_limits<double>::quiet_NaN();  ///< in [0, 1]; NaN: the network's own verdicts, without one
   DelaySummary press{}, slip{};                                 ///< over all runs

@@ -1,13 +1,9 @@
 #include "tactile/results/over_time.hpp"
 
-#include <cmath>
-
 namespace tactile {
 namespace {
 
 double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
-
-microseconds ms_in(const JsonView& json) { return microseconds{std::llround(1000 * json.number_if_there().value_or(0))}; }
 
 }  // namespace
 
@@ -42,7 +38,7 @@ void to_json(nlohmann::json& json, const OverTimeBin& bin) {
 }
 
 void from_json(const JsonView& json, OverTimeBin& bin) {
-  bin = {ms_in(json["from_ms"]), ms_in(json["to_ms"]), json["accuracy"].get<Figure>(), json["ticks"].count(),
+  bin = {json["from_ms"].milliseconds(), json["to_ms"].milliseconds(), json["accuracy"].get<Figure>(), json["ticks"].count(),
          json["intervals"].count()};
 }
 
@@ -56,6 +52,26 @@ void to_json(nlohmann::json& json, const AccuracyOverTime& accuracy) {
 void from_json(const JsonView& json, AccuracyOverTime& accuracy) {
   accuracy = {json.get<ShareOverTime>(), json["objects"].map_of<ShareOverTime>(), json["since_onset"].list_of<OverTimeBin>(),
               json["before_end"].list_of<OverTimeBin>()};
+}
+
+void to_json(nlohmann::json& json, const OverTime& over_time) {
+  json = {{"bin_ms", in_ms(over_time.options.bin)},
+          {"first_ms", in_ms(over_time.options.first)},
+          {"last_ms", in_ms(over_time.options.last)},
+          {"after_ms", in_ms(over_time.options.after)},
+          {"press", over_time.press},
+          {"slip", over_time.slip},
+          {"both", over_time.both}};
+}
+
+void from_json(const JsonView& json, OverTime& over_time) {
+  over_time = {{.bin = json["bin_ms"].milliseconds(),
+                .first = json["first_ms"].milliseconds(),
+                .last = json["last_ms"].milliseconds(),
+                .after = json["after_ms"].milliseconds()},
+               json["press"].get<AccuracyOverTime>(),
+               json["slip"].get<AccuracyOverTime>(),
+               json["both"].get<AccuracyOverTime>()};
 }
 
 }  // namespace tactile

@@ -11,13 +11,21 @@
 
 namespace tactile {
 
-/// The shares of an interval's ticks that were said right: of each object over its runs, then the mean over objects.
+struct OverTimeOptions {
+  microseconds bin{50'000};         ///< of the curves, > 0
+  microseconds longest{3'000'000};  ///< how far from onset and end the curves go, >= bin
+  microseconds first{500'000};      ///< what counts as the beginning of an interval, > 0
+  microseconds last{200'000};       ///< what counts as its end, > 0
+  microseconds after{100'000};      ///< how long after an interval remaining predictions of press and slip count, >= 0
+};
+
+/// The shares of an interval's ticks that were predicted correctly: of each object over its runs, then the mean over objects.
 struct ShareOverTime {
   Figure first{}, later{}, last{};
-  Figure before_last{};        ///< ahead of the last ticks, of intervals that have such ticks
-  Figure last_minus_before{};  ///< the last ticks of the same intervals less that: below 0 where verdicts are worse near the end
-  Figure still_said{};         ///< share of the ticks behind intervals at which press or slip is said still
-  std::uint64_t intervals = 0, short_ones = 0;  ///< with a tick, and of them those with none ahead of the last ones
+  Figure before_last{};        ///< before the last ticks, of intervals that have such ticks
+  Figure last_minus_before{};  ///< last ticks minus that, of the same intervals: below 0 where predictions get worse near the end
+  Figure still_said{};         ///< share of the ticks after intervals that still predict press or slip
+  std::uint64_t intervals = 0, short_ones = 0;  ///< with a tick, and of them those with none before the last ones
 };
 
 struct OverTimeBin {
@@ -32,6 +40,12 @@ struct AccuracyOverTime {
   std::vector<OverTimeBin> since_onset{}, before_end{};  ///< up to the last bin with a tick
 };
 
+/// Of press, of slip and of both together.
+struct OverTime {
+  OverTimeOptions options;
+  AccuracyOverTime press, slip, both;
+};
+
 /// {"first", "later", "last", "before_last", "last_minus_before", "still_said", "intervals", "short_ones"}
 void to_json(nlohmann::json& json, const ShareOverTime& share);
 void from_json(const JsonView& json, ShareOverTime& share);
@@ -39,5 +53,9 @@ void from_json(const JsonView& json, ShareOverTime& share);
 /// The same, and "objects", "since_onset", "before_end" with "from_ms", "to_ms", "accuracy", "ticks", "intervals" in each bin.
 void to_json(nlohmann::json& json, const AccuracyOverTime& accuracy);
 void from_json(const JsonView& json, AccuracyOverTime& accuracy);
+
+/// {"bin_ms", "first_ms", "last_ms", "after_ms", "press", "slip", "both"}
+void to_json(nlohmann::json& json, const OverTime& over_time);
+void from_json(const JsonView& json, OverTime& over_time);
 
 }  // namespace tactile

@@ -10,14 +10,14 @@ enum class ArmModel { ur10, ur10e };
 
 std::string_view name_of(ArmModel model);  ///< "UR10", "UR10e"
 
-/// "ur10e", in letters of any size; nothing for any other.
+/// "ur10e", in upper or lower case; nothing for any other name.
 std::optional<ArmModel> arm_model_named(std::string_view name);
 
-/// Row by row: of a turn in the base frame.
+/// Of a rotation in the base frame, row by row.
 using RotationMatrix = std::array<std::array<double, 3>, 3>;
 
-/// Where the arm's flange is: x y z [m], then its rotation vector [rad], in the controller's base frame. With no tool set at the
-/// controller this is `actual_TCP_pose`, but for the arm's own calibration, of some mm.
+/// Where the arm's flange is: x y z [m], then its rotation vector [rad], in the controller's base frame. Without a tool set at
+/// the controller this is `actual_TCP_pose`, except for the arm's own calibration, of some mm.
 ///
 ///   T = prod_i Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i),   alpha = pi/2 0 0 pi/2 -pi/2 0
 ///
@@ -28,11 +28,11 @@ using RotationMatrix = std::array<std::array<double, 3>, 3>;
 /// Source: Universal Robots, "DH parameters for calculations of kinematics and dynamics".
 std::array<double, 6> flange_pose(ArmModel model, const std::array<double, 6>& joints);
 
-/// Axis times angle, at most pi long [rad]; of a half turn either sign is right.
+/// Axis times angle, at most pi long [rad]; for a half turn either sign is right.
 std::array<double, 3> rotation_vector_of(const RotationMatrix& rotation);
 RotationMatrix rotation_matrix_of(const std::array<double, 3>& rotation_vector);
 
-/// The turn that leads from `before` to `after`, as a rotation vector in the base frame.
+/// The rotation from `before` to `after`, as a rotation vector in the base frame.
 std::array<double, 3> turn_from_to(const RotationMatrix& before, const RotationMatrix& after);
 
 }  // namespace tactile

@@ -80,7 +80,7 @@ void GrowingLog::State::write(const std::string& lines) {
     }
     done += static_cast<std::size_t>(put);
   }
-  // Of a row that found only half its room nothing stays.
+  // Nothing stays of a row that did not fit whole.
   const std::size_t last_end = std::string_view(lines).substr(0, done).rfind('\n');
   const std::size_t kept = last_end == std::string_view::npos ? 0 : last_end + 1;
   whole += static_cast<off_t>(kept);
@@ -136,7 +136,7 @@ GrowingLog::GrowingLog(const fs::path& file, std::string_view header) : state_(s
   const auto refuse = [&](int reason) {
     throw Error(
         reason == EEXIST
-            ? fmt::format("{}: exists already; expected a new name, a log is never written over", file.string())
+            ? fmt::format("{}: exists already; expected a new name, a log is never overwritten", file.string())
             : fmt::format("{}: cannot be made ({}); expected a writable place with room", file.string(), std::strerror(reason)));
   };
   std::error_code failed;

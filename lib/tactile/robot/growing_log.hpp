@@ -8,9 +8,8 @@
 
 namespace tactile {
 
-/// A text file that grows by rows while it is written: it appears with its header whole, and a thread of its own writes what is
-/// appended ten times a second and syncs it every second. Whatever ends it, a kill or a full disk, leaves whole rows, but for the
-/// last one after a kill.
+/// A text file that grows by rows. It appears with its whole header. A thread writes appended rows ten times a second and syncs
+/// the file every second. A kill or a full disk leaves whole rows, except perhaps the last one after a kill.
 class GrowingLog {
  public:
   /// @throws Error  if the file exists or cannot be made
@@ -19,12 +18,12 @@ class GrowingLog {
   GrowingLog(const GrowingLog&) = delete;
   GrowingLog& operator=(const GrowingLog&) = delete;
 
-  /// Whole lines, each with its end. Never waits for the disk; does nothing once the log has failed.
+  /// Whole lines, each with its end. Does not wait for the disk; does nothing after a failure.
   void append(std::string_view lines);
 
   void close();                ///< writes and syncs what is left. @throws Error if the log failed
-  std::uint64_t rows() const;  ///< written, the header and empty lines left out
-  std::string error() const;   ///< why nothing more is written; empty while all is well
+  std::uint64_t rows() const;  ///< written, without the header and empty lines
+  std::string error() const;   ///< why nothing more is written; empty if there is no error
 
  private:
   struct State;

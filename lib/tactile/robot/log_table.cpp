@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
-/// The mark that parts the header's names. Commas come first, since "a, b" has blanks too.
+/// The separator of the header's names. Commas come first, since "a, b" has blanks too.
 char separator_of(std::string_view header) {
   for (const char mark : {',', ';', '\t', ' '}) {
     bool quoted = false;
@@ -30,7 +30,7 @@ char separator_of(std::string_view header) {
   return ',';
 }
 
-/// What a message shows of a cell: binary files have long ones.
+/// The part of a cell that a message shows: binary files have long ones.
 std::string shown(std::string_view cell) {
   std::string text;
   for (const char c : cell.substr(0, 40)) text += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
@@ -43,7 +43,7 @@ LogTable::LogTable(const std::filesystem::path& file) : file_(file.string()), in
   if (!in_ || std::filesystem::is_directory(file)) throw Error(file_ + ": cannot be read; expected a robot log");
   while (read_line()) {
     std::string_view text = line_;
-    constexpr std::string_view mark = "\xEF\xBB\xBF";  // that some editors put before UTF-8
+    constexpr std::string_view mark = "\xEF\xBB\xBF";  // some editors put it before UTF-8
     if (number_ == 1 && text.starts_with(mark)) line_.erase(0, mark.size());
     text = trimmed(line_);
     if (text.empty()) continue;
@@ -59,7 +59,7 @@ std::optional<std::size_t> LogTable::find(std::string_view name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end()) return std::nullopt;
   if (std::find(found + 1, names_.end(), name) != names_.end())
-    throw Error(fmt::format("{}: two columns are called '{}'; expected one", file_, name));
+    throw Error(fmt::format("{}: two columns have the name '{}'; expected one", file_, name));
   return static_cast<std::size_t>(found - names_.begin());
 }
 
@@ -74,7 +74,7 @@ int LogTable::next_byte() {
     in_.read(chunk_.data(), static_cast<std::streamsize>(chunk_.size()));
     chunk_at_ = 0;
     chunk_size_ = static_cast<std::size_t>(in_.gcount());
-    if (in_.bad()) throw Error(file_ + ": reading it failed half-way; expected a readable file");
+    if (in_.bad()) throw Error(file_ + ": reading failed; expected a readable file");
     if (chunk_size_ == 0) return -1;
   }
   return static_cast<unsigned char>(chunk_[chunk_at_++]);
@@ -105,7 +105,7 @@ void LogTable::split() {
   const std::string_view line = trimmed(line_);
   if (line.empty()) return;
   for (std::size_t begin = 0;;) {
-    // Columns that are lined up have several blanks between them.
+    // Aligned columns have several blanks between them.
     while (separator_ == ' ' && begin < line.size() && line[begin] == ' ') ++begin;
     std::size_t end = line.find(separator_, begin);
     const std::size_t first = line.find_first_not_of(" \t", begin);
@@ -155,7 +155,8 @@ std::uint64_t LogTable::bits_at(std::size_t column) const {
 }
 
 void LogTable::refuse_row() const {
-  throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file_, number_, cells_.size(), names_.size()));
+  throw Error(
+      fmt::format("{}: row {} has {} values; expected {}, as in its header", file_, number_, cells_.size(), names_.size()));
 }
 
 void LogTable::refuse(std::size_t column, std::string_view expected) const {

@@ -12,14 +12,14 @@
 
 namespace tactile {
 
-/// A text file of rows, the first of which names the columns: as recorders of robots write them. Cells are parted by commas,
-/// semicolons, tabs or blanks, as the header is; quoted where that mark stands in one. Rows end with LF, CR LF, CR CR LF (what
-/// Windows makes of the latter) or CR. Memory follows the longest row.
+/// A text file of rows, as recorders of robots write it; the first row names the columns. Cells are separated by commas,
+/// semicolons, tabs or blanks, as in the header, and quoted where they hold that separator. Rows end with LF, CR LF, CR CR LF
+/// (which Windows makes of CR LF) or CR. Memory follows the longest row.
 class LogTable {
  public:
   static constexpr std::size_t longest_row = std::size_t{1} << 20;  ///< [bytes]
 
-  /// Opens the file and reads its header. @throws Error  naming it, if it cannot be read, is empty or is no text in rows
+  /// Opens the file and reads its header. @throws Error  naming it, if it cannot be read, is empty or is not text in rows
   explicit LogTable(const std::filesystem::path& file);
 
   const std::string& file() const { return file_; }
@@ -28,23 +28,22 @@ class LogTable {
   /// The column of this name. @throws Error  if there are two
   std::optional<std::size_t> find(std::string_view name) const;
 
-  /// Goes on to the next row. @return whether there is one  @throws Error  if reading fails, or if a row has no end
+  /// Reads the next row. @return whether there is one  @throws Error  if reading fails, or if a row has no end
   bool next();
 
-  bool is_blank() const { return cells_.empty(); }  ///< the row has nothing in it
+  bool is_blank() const { return cells_.empty(); }  ///< the row is empty
   bool is_ended() const { return is_ended_; }       ///< else the file ends within the row
   bool is_whole() const { return cells_.size() == names_.size(); }
   std::size_t number() const { return number_; }  ///< of the row, 1 is the first of the file
-  const std::vector<std::string_view>& cells() const {
-    return cells_;
-  }  ///< until the next row, without blanks and quotes round them
+  /// Without blanks and quotes around them, valid until the next row.
+  const std::vector<std::string_view>& cells() const { return cells_; }
 
-  // Of one cell. Each throws Error that names file, row and column where it does not hold such.
+  // Values of one cell. Each throws an Error with file, row and column if the cell holds another kind of value.
   double number_at(std::size_t column) const;              ///< finite
   std::int64_t whole_number_at(std::size_t column) const;  ///< "3.0" is one too
-  std::uint64_t bits_at(std::size_t column) const;         ///< likewise, at least 0; True and False are 1 and 0
+  std::uint64_t bits_at(std::size_t column) const;         ///< a whole number of at least 0; True and False are 1 and 0
 
-  [[noreturn]] void refuse_row() const;  ///< since it is not whole
+  [[noreturn]] void refuse_row() const;  ///< because it is not whole
   [[noreturn]] void refuse(std::size_t column, std::string_view expected) const;
 
  private:

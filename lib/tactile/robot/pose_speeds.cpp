@@ -12,11 +12,11 @@ namespace tactile {
 namespace {
 
 constexpr microseconds reach{8'500};   // 8 ms, however the stamps are rounded
-constexpr std::size_t most_rows = 16;  // to either side, should they come faster than any controller sends them
+constexpr std::size_t most_rows = 16;  // on either side, if they come faster than any controller sends them
 constexpr microseconds longest_step{100'000};
 
-/// Slope at 0 of the parabola a + b t + c t^2 through points by least squares; of a line if all lie to one side.
-class SlopeAtZero {
+/// The gradient at 0 of the parabola a + b t + c t^2 of least squares; of a line if all points lie on one side.
+class GradientAtZero {
  public:
   void add(double t, const std::array<double, 6>& values) {
     const double tt = t * t;
@@ -26,7 +26,7 @@ class SlopeAtZero {
     t3_ += tt * t;
     t4_ += tt * tt;
     before_ = before_ || t < 0;
-    behind_ = behind_ || t > 0;
+    after_ = after_ || t > 0;
     for (std::size_t i = 0; i < 6; ++i) {
       y0_[i] += values[i];
       y1_[i] += t * values[i];
@@ -34,28 +34,28 @@ class SlopeAtZero {
     }
   }
 
-  bool is_parabola() const { return before_ && behind_ && n_ >= 3; }
+  bool is_parabola() const { return before_ && after_ && n_ >= 3; }
 
-  /// The slope weighs the speeds within its reach; an even mean over so much to either side spreads its weight as far.
+  /// The gradient weights the speeds within its reach; an even mean over so much on either side has the same spread.
   double half_of_mean() const { return std::sqrt(t4_ / t2_); }
 
-  std::array<double, 6> slopes() const {
-    std::array<double, 6> slopes{};
+  std::array<double, 6> gradients() const {
+    std::array<double, 6> gradients{};
     const double line = n_ * t2_ - t1_ * t1_;
-    if (!(line > 0)) return slopes;
+    if (!(line > 0)) return gradients;
     // Determinants of the normal equations.
     const double all = n_ * (t2_ * t4_ - t3_ * t3_) - t1_ * (t1_ * t4_ - t2_ * t3_) + t2_ * (t1_ * t3_ - t2_ * t2_);
     for (std::size_t i = 0; i < 6; ++i) {
       const double for_b =
           n_ * (y1_[i] * t4_ - y2_[i] * t3_) - y0_[i] * (t1_ * t4_ - t2_ * t3_) + t2_ * (t1_ * y2_[i] - t2_ * y1_[i]);
-      slopes[i] = is_parabola() && all > 0 ? for_b / all : (n_ * y1_[i] - t1_ * y0_[i]) / line;
+      gradients[i] = is_parabola() && all > 0 ? for_b / all : (n_ * y1_[i] - t1_ * y0_[i]) / line;
     }
-    return slopes;
+    return gradients;
   }
 
  private:
   double n_ = 0, t1_ = 0, t2_ = 0, t3_ = 0, t4_ = 0;
-  bool before_ = false, behind_ = false;
+  bool before_ = false, after_ = false;
   std::array<double, 6> y0_{}, y1_{}, y2_{};
 };
 
@@ -72,7 +72,7 @@ microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
     while (end < states.size() && end - i <= most_rows && step(end) <= longest_step &&
            (end == i + 1 || states[end].t - states[i].t <= reach))
       ++end;
-    SlopeAtZero fit;
+    GradientAtZero fit;
     const std::array<double, 6>& here = states[i].tcp_pose;
     const RotationMatrix turned = rotation_matrix_of({here[3], here[4], here[5]});
     for (std::size_t k = begin; k < end; ++k) {
@@ -82,15 +82,15 @@ microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
         const std::array<double, 3> turn = turn_from_to(turned, rotation_matrix_of({pose[3], pose[4], pose[5]}));
         std::copy(turn.begin(), turn.end(), from_here.begin() + 3);
       }
-      // In units of the reach, so that no power of it is lost in rounding.
+      // In units of the reach, so that rounding loses no power of it.
       fit.add(static_cast<double>((states[k].t - states[i].t).count()) / static_cast<double>(reach.count()), from_here);
     }
     if (fit.is_parabola()) halves.push_back(fit.half_of_mean());
-    states[i].tcp_speed = fit.slopes();
+    states[i].tcp_speed = fit.gradients();
     for (double& speed : states[i].tcp_speed) speed *= 1e6 / static_cast<double>(reach.count());
   }
   if (halves.empty()) return microseconds{0};
-  return microseconds{std::llround(upper_median(halves) * static_cast<double>(reach.count()))};
+  return microseconds{std::llround(median(halves) * static_cast<double>(reach.count()))};
 }
 
 microseconds smoothing_of(const std::vector<RobotState>& states) {
@@ -112,7 +112,7 @@ microseconds smoothing_of(const std::vector<RobotState>& states) {
     halves.push_back((after.t - before.t).count() / 2);
   }
   if (made < 10 || 20 * made < 19 * moving) return microseconds{0};
-  return microseconds{upper_median<std::int64_t>(halves)};
+  return microseconds{median<std::int64_t>(halves)};
 }
 
 void set_poses_from_speeds(std::vector<RobotState>& states) {

@@ -6,22 +6,21 @@
 
 namespace tactile {
 
-/// Sets `tcp_speed` to how `tcp_pose` changes, where a log has no speeds: at each row the slope of the parabola through the rows
-/// within 8 ms of it (least squares), and one row at least to either side, on their own times, lost rows or not. At the ends,
-/// and beside a gap of more than 100 ms, the line through the row and its neighbours on the one side. The parabola keeps a
-/// constant acceleration as it is; poses with noise s [m] make speeds with noise of some 90 s / second at 125 Hz, 65 at 500 Hz.
-/// Turns likewise, as rotation vectors from one row to the other.
+/// Sets `tcp_speed` from `tcp_pose`, for a log without speeds: at each row the gradient of the parabola of least squares through
+/// the rows within 8 ms of it, and at least one row on either side, at their own times. At the ends, and next to a gap of more
+/// than 100 ms, the line through the row and its neighbours on one side. The parabola is exact for a constant acceleration; poses
+/// with noise s [m] give speeds with noise of about 90 s / second at 125 Hz, 65 at 500 Hz. The same for rotations, as rotation
+/// vectors from row to row.
 ///
-/// Such a speed is a mean over some time: @return the half of how long that is, as that of an even mean that spreads as far; 0
-/// with less than 3 rows
+/// Such a speed is a mean over some time. @return half the length of an even mean with the same spread; 0 with fewer than 3 rows
 microseconds set_speeds_from_poses(std::vector<RobotState>& states);
 
-/// The same of speeds that someone else made from the poses, as the import of a bag does: those that are what the poses on either
-/// side say, (x_(i+1) - x_(i-1)) / (t_(i+1) - t_(i-1)), which measured ones never are. 0 of measured ones.
+/// The same for speeds that already follow from the poses, as in an imported bag: those that equal
+/// (x_(i+1) - x_(i-1)) / (t_(i+1) - t_(i-1)), which measured ones do not. 0 for measured ones.
 microseconds smoothing_of(const std::vector<RobotState>& states);
 
-/// Sets `tcp_pose` to the way since the first row that `tcp_speed` makes, where a log has no poses: x y z by the trapezium rule,
-/// none over a gap; the turn is left 0.
+/// Sets `tcp_pose` to the integral of `tcp_speed` since the first row, for a log without poses: x y z by the trapezoidal rule,
+/// nothing over a gap; the rotation stays 0.
 void set_poses_from_speeds(std::vector<RobotState>& states);
 
 }  // namespace tactile

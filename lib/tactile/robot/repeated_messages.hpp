@@ -10,15 +10,15 @@
 
 namespace tactile {
 
-/// Some controllers send the same message with every package: it is told when it comes first, and counted from there on, until it
-/// has been quiet for 10 s; then how often it came is told, if more than once. At most 64 different ones are kept.
+/// Some controllers send the same message with every package. A message is reported when it first arrives, and then counted until
+/// it has not arrived for 10 s; then its count is reported if it arrived more than once. At most 64 different messages are kept.
 class RepeatedMessages {
  public:
   using Tell = std::function<void(const std::string&)>;
   explicit RepeatedMessages(Tell tell) : tell_(std::move(tell)) {}
 
   void hear(const std::string& text);
-  void forget_old();  ///< those that have been quiet long enough
+  void forget_old();  ///< those that have not arrived for long enough
   void forget_all();
 
  private:

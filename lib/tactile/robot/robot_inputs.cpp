@@ -18,7 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds write_patience{100};
-constexpr milliseconds look{100};  // so often it is seen whether the controller is still there
+constexpr milliseconds look{100};  // from one check of the connection to the next
 constexpr milliseconds first_pause{100}, longest_pause{5'000};
 
 }  // namespace
@@ -27,7 +27,7 @@ struct RobotInputs::State {
   RobotInputsOptions options;
   NetworkAddress address;
   std::vector<std::string> names;
-  std::optional<RtdeSession> session;  ///< the thread's alone, once that runs
+  std::optional<RtdeSession> session;  ///< used by the thread only, once that runs
   RtdeRecipe recipe;
 
   mutable std::mutex guard;  ///< of all that follows
@@ -48,7 +48,7 @@ struct RobotInputs::State {
 
 void RobotInputs::State::connect() {
   session.reset();
-  // What the robot says is its log's, not ours.
+  // The robot's messages belong in its own log.
   RtdeSession fresh(address, options.patience, [](const std::string&) {});
   const RtdeAgreement agreed = fresh.agree_on_inputs(names);
   if (!agreed.unknown.empty()) {
@@ -71,7 +71,7 @@ void RobotInputs::State::write(std::uint64_t high) {
   ++told.writes;
 }
 
-/// Writes what is wanted until it shall end or the controller is gone. False: it shall end. @throws Error: it is gone
+/// Writes the bits until the end or until the controller is gone. @return false at the end. @throws Error if it is gone
 bool RobotInputs::State::serve() {
   for (;;) {
     std::unique_lock lock(guard);
@@ -84,7 +84,7 @@ bool RobotInputs::State::serve() {
         write(high);
       } catch (const Error&) {
         lock.lock();
-        is_new = true;  // to be written once the robot is back, if it is still wanted
+        is_new = true;  // written once the robot is back, unless others are set
         throw;
       }
       if (tell) tell();
@@ -140,8 +140,7 @@ void RobotInputs::State::work() {
 RobotInputs::RobotInputs(RobotInputsOptions options) : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.options = std::move(options);
-  state.address = {
-      .kind = NetworkAddress::Kind::tcp, .host = state.options.host, .port = state.options.port, .path = {}};
+  state.address = {.kind = NetworkAddress::Kind::tcp, .host = state.options.host, .port = state.options.port, .path = {}};
   for (const int bit : state.options.bits) {
     if (bit < 64 || bit > 127)
       throw Error(fmt::format("input bit register {}; expected one from 64 to 127, which RTDE clients may write", bit));

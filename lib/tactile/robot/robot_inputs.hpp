@@ -14,9 +14,9 @@ struct RobotInputsOptions {
   std::uint16_t port = 30004;
   std::vector<int> bits;  ///< input bit registers, 64 to 127: those that RTDE clients may write
   std::chrono::milliseconds patience{5'000};
-  /// Told, from a thread of its own, that the robot is gone, and that it is back.
+  /// Called from the thread that writes, when the robot is gone and when it is back.
   std::function<void(const std::string&)> log = {};
-  std::function<void()> prepare = {};  ///< done first on that thread
+  std::function<void()> prepare = {};  ///< called first on that thread
 };
 
 struct RobotInputsState {
@@ -26,9 +26,9 @@ struct RobotInputsState {
   std::string controller;  ///< "5.11.6.1071234"
 };
 
-/// Writes bits of a UR controller by RTDE, in its input bit registers, from a thread of its own: who sets them never waits for the
-/// robot. A connection that is lost is made again, for as long as it takes, and the bits are written anew then. All are low at
-/// first, and again when this goes. Source: UR's RTDE guide, protocol version 2.
+/// Writes bits of a UR controller by RTDE, in its input bit registers, from its own thread: the caller does not wait for the
+/// robot. A lost connection is made again, however long that takes, and the bits are written again. All are low at first, and
+/// again in the end. Source: UR's RTDE guide, protocol version 2.
 class RobotInputs {
  public:
   /// Connects, agrees on the bits, and lowers them.
@@ -38,8 +38,8 @@ class RobotInputs {
   RobotInputs(const RobotInputs&) = delete;
   RobotInputs& operator=(const RobotInputs&) = delete;
 
-  /// The bits as they shall be, in the order of the options; returns at once. `written` is called from the robot's thread once
-  /// just these are with the robot; not if others are set before that.
+  /// Sets the bits, in the order of the options; returns at once. `written` is called from the robot's thread once the robot has
+  /// exactly these; not if others are set before.
   void set(std::uint64_t high, std::function<void()> written = {});
 
   RobotInputsState state() const;

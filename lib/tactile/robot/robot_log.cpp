@@ -13,6 +13,7 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/log_table.hpp"
+#include "tactile/robot/mixed_rows.hpp"
 #include "tactile/robot/pose_speeds.hpp"
 
 namespace tactile {
@@ -23,16 +24,13 @@ constexpr std::string_view speed_name = "actual_TCP_speed_";
 constexpr std::string_view bits_name = "actual_digital_output_bits";
 constexpr std::string_view host_time_name = "host_time_us";
 
-constexpr microseconds longest_step = 100ms;             // single packages are lost now and then
-constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host over a lost connection: a reboot takes far longer
+constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host about a lost connection: a reboot takes far longer
 constexpr microseconds longest_leap = 60s;               // no recorder of a run pauses for so long
-constexpr double least_change = 5e-4;                    // [m/s] from row to row: of less it does not matter whose it is
-constexpr double moving = 0.005;                         // [m/s] or [rad/s]: rows of an arm at rest may well be the same
 constexpr double fastest_cb_rate_hz = 250.0;             // CB controllers send 125 rows a second, e-Series ones up to 500
 
 using Six = std::array<std::size_t, 6>;
 
-/// An output and the column that tells of it.
+/// An output and its column.
 struct OutputColumn {
   std::string name;  ///< of the output, or of its first bit without the number
   std::size_t column = 0;
@@ -95,7 +93,7 @@ void find_motion(const LogTable& table, Columns& columns) {
   if (!columns.speed && !columns.pose) {
     throw Error(
         fmt::format("{}: no column '{}0'; expected those of actual_TCP_speed, actual_TCP_pose or actual_q (or target_...), by "
-                    "RTDE's names with _0 to _5 behind them",
+                    "RTDE's names with _0 to _5 after them",
                     table.file(), speed_name));
   }
   columns.speed_from = columns.speed            ? Source::target_tcp_speed
@@ -200,75 +198,12 @@ std::vector<std::int64_t> outputs_in(const LogTable& table, const Columns& colum
 
 bool same_motion(const RobotState& a, const RobotState& b) { return a.tcp_pose == b.tcp_pose && a.tcp_speed == b.tcp_speed; }
 
-double distance(const std::array<double, 6>& a, const std::array<double, 6>& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-double seconds_between(const RobotState& before, const RobotState& after) {
-  return 1e-6 * static_cast<double>((after.t - before.t).count());
-}
-
-/// Whether `first` and `second` have one value, other than their neighbours'.
-bool is_twice(const std::array<double, 6>& before, const std::array<double, 6>& first, const std::array<double, 6>& second,
-              const std::array<double, 6>& after) {
-  return first == second && before != first && second != after;
-}
-
-/// How far a row's speed lies from the line between two others, and its pose from the cubic that has their speeds too (from the
-/// line, where these are not to be had). [m/s], [m]
-double speed_off_line(const RobotState& before, const RobotState& row, const RobotState& after) {
-  const double share = seconds_between(before, row) / seconds_between(before, after);
-  std::array<double, 6> between{};
-  for (std::size_t k = 0; k < 3; ++k) between[k] = before.tcp_speed[k] + share * (after.tcp_speed[k] - before.tcp_speed[k]);
-  return distance(row.tcp_speed, between);
-}
-double pose_off_curve(const RobotState& before, const RobotState& row, const RobotState& after, bool has_speeds) {
-  const double all_s = seconds_between(before, after), s = seconds_between(before, row) / all_s;
-  std::array<double, 6> between{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double way = after.tcp_pose[k] - before.tcp_pose[k];
-    between[k] = before.tcp_pose[k] + s * way;
-    if (has_speeds) {
-      const double u = before.tcp_speed[k] * all_s, v = after.tcp_speed[k] * all_s;
-      between[k] += s * (1.0 - s) * ((1.0 - s) * (u - way) - s * (v - way));
-    }
-  }
-  return distance(row.tcp_pose, between);
-}
-
-/// Drops the rows whose motion is another's, as `read_robot_log` tells.
-void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
-  const std::vector<RobotState>& states = log.states;
-  std::vector<bool> dropped(states.size(), false);
-  for (std::size_t i = 1; i + 2 < states.size(); ++i) {
-    const RobotState &before = states[i - 1], &first = states[i], &second = states[i + 1], &after = states[i + 2];
-    if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_step) continue;
-    const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
-                            distance(before.tcp_pose, after.tcp_pose) > moving * seconds_between(before, after);
-    const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
-                             distance(before.tcp_speed, first.tcp_speed) > least_change &&
-                             distance(second.tcp_speed, after.tcp_speed) > least_change &&
-                             std::max(distance(before.tcp_speed, {}), distance(after.tcp_speed, {})) > moving;
-    if (!pose_twice && !speed_twice) continue;
-    const auto off = [&](const RobotState& row) {  // a pose tells more, since it changes all the time
-      return pose_twice ? pose_off_curve(before, row, after, has_speeds && has_poses) : speed_off_line(before, row, after);
-    };
-    dropped[off(first) > off(second) ? i : i + 1] = true;
-  }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!dropped[i]) log.states[kept++] = states[i];
-  }
-  log.mixed_rows += states.size() - kept;
-  log.states.resize(kept);
-}
-
 /// Sorts the rows of a log into the pieces of its clocks.
 class Pieces {
  public:
   void connection_lost() { lost_ = true; }
 
-  /// @return whether the row counts; else it repeats the one before
+  /// @return false if the row repeats the one before
   bool add(const RobotState& state) {
     const bool was_lost = std::exchange(lost_, false);
     if (pieces_.empty() || starts_anew(state, was_lost)) {
@@ -283,12 +218,12 @@ class Pieces {
       repair_by_repetition(piece, state);
       return false;
     }
-    if (was_lost || state.t - before.t > longest_step) piece.gaps.push_back({before.t, state.t});
+    if (was_lost || state.t - before.t > longest_row_step) piece.gaps.push_back({before.t, state.t});
     piece.states.push_back(state);
     return true;
   }
 
-  /// What the outputs are in the row that was added last.
+  /// The outputs in the last row that was added.
   void add_outputs(const std::vector<OutputColumn>& columns, const std::vector<std::int64_t>& values) {
     RobotLog& piece = pieces_.back();
     for (std::size_t i = 0; i < outputs_.size() && i < values.size(); ++i) {
@@ -326,7 +261,7 @@ class Pieces {
     return difference > longest_clock_disagreement.count() || difference < -longest_clock_disagreement.count();
   }
 
-  /// A row that came too soon has its package's time and the motion of the one before; its repetition has it all.
+  /// A row that was sampled too early has its package's time and the motion of the one before; its repetition is whole.
   static void repair_by_repetition(RobotLog& piece, const RobotState& again) {
     const std::size_t n = piece.states.size();
     if (n < 3) return;
@@ -343,7 +278,7 @@ class Pieces {
   bool lost_ = false;
 };
 
-/// Poses of joints, speeds of poses: whatever the columns lack.
+/// Makes what the columns lack: poses from joints, speeds from poses.
 void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions& options) {
   for (RobotLog& piece : file.pieces) drop_mixed_rows(piece, columns.speed.has_value(), columns.pose && !columns.pose_is_joints);
   if (columns.pose_is_joints && !file.pieces.empty())
@@ -364,21 +299,9 @@ void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions&
 }  // namespace
 
 std::string_view name_of(RobotSpeedSource source) {
-  switch (source) {
-    case RobotSpeedSource::actual_tcp_speed:
-      return "actual_TCP_speed";
-    case RobotSpeedSource::actual_tcp_pose:
-      return "actual_TCP_pose";
-    case RobotSpeedSource::actual_q:
-      return "actual_q";
-    case RobotSpeedSource::target_tcp_speed:
-      return "target_TCP_speed";
-    case RobotSpeedSource::target_tcp_pose:
-      return "target_TCP_pose";
-    case RobotSpeedSource::target_q:
-      return "target_q";
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> names{"actual_TCP_speed", "actual_TCP_pose", "actual_q",
+                                                  "target_TCP_speed", "target_TCP_pose", "target_q"};
+  return names.at(static_cast<std::size_t>(source));
 }
 
 const RobotLog& RobotLogFile::longest() const {
@@ -394,7 +317,7 @@ double rate_hz(const RobotLog& log) {
   steps.reserve(log.states.size() - 1);
   for (std::size_t i = 1; i < log.states.size(); ++i)
     steps.push_back(saturating_subtract(us_of(log.states[i].t), us_of(log.states[i - 1].t)));
-  return 1e6 / static_cast<double>(upper_median<std::int64_t>(steps));
+  return 1e6 / static_cast<double>(median<std::int64_t>(steps));
 }
 
 std::uint64_t lost_packages(const RobotLog& log) {
@@ -428,7 +351,7 @@ RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOpt
       continue;
     }
     if (std::exchange(is_first, false)) refuse_binary(table);
-    // Whoever writes host times ends every row, so that one without its end was cut off, be it in the middle of its last number.
+    // A writer of host times ends every row: one without its end was cut off, perhaps in the middle of its last number.
     if (!table.is_ended() && columns.host_time) {
       file.cut_off = true;
       break;

@@ -49,11 +49,11 @@ constexpr milliseconds shortest_pause{100}, longest_pause{5'000};  // between tw
 constexpr milliseconds attempt_patience{2'000};
 constexpr milliseconds wake_every{100};
 
-/// Beyond this robot and host disagree about how long the connection was lost: the controller's clock started anew meanwhile.
+/// If robot and host disagree by more about the length of a lost connection, the controller's clock has restarted.
 constexpr double longest_clock_disagreement_s = 1.0;
 constexpr double latest_timestamp_s = 1e12;  // what `read_robot_log` takes
 
-/// At the two ends of a log there is no second package to tell a gap by: so long a silence is one.
+/// At the two ends of a log there is no second package that shows a gap: a silence of this length is one.
 constexpr double longest_silence_s = 1.0;
 
 std::vector<std::string> wanted_fields(const RobotMonitorOptions& options) {
@@ -85,13 +85,13 @@ bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
 struct RobotMonitor::State {
   RobotMonitorOptions options;
   NetworkAddress address;
-  std::vector<std::string> fields;   ///< what the controller has of what is wanted
+  std::vector<std::string> fields;   ///< the requested ones that the controller has
   std::vector<std::string> columns;  ///< of a data package
   std::size_t time_column = 0;
   std::vector<std::size_t> needed_columns;
-  std::unique_ptr<RtdeSession> session;                                        ///< the monitor's thread alone, once that runs
-  RtdeRecipe recipe;                                                           ///< likewise
-  bool told_of_bad_numbers = false;                                            ///< likewise
+  std::unique_ptr<RtdeSession> session;  ///< used by the monitor's thread only, once that runs
+  RtdeRecipe recipe;                     ///< likewise
+  bool reported_bad_numbers = false;     ///< likewise
   RepeatedMessages messages{[this](const std::string& text) { tell(text); }};  ///< likewise
 
   mutable std::mutex mutex;  ///< guards all that follows
@@ -107,7 +107,7 @@ struct RobotMonitor::State {
   bool was_lost = false;  ///< the connection, since then
   HostTime log_begun{};
   bool log_has_rows = false;
-  bool gap_is_counted = false;  ///< the one that now lasts; an empty line stands for it, but not ahead of the first row
+  bool gap_is_counted = false;  ///< the present one; an empty line marks it, but not before the first row
   std::string line;
 
   std::thread thread;
@@ -157,7 +157,7 @@ void RobotMonitor::State::first_connection() {
                                 address.text(), required, text_of(agreed.version)));
       }
     }
-    tell(fmt::format("the robot has no {}: the log goes without", joined(agreed.unknown)));
+    tell(fmt::format("the robot has no {}: the log is without it", joined(agreed.unknown)));
     std::erase_if(fields, [&](const std::string& name) {
       return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
     });
@@ -229,7 +229,7 @@ void RobotMonitor::State::connect_again() {
 
 void RobotMonitor::State::lose_connection() {
   session.reset();
-  told_of_bad_numbers = false;
+  reported_bad_numbers = false;
   const std::lock_guard lock(mutex);
   shown.connected = false;
   newest.clear();
@@ -263,7 +263,7 @@ void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, Ho
   gap_is_counted = false;
 }
 
-/// A log that ends while the robot is gone, or got nothing at all, lacks packages that no later one tells of.
+/// A log that ends while the robot is gone, or that has no package, lacks packages that no later one shows.
 void RobotMonitor::State::count_gap_at_end(HostTime now) {
   const double silence = seconds_between(log_has_rows ? last_arrival : log_begun, now);
   if (shown.connected && log_has_rows && silence <= longest_silence_s) return;
@@ -279,9 +279,9 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
     const double number = as_double(numbers[i]);
     return std::isfinite(number) && (i != time_column || std::abs(number) <= latest_timestamp_s);
   });
-  if (!usable) {  // a row that no reader takes would spoil the whole log
-    if (!std::exchange(told_of_bad_numbers, true))
-      tell("the robot sends times, poses or speeds that are no numbers: such rows are left out");
+  if (!usable) {  // a row that no reader accepts would make the whole log unreadable
+    if (!std::exchange(reported_bad_numbers, true))
+      tell("the robot sends times, poses or speeds that are not finite numbers: such rows are left out");
     return;
   }
   const std::lock_guard lock(mutex);
@@ -321,8 +321,7 @@ void RobotMonitor::State::run() {
         heard = arrival;
         while (const auto package = session->next()) take_package(*package, arrival);
       } else if (host_now() - heard > options.patience) {
-        throw Error(
-            fmt::format("{}: nothing came for {} s", address.text(), static_cast<double>(options.patience.count()) / 1e3));
+        throw Error(fmt::format("{}: no data for {} s", address.text(), static_cast<double>(options.patience.count()) / 1e3));
       }
     } catch (const Error& e) {
       lose_connection();
@@ -350,7 +349,7 @@ RobotMonitor::~RobotMonitor() {
 
 void RobotMonitor::start_log(const std::filesystem::path& file) {
   const auto refuse_second = [&] {
-    if (state_->log) throw Error(file.string() + ": a log is being written already; expected it to be stopped first");
+    if (state_->log) throw Error(file.string() + ": a log is already being written; stop it first");
   };
   {
     const std::lock_guard lock(state_->mutex);
@@ -408,8 +407,7 @@ RobotMonitorState RobotMonitor::state() const {
 std::optional<double> RobotMonitor::newest(const std::string& field) const {
   const auto column = std::find(state_->columns.begin(), state_->columns.end(), field);
   if (column == state_->columns.end())
-    throw Error(
-        fmt::format("the robot sends no '{}'; expected an RTDE output of one number that it has and that was asked for", field));
+    throw Error(fmt::format("the robot sends no '{}'; expected a requested RTDE output of one number", field));
   const std::lock_guard lock(state_->mutex);
   if (!state_->shown.connected || state_->newest.empty()) return std::nullopt;
   return as_double(state_->newest[static_cast<std::size_t>(column - state_->columns.begin())]);

@@ -11,9 +11,9 @@
 
 namespace tactile {
 
-// RTDE, protocol version 2: what a UR controller speaks on TCP port 30004. A stream of packages, each a uint16 size that counts
-// itself, a uint8 type and a payload; every number is big-endian. Both sides' packages are here, so that a controller can be
-// played. Nothing here knows a socket. Source: UR's RTDE guide.
+// RTDE, protocol version 2, of a UR controller on TCP port 30004: a stream of packages, each a uint16 size that includes itself,
+// a uint8 type and a payload; every number is big-endian. The packages of both sides are here, so that tests can simulate a
+// controller. There are no sockets here. Source: UR's RTDE guide.
 
 inline constexpr std::uint16_t rtde_protocol_version = 2;
 inline constexpr std::size_t rtde_longest_field_list = 2'048;  ///< [bytes] of names, commas included
@@ -34,12 +34,12 @@ struct RtdePackage {
   std::span<const std::byte> payload;
 };
 
-/// Makes packages of the stream's bytes, however they were cut on their way. Holds one package and what came behind it.
+/// Makes packages from the stream's bytes, in pieces of any size. Holds one package and the bytes after it.
 class RtdeReassembly {
  public:
   void append(std::span<const std::byte> bytes);
 
-  /// The next whole package, valid until the next call of any member; nothing if it has not come whole.
+  /// The next whole package, valid until the next call of any member; nothing if it has not arrived whole.
   /// @throws Error  if there is none: a size below that of its own header, or a type that RTDE does not have
   std::optional<RtdePackage> next();
 
@@ -61,7 +61,7 @@ enum class RtdeFieldType : std::uint8_t {
   vector6_uint32
 };
 
-std::string_view name_of(RtdeFieldType type);                                ///< as on the wire: "VECTOR6D"
+std::string_view name_of(RtdeFieldType type);                                ///< in the protocol: "VECTOR6D"
 std::optional<RtdeFieldType> rtde_field_type_called(std::string_view name);  ///< nothing for "NOT_FOUND", "IN_USE" and the like
 std::size_t numbers_in(RtdeFieldType type);                                  ///< 1, 3 or 6
 std::size_t bytes_of(RtdeFieldType type);                                    ///< on the wire
@@ -71,7 +71,7 @@ struct RtdeField {
   RtdeFieldType type{};
 };
 
-/// What a data package holds, field after field without padding.
+/// The fields of a data package, without padding.
 struct RtdeRecipe {
   std::uint8_t id = 0;
   std::vector<RtdeField> fields;
@@ -80,7 +80,7 @@ struct RtdeRecipe {
 /// The name of every number of a data package: the field's own, or with _0, _1, … where it is a vector.
 std::vector<std::string> columns_of(const RtdeRecipe& recipe);
 
-/// A truth value is 0 or 1.
+/// A boolean is 0 or 1.
 using RtdeNumber = std::variant<std::uint64_t, std::int64_t, double>;
 double as_double(const RtdeNumber& number);
 
@@ -121,7 +121,7 @@ std::vector<std::byte> rtde_controller_version_reply(const RtdeControllerVersion
 std::vector<std::byte> rtde_setup_reply(RtdePackageType type, const RtdeSetupReply& reply);  ///< setup_outputs, setup_inputs
 std::vector<std::byte> rtde_text_message(const RtdeText& message);                           ///< each text cut at 255 bytes
 
-// Payloads taken apart. @throws Error  if the payload has not the size or form of its kind
+// Reads payloads. @throws Error  if the payload has not the size or form of its kind
 std::uint16_t protocol_version_in(std::span<const std::byte> request);
 bool accepted_in(std::span<const std::byte> reply);
 RtdeControllerVersion controller_version_in(std::span<const std::byte> reply);

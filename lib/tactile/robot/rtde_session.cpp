@@ -16,7 +16,7 @@ constexpr double old_highest_hz = 125, highest_hz = 500;
 constexpr std::uint32_t first_fast_version = 5;
 constexpr milliseconds farewell_patience{100};
 
-/// A controller's words, fit for a terminal.
+/// A controller's message in printable form.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
@@ -39,10 +39,10 @@ void RtdeSession::refuse(const std::string& what) const { throw Error(connection
 
 void RtdeSession::send(const std::vector<std::byte>& package) { connection_.send(package, patience_); }
 
-/// What the controller said last, to stand behind a refusal.
+/// The controller's last message, to be put after a refusal.
 std::string RtdeSession::last_words() const { return last_words_.empty() ? "" : " (" + last_words_ + ")"; }
 
-/// Data of an earlier start may still be on its way.
+/// Data of an earlier start may still arrive.
 template <class Answer>
 Answer RtdeSession::answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>)) {
   const auto deadline = std::chrono::steady_clock::now() + patience_;
@@ -69,8 +69,7 @@ RtdeControllerVersion RtdeSession::greet() {
 
 RtdeFieldType RtdeSession::type_of(const std::string& name, const std::string& type) const {
   const auto known = rtde_field_type_called(type);
-  if (!known)
-    refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", name, printable(type)));
+  if (!known) refuse(fmt::format("the controller gives '{}' the type '{}'; expected one of RTDE's", name, printable(type)));
   return *known;
 }
 
@@ -132,7 +131,7 @@ void RtdeSession::start() {
 void RtdeSession::pause() {
   try {
     connection_.send(rtde_bare_request(RtdePackageType::pause), farewell_patience);
-  } catch (const Error&) {  // it is being closed: nobody waits for the answer
+  } catch (const Error&) {  // it is being closed: the answer does not matter
   }
 }
 

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
-#include "tactile/network/connection.hpp"
 #include "tactile/robot/rtde_protocol.hpp"
+#include "tactile/transport/connection.hpp"
 
 namespace tactile {
 
-/// What controller and client agreed on.
+/// The result of the set-up of controller and client.
 struct RtdeAgreement {
   RtdeControllerVersion version;
   double frequency_hz = 0;
@@ -23,13 +23,13 @@ struct RtdeAgreement {
   std::vector<std::string> unknown;  ///< names that the controller does not have; then the recipe is not valid
 };
 
-/// One connection to a controller: first the recipe is agreed on, then the controller is started, then packages come.
+/// One connection to a controller: first the recipe is agreed on, then the controller is started, then it sends packages.
 class RtdeSession {
  public:
   using Tell = std::function<void(const std::string&)>;
 
   /// @param patience  with the connection and with each answer, > 0
-  /// @param tell      gets the controller's text messages, fit for a terminal
+  /// @param tell      gets the controller's text messages, in printable form
   /// @throws Error    if there is no controller
   RtdeSession(const NetworkAddress& address, std::chrono::milliseconds patience, Tell tell);
 
@@ -37,20 +37,21 @@ class RtdeSession {
   /// @throws Error        if it speaks no RTDE 2 or refuses, but not for names that it does not have
   RtdeAgreement agree(const std::vector<std::string>& names, double frequency_hz);
 
-  /// Agrees on what this client writes, ahead of any other that writes the same: `unknown` names inputs that the controller does
-  /// not have. @throws Error  if it speaks no RTDE 2, or another client writes one of them already
+  /// Agrees on the inputs that this client writes and that no other client may write: `unknown` names inputs that the controller
+  /// does not have. @throws Error  if it speaks no RTDE 2, or another client writes one of them already
   RtdeAgreement agree_on_inputs(const std::vector<std::string>& names);
 
-  /// Sends numbers of inputs that were agreed on. @throws Error  if the connection is over, or nothing is taken within `patience`
+  /// Sends numbers of inputs that were agreed on. @throws Error  if the connection is over, or the controller does not accept the
+  /// bytes within `patience`
   void write(const RtdeRecipe& recipe, std::span<const RtdeNumber> numbers, std::chrono::milliseconds patience);
 
   void start();  ///< @throws Error if the controller refuses
-  void pause();  ///< asks it to end; nobody waits for the answer
+  void pause();  ///< asks it to end; does not wait for the answer
 
   /// Waits up to `patience` for bytes; false if none came. @throws Error if the connection is over
   bool receive(std::chrono::milliseconds patience);
 
-  /// The next whole package that has come, text messages told and left out. Its payload lasts until the next `receive`.
+  /// The next whole package; text messages are reported and left out. Its payload is valid until the next `receive`.
   std::optional<RtdePackage> next();
 
   /// Runs `step` and names the controller in what it throws.

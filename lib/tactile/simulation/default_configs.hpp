@@ -4,7 +4,7 @@
 
 namespace tactile {
 
-// The files of configs/ that are the simulation's defaults, as they were when this was built.
+// The files of configs/ with the simulation's defaults, as of the build.
 std::string_view default_simulation_config();
 std::string_view default_objects_config();
 

@@ -7,7 +7,7 @@
 
 namespace tactile {
 
-/// A range that a run's value is drawn from, every value alike.
+/// A range from which a run's value is drawn uniformly.
 struct Range {
   double low = 0;
   double high = 0;
@@ -15,12 +15,12 @@ struct Range {
 
 inline double drawn(const Range& range, Random& random) { return random.uniform(range.low, range.high); }
 
-/// Round `typical`, by a factor whose logarithm is normal with this spread, cut at two spreads.
+/// `typical` times a factor whose logarithm is normal with this spread, limited to two spreads.
 inline double varied(double typical, double spread, Random& random) {
   return typical * std::exp(spread * std::clamp(random.normal(), -2.0, 2.0));
 }
 
-/// Normal round 0, cut at 2.5 sigma.
+/// Normal around 0, limited to 2.5 sigma.
 inline double cut_normal(double sigma, Random& random) { return sigma * std::clamp(random.normal(), -2.5, 2.5); }
 
 }  // namespace tactile

@@ -7,10 +7,8 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numbers>
 #include <string>
-#include <string_view>
 
 #include "tactile/core/error.hpp"
 
@@ -18,30 +16,11 @@ namespace tactile {
 namespace {
 
 constexpr double shot_share_at_white = 0.25;    // of the shot noise in the dark (v2e)
-constexpr std::int32_t long_ago = -20'000'000;  // in read-outs: no pixel is blind for longer
+constexpr std::int32_t long_ago = -20'000'000;  // in read-outs, longer than any reset
 
-/// Throws where a field is out of its range.
-struct RangeCheck {
-  static void need(std::string_view name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw Error(fmt::format("simulated camera: {} is {}; expected {} to {}", name, value, low, high));
-  }
-  void operator()(std::string_view name, double& value, double low, double high) const { need(name, value, low, high); }
-  void operator()(std::string_view name, int& value, double low, double high) const { need(name, value, low, high); }
-  void operator()(std::string_view name, microseconds& value, double low, double high) const {
-    need(name, static_cast<double>(value.count()), low, high);
-  }
-  void operator()(std::string_view name, SensorSize& size, double low, double high) const {
-    need(name, size.width, low, high);
-    need(name, size.height, low, high);
-  }
-};
-
-std::size_t pixel_count(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
-
-/// ln of each value, which are positive and normal: x = 2^k m with m from 1/sqrt(2) to sqrt(2), and
-/// ln m = 2 (s + s^3/3 + s^5/5 + s^7/7 + s^9/9) with s = (m - 1) / (m + 1), right to float's precision. In plain steps, so that
-/// the compiler takes several values at once.
+/// ln of each value, which must be positive and normal: x = 2^k m with m from 1/sqrt(2) to sqrt(2), and
+/// ln m = 2 (s + s^3/3 + s^5/5 + s^7/7 + s^9/9) with s = (m - 1) / (m + 1), accurate to float. The simple steps allow the
+/// compiler to vectorise.
 void take_logs(float* values, std::size_t count) {
   constexpr std::uint32_t root_half = 0x3f3504f3;  // 1/sqrt(2)
   for (std::size_t i = 0; i < count; ++i) {
@@ -59,7 +38,7 @@ float log_of(float value) {
   return value;
 }
 
-/// An edge seen through the lens: values[i] = smoothstep of (i + 0.5 - edge) over `blur` on both sides of it, 0 to 1.
+/// A blurred edge: values[i] = smoothstep of (i + 0.5 - edge) over `blur` on both sides of it, 0 to 1.
 void draw_edge(double edge, double blur, float* values, int count) {
   const auto inside = [&](double i) { return i > 0 ? static_cast<int>(std::min<double>(i, count)) : 0; };
   const int from = inside(std::floor(edge - blur)), to = inside(std::ceil(edge + blur));
@@ -72,105 +51,6 @@ void draw_edge(double edge, double blur, float* values, int count) {
 }
 
 }  // namespace
-
-void check(const EventCameraOptions& options) {
-  EventCameraOptions o = options;
-  RangeCheck fields;
-  list_fields(fields, o);
-  RangeCheck::need("hot_max_hz", o.hot_max_hz, o.hot_min_hz, 1e6);
-  RangeCheck::need("dead_pixels", o.dead_pixels, 0, static_cast<double>(pixel_count(o.size) / 2));
-  RangeCheck::need("veil", o.veil, 0, 10);
-  RangeCheck::need("noise_factor", o.noise_factor, 0, 1000);
-}
-
-SkinView view_of(const EventCameraOptions& options) {
-  SkinView view = view_of_skin(options.size);
-  if (options.px_per_mm > 0) view.px_per_mm = options.px_per_mm;
-  return view;
-}
-
-PixelLottery::PixelLottery(const std::vector<double>& weights) : keep_(weights.size(), 1.0F), other_(weights.size()) {
-  for (const double weight : weights) weight_sum_ += weight;
-  if (!(weight_sum_ > 0)) return;
-  // A pixel of less than the mean weight shares its place with one of more.
-  std::vector<double> left(weights);
-  std::vector<std::uint32_t> less, more;
-  const double mean = weight_sum_ / static_cast<double>(weights.size());
-  for (std::uint32_t i = 0; i < weights.size(); ++i) {
-    other_[i] = i;
-    (weights[i] < mean ? less : more).push_back(i);
-  }
-  while (!less.empty() && !more.empty()) {
-    const std::uint32_t small = less.back(), large = more.back();
-    less.pop_back();
-    keep_[small] = static_cast<float>(left[small] / mean);
-    other_[small] = large;
-    left[large] -= mean - left[small];
-    if (left[large] < mean) {
-      more.pop_back();
-      less.push_back(large);
-    }
-  }
-}
-
-std::uint32_t PixelLottery::draw(Random& random) const {
-  const std::uint64_t bits = random.bits();
-  const auto place = static_cast<std::uint32_t>(((bits >> 32) * keep_.size()) >> 32);
-  const float share = static_cast<float>((bits >> 8) & 0xff'ffff) * 0x1.0p-24F;
-  return share < keep_[place] ? place : other_[place];
-}
-
-CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t seed) {
-  check(options);
-  Random random(seed);
-  const std::size_t count = pixel_count(options.size);
-  CameraPixels pixels;
-  pixels.thresholds.reserve(count);
-  std::vector<double> leak(count), shot(count);
-  // A log-normal with this spread has a mean above 1; the division keeps the mean rate what it is called.
-  const double spread = options.leak_spread_decades * std::numbers::ln10;
-  const double mean = std::exp(0.5 * spread * spread);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double threshold = std::max(options.threshold_floor, options.threshold + options.threshold_sigma * random.normal());
-    pixels.thresholds.push_back(static_cast<float>(threshold));
-    leak[i] = std::exp(spread * random.normal()) / mean;
-    shot[i] = options.threshold / threshold;
-  }
-  for (int dead = 0; dead < options.dead_pixels;) {
-    const std::uint64_t i = random.below(count);
-    if (std::isinf(pixels.thresholds[i])) continue;
-    pixels.thresholds[i] = std::numeric_limits<float>::infinity();
-    leak[i] = shot[i] = 0;
-    ++dead;
-  }
-  pixels.leak = PixelLottery(leak);
-  pixels.shot = PixelLottery(shot);
-  pixels.hot_seed = random.bits();
-  pixels.hot_pixels = options.hot_pixels;
-  pixels.hot_min_hz = options.hot_min_hz;
-  pixels.hot_max_hz = options.hot_max_hz;
-  pixels.hot_turnover = options.hot_turnover;
-  return pixels;
-}
-
-std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index) {
-  std::vector<SimulatedHotPixel> hot;
-  for (int i = 0; i < pixels.hot_pixels; ++i) {
-    Random random(seed_for(pixels.hot_seed, {"hot pixel", std::to_string(i)}));
-    const auto born = [&] {
-      std::uint64_t index = random.below(pixels.thresholds.size());
-      while (std::isinf(pixels.thresholds[index])) index = random.below(pixels.thresholds.size());
-      const double hz = pixels.hot_min_hz * std::pow(pixels.hot_max_hz / pixels.hot_min_hz, random.uniform());
-      return SimulatedHotPixel{static_cast<std::uint32_t>(index), hz};
-    };
-    SimulatedHotPixel pixel = born();
-    for (std::size_t run = 0; run < run_index; ++run) {
-      if (random.uniform() < pixels.hot_turnover) pixel = born();
-    }
-    hot.push_back(pixel);
-  }
-  return hot;
-}
 
 void EventCamera::Box::take_in(const Box& b) {
   left = std::min(left, b.left);
@@ -216,7 +96,7 @@ EventCamera::EventCamera(const CameraPixels& pixels, const EventCameraOptions& o
     }
   }
   for (const auto& [index, hz] : hot_pixels_of_run(pixels, options.run_index)) {
-    const double between = std::max(0.01, 1.0 / (hz * readout_s_));  // one event in each read-out is all that it can give
+    const double between = std::max(0.01, 1.0 / (hz * readout_s_));  // at most one event per read-out
     hot_.push_back({index, between * random_.uniform(), between});
   }
 }
@@ -255,7 +135,7 @@ void EventCamera::place(const MarkerPose& pose, Marker& marker) {
   }
 }
 
-/// Reflectance of the skin and whatever markers there are.
+/// Reflectance of the skin with its markers.
 float EventCamera::reflectance_at(int x, int y) const {
   auto reflectance = static_cast<float>(options_.skin);
   for (const Marker& marker : markers_) {
@@ -268,7 +148,7 @@ float EventCamera::reflectance_at(int x, int y) const {
 
 float EventCamera::level_at(int x, int y) const { return log_of(intensity_of(reflectance_at(x, y))); }
 
-/// @param across  of each column from `left` on; none: all 1
+/// @param across  of each column from `left` on; nullptr: all 1
 void EventCamera::add_stretch(int row, int left, int right, const float* across, float contrast) {
   if (left >= right) return;
   const auto skin = static_cast<float>(options_.skin);
@@ -292,20 +172,20 @@ void EventCamera::compare_stretches(std::uint8_t cause) {
   intensity_count_ = 0;
 }
 
-/// Fires the pixels of a row whose ln I is too far from what they remember.
-/// @param levels  ln I of each of them, or of all if it is even
+/// Fires the pixels of a row whose ln I differs too much from their memory.
+/// @param levels  ln I of each pixel, or one value for all if `even`
 void EventCamera::compare(const float* levels, int row, int left, int right, bool even, std::uint8_t cause) {
   const std::size_t first = index_of(left, row), count = static_cast<std::size_t>(right - left);
   const float* remembered = remembered_.data() + first;
   const float* thresholds = pixels_.thresholds.data() + first;
-  if (!even) {  // a few at a marker's end
+  if (!even) {  // a few pixels at a marker's end
     for (std::size_t i = 0; i < count; ++i) {
       const float change = levels[i] - remembered[i];
       if (std::fabs(change) > thresholds[i]) fire(left + static_cast<int>(i), row, levels[i], change > 0, cause);
     }
     return;
   }
-  // A byte for each, of which eight are looked at in one go.
+  // One byte per pixel; eight are tested at once.
   const float level = *levels;
   constexpr std::size_t together = 8;
   exceeds_.resize(count + together);
@@ -324,7 +204,7 @@ void EventCamera::compare(const float* levels, int row, int left, int right, boo
   }
 }
 
-/// Looks at the pixels whose light differs between the two, either of which may be nowhere.
+/// Evaluates the pixels whose light differs between the two markers; either may be empty.
 /// @param sideways  whether any column may differ
 void EventCamera::look_at_change(const Marker& before, const Marker& now, bool sideways, std::uint8_t cause) {
   const bool was = !before.across.empty(), is = !now.across.empty();
@@ -335,7 +215,7 @@ void EventCamera::look_at_change(const Marker& before, const Marker& now, bool s
   const auto across_from = [&](int column) { return columns_.data() + (column - all.left); };
   std::copy(now.across.begin(), now.across.end(), columns_.begin() + (is ? now.box.left - all.left : 0));
   const int full_left = is ? now.full_left : all.right, full_right = is ? now.full_right : all.right;
-  // The columns of both that are not full.
+  // The columns at the ends of both.
   const int left_end = was && is ? std::max(before.full_left, now.full_left) : all.right;
   const int right_end = was && is ? std::max(left_end, std::min(before.full_right, now.full_right)) : all.right;
   const auto contrast_at = [](const Marker& marker, int row) {
@@ -365,7 +245,7 @@ void EventCamera::look_pixel_by_pixel(const Box& box, std::uint8_t cause) {
   }
 }
 
-/// Looks at the whole image, as the light has changed.
+/// Evaluates the whole image, because the light has changed.
 void EventCamera::look_at_all() {
   const std::size_t count = markers_.size();
   std::vector<const Box*> boxes;
@@ -414,7 +294,7 @@ void EventCamera::fire_without_cause(std::uint32_t index, bool on) {
 }
 
 void EventCamera::add_noise() {
-  // More draws than this leave no pixel without an event.
+  // With more draws, every pixel has an event.
   const std::uint64_t enough = 16 * pixels_.thresholds.size();
   const auto draws = [&](double hz, const PixelLottery& lottery) {
     const double mean = hz * options_.noise_factor * readout_s_ * lottery.weight_sum();
@@ -434,7 +314,7 @@ void EventCamera::add_noise() {
   for (Hot& hot : hot_) {
     if (hot.next_readout > readout_) continue;
     fire_without_cause(hot.index, random_.uniform() < options_.hot_on_share);
-    // Half regular, half random: a hot pixel recharges before it can fire again. What falls into one read-out is one event.
+    // Half regular, half random: a hot pixel recharges before it fires again. Several times in a read-out give one event.
     while (hot.next_readout <= readout_) hot.next_readout += hot.readouts_between * (0.5 + 0.5 * random_.exponential());
   }
 }
@@ -446,7 +326,7 @@ void EventCamera::hold_in_reset() {
   });
 }
 
-/// By x, then y; a stable counting sort for each, as many values share few places.
+/// Sorts by x, then y, with two stable counting sorts, because there are few different values.
 void EventCamera::sort_fired() {
   if (fired_.size() < 32) {
     std::sort(fired_.begin(), fired_.end(), [](const Fired& a, const Fired& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -462,6 +342,47 @@ void EventCamera::sort_fired() {
   };
   sort_by([](const Fired& fired) { return fired.y; }, options_.size.height);
   sort_by([](const Fired& fired) { return fired.x; }, options_.size.width);
+}
+
+/// Evaluates the pixels of marker `m`, which has moved. @param moved  bit i: marker i has moved
+void EventCamera::look_at_moved(std::size_t m, std::uint32_t moved, bool sideways) {
+  const Marker &before = before_[m], &now = markers_[m];
+  const auto cause = static_cast<std::uint8_t>(m + 1);
+  bool alone = true;
+  for (std::size_t n = 0; n < markers_.size(); ++n) {
+    if (n == m) continue;
+    const bool meets = markers_[n].box.meets(before.box) || markers_[n].box.meets(now.box) ||
+                       ((moved >> n & 1U) != 0 && (before_[n].box.meets(before.box) || before_[n].box.meets(now.box)));
+    alone = alone && !meets;
+  }
+  if (!alone) {
+    look_pixel_by_pixel(before.box, cause);
+    look_pixel_by_pixel(now.box, cause);
+  } else if (before.box.meets(now.box)) {
+    look_at_change(before, now, sideways, cause);
+  } else {
+    look_at_change(before, {}, true, cause);
+    look_at_change({}, now, true, cause);
+  }
+}
+
+/// The events of this read-out, sorted and limited.
+EventCamera::ReadOut EventCamera::collect_fired() {
+  sort_fired();
+  fired_.resize(std::min(fired_.size(), static_cast<std::size_t>(options_.readout_limit)));
+  ReadOut seen;
+  events_.resize(fired_.size());
+  const CameraTime t = start_ + readout_ * options_.readout;
+  for (std::size_t i = 0; i < fired_.size(); ++i) {
+    const Fired& fired = fired_[i];
+    events_[i] = {.t = t, .x = static_cast<std::int16_t>(fired.x), .y = static_cast<std::int16_t>(fired.y), .on = fired.on};
+    if (fired.cause == 0) continue;
+    ++seen.caused;
+    seen.caused_by |= 1U << (fired.cause - 1U);
+  }
+  seen.events = events_;
+  fired_.clear();
+  return seen;
 }
 
 EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
@@ -484,44 +405,12 @@ EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
     place(poses[m], markers_[m]);
   }
   for (std::size_t m = 0; m < poses.size(); ++m) {
-    if ((moved >> m & 1U) == 0) continue;
-    const Marker &before = before_[m], &now = markers_[m];
-    const auto cause = static_cast<std::uint8_t>(m + 1);
-    bool alone = true;
-    for (std::size_t n = 0; n < poses.size(); ++n) {
-      if (n == m) continue;
-      const bool meets = markers_[n].box.meets(before.box) || markers_[n].box.meets(now.box) ||
-                         ((moved >> n & 1U) != 0 && (before_[n].box.meets(before.box) || before_[n].box.meets(now.box)));
-      alone = alone && !meets;
-    }
-    if (!alone) {
-      look_pixel_by_pixel(before.box, cause);
-      look_pixel_by_pixel(now.box, cause);
-    } else if (before.box.meets(now.box)) {
-      look_at_change(before, now, (sideways >> m & 1U) != 0, cause);
-    } else {
-      look_at_change(before, {}, true, cause);
-      look_at_change({}, now, true, cause);
-    }
+    if ((moved >> m & 1U) != 0) look_at_moved(m, moved, (sideways >> m & 1U) != 0);
   }
   if (flickers) look_at_all();
   add_noise();
   if (!in_reset_.empty()) hold_in_reset();
-
-  sort_fired();
-  fired_.resize(std::min(fired_.size(), static_cast<std::size_t>(options_.readout_limit)));
-  ReadOut seen;
-  events_.resize(fired_.size());
-  const CameraTime t = start_ + readout_ * options_.readout;
-  for (std::size_t i = 0; i < fired_.size(); ++i) {
-    const Fired& fired = fired_[i];
-    events_[i] = {.t = t, .x = static_cast<std::int16_t>(fired.x), .y = static_cast<std::int16_t>(fired.y), .on = fired.on};
-    if (fired.cause == 0) continue;
-    ++seen.caused;
-    seen.caused_by |= 1U << (fired.cause - 1U);
-  }
-  seen.events = events_;
-  fired_.clear();
+  const ReadOut seen = collect_fired();
   ++readout_;
   return seen;
 }

@@ -26,9 +26,9 @@ std::vector<std::string> names_of(const std::vector<ObjectModel>& objects) {
   return names;
 }
 
-/// Puts the list's objects in the place of those of the same name, member by member, or behind the others.
+/// Changes the objects of the same name member by member, and appends new ones.
 void read_objects(const nlohmann::json& json, std::vector<ObjectModel>& objects, const std::string& where) {
-  if (!json.is_array()) throw Error(where + ": objects is no list; expected a list of objects");
+  if (!json.is_array()) throw Error(where + ": objects is not a list; expected a list of objects");
   std::vector<std::string> seen;
   for (const nlohmann::json& entry : json) {
     const auto name = member<std::string>(entry, "name", where + ": an object in objects");

@@ -20,12 +20,12 @@ namespace tactile {
 struct SimulationPreset {
   int runs = 0;  ///< per object
   RunTimings timings;
-  bool special_runs = false;  ///< has runs that are no plain press and slip
+  bool special_runs = false;  ///< some runs are not a plain press and slip
 };
 
-/// All that simulated runs are drawn from, but the seed.
+/// Everything that simulated runs are drawn from, except the seed.
 struct SimulationPhysics {
-  std::string source = "default";  ///< the name of the file that it was read from; no setting of its own
+  std::string source = "default";  ///< the name of the file; not a setting
   EventCameraOptions camera;
   RunVariation variation;
   AfterEffects after_effects;
@@ -35,30 +35,29 @@ struct SimulationPhysics {
   ImuPhysics imu;
   ClockPhysics clocks;
   std::map<std::string, SimulationPreset> presets{{"paper", {}}, {"quick", {}}, {"tiny", {}}};
-  std::vector<ObjectModel> objects;  ///< the paper's ten, in its order, and any that a file adds
+  std::vector<ObjectModel> objects;  ///< the paper's ten objects, in its order, and those that a file adds
 
-  // Each throws Error that names the nearest, and lists them, if there is none of this name.
+  // Each throws Error for an unknown name, with the nearest name and a list.
   const ObjectModel& object(std::string_view name) const;
   std::size_t place_of(std::string_view object) const;  ///< in `objects`
   const SimulationPreset& preset(std::string_view name) const;
 
-  /// What the plan of a run is drawn from. @param run_number  from 1
+  /// The options of a run's plan. @param run_number  from 1
   RunPlanOptions plan_options(const SimulationPreset& preset, int run_number) const;
 };
 
-/// configs/simulation.json and configs/objects.json, as they were when this was built.
+/// configs/simulation.json and configs/objects.json, as of the build.
 const SimulationPhysics& default_physics();
 
-/// The defaults, with what the file gives in their place: any member of configs/simulation.json, and `objects`, a list like that
-/// of configs/objects.json whose members replace those of the same name, member by member, or are added. `why` may say in a
-/// sentence what the file is for.
-/// @throws Error  naming the file and the member, with the nearest name where there is none of it, or the range it must lie in
+/// The defaults, changed by the file: any member of configs/simulation.json, and `objects`, a list as in configs/objects.json.
+/// Its entries change the object of the same name member by member, or add an object. `why` may describe the file's purpose.
+/// @throws Error  with the file and the member, and the nearest known name or the allowed range
 SimulationPhysics read_physics(const std::filesystem::path& file);
 
-/// Likewise, from JSON that `where` names. @throws Error likewise
+/// The same from JSON. @param where  names it in errors
 SimulationPhysics physics_from(const nlohmann::json& json, const std::string& where);
 
-nlohmann::json json_of(const SimulationPhysics& physics);  ///< whole; `physics_from` of it gives the same
+nlohmann::json json_of(const SimulationPhysics& physics);  ///< complete: `physics_from` gives the same physics
 
 template <class Fields>
 void list_fields(Fields& fields, SimulationPreset& preset) {
@@ -67,7 +66,7 @@ void list_fields(Fields& fields, SimulationPreset& preset) {
   fields("special_runs", preset.special_runs);
 }
 
-/// All but the objects, which are a list.
+/// All settings except the objects, which are a list.
 template <class Fields>
 void list_fields(Fields& fields, SimulationPhysics& physics) {
   fields("camera", physics.camera);

@@ -10,12 +10,12 @@
 namespace tactile {
 namespace {
 
-// The paper's ten. They are named here, whatever objects there are, so that adding one does not move another's clocks.
+// The paper's ten objects, listed here so that adding an object does not change the clocks of another.
 constexpr std::array<std::string_view, 10> the_ten{
     "3d-printed-object", "uhu-glue-stick", "sprayer",           "water-bottle", "fan",
     "white-box",         "textured-box",   "plastic-container", "small-box",    "usb-hub"};
 
-// A camera that its computer gave the time of day: some day of a year and a half from November 2023 on.
+// The camera has the computer's time of day, within a year and a half from November 2023 on.
 constexpr std::int64_t earliest_start_us = 1'700'000'000'000'000;
 constexpr std::uint64_t start_span_us = 50'000'000'000'000;
 constexpr double host_apart_s = 3;
@@ -28,11 +28,11 @@ bool shares_a_session(const ClockPhysics& physics, std::uint64_t seed, std::stri
   std::vector<std::string_view> objects(the_ten.begin(), the_ten.end());
   Random(seed_for(seed, {"objects that share a session"})).shuffle(objects);
   const auto place = std::find(objects.begin(), objects.end(), object) - objects.begin();
-  constexpr double rounding = 1e-9;  // 0.7 * 10 may lie below 7
+  constexpr double rounding = 1e-9;  // 0.7 * 10 may be below 7
   return static_cast<double>(place) < std::floor(10.0 * physics.shared_session_share + rounding);
 }
 
-/// The clocks of a start of camera and controller, and its first run.
+/// The clocks after a start of camera and controller, for the first run.
 RunClocks started_clocks(const ClockPhysics& physics, Random& random) {
   RunClocks clocks;
   clocks.camera_start_us = earliest_start_us + static_cast<std::int64_t>(random.below(start_span_us));
@@ -54,7 +54,7 @@ RunClocks clocks_of_run(const ClockPhysics& physics, std::uint64_t seed, std::st
                         double longest_run_s) {
   const std::string run = std::to_string(run_number);
   const bool is_shared = shares_a_session(physics, seed, object);
-  // Both kinds of name look alike.
+  // Both kinds of session names have the same form.
   const std::string_view session = is_shared ? std::string_view("all") : std::string_view(run);
   const std::uint64_t session_seed = seed_for(seed, {"session", object, session});
   Random random(session_seed);
@@ -62,7 +62,8 @@ RunClocks clocks_of_run(const ClockPhysics& physics, std::uint64_t seed, std::st
   clocks.session = fmt::format("session-{:016x}", seed_for(seed, {"session's name", object, session}));
   if (!is_shared || run_number == 1) return clocks;
 
-  // Every run has the time of the longest, so that its start depends on no other run. Whole milliseconds are whole read-outs.
+  // Every run gets the time of the longest, so that its start does not depend on other runs. Whole milliseconds are whole
+  // read-outs.
   std::int64_t start_ms = 0;
   for (int earlier = 1; earlier < run_number; ++earlier) {
     Random for_gap(seed_for(seed, {"gap after a run", object, std::to_string(earlier)}));

@@ -11,13 +11,13 @@
 
 namespace tactile {
 
-/// What the clocks of camera, robot, video and host are drawn from.
+/// The distribution of the clocks of camera, robot, video and host.
 struct ClockPhysics {
   Range drift_ppm{-100, 100};         ///< of robot and video against the camera
-  Range before_camera_s{0.1, 1.5};    ///< robot log and video begin so much earlier than the camera
-  Range robot_up_s{600, 200'000};     ///< since the controller started, at a session's first run
-  double shared_session_share = 0.5;  ///< of the objects, whose runs share one start of camera and controller
-  Range between_runs_s{20, 60};       ///< of one session, from when the longest run would have ended to the next one's start
+  Range before_camera_s{0.1, 1.5};    ///< time from the begin of robot log and video to that of the camera
+  Range robot_up_s{600, 200'000};     ///< uptime of the controller at the first run of a session
+  double shared_session_share = 0.5;  ///< share of the objects whose runs are one session: camera and controller started once
+  Range between_runs_s{20, 60};       ///< in a session, from the end of the longest possible run to the next start
 };
 
 template <class Fields>
@@ -29,23 +29,23 @@ void list_fields(Fields& fields, ClockPhysics& clocks) {
   fields("between_runs_s", clocks.between_runs_s, 0.0, 86'400.0);
 }
 
-/// A run's clocks, each started at another time and running at another rate.
+/// The clocks of a run. They start at different times and have different rates.
 struct RunClocks {
-  std::string session;               ///< runs of one name share their clocks; it says nothing else
+  std::string session;               ///< runs with the same session share their clocks
   std::int64_t camera_start_us = 0;  ///< the camera's first read-out
-  ClockRelation robot, video;        ///< to the camera's; a video always counts from 0
+  ClockRelation robot, video;        ///< to the camera's; a video counts from 0
   std::int64_t host_from_camera_us = 0;
 };
 
-/// The clocks of run `run_number` (from 1) of `object`. Of exactly the stated share of the ten objects (rounded down; for another
-/// object, by chance) all runs belong to one session and follow each other on one set of clocks; every other run has its own.
-/// Does not depend on which other runs are made.
+/// The clocks of run `run_number` (from 1) of `object`. For the given share of the ten objects (rounded down; for other objects,
+/// by chance) all runs belong to one session and share one set of clocks. Every other run has its own clocks. The result does not
+/// depend on which other runs are made.
 /// @param longest_run_s  no run of the data set is longer
 RunClocks clocks_of_run(const ClockPhysics& physics, std::uint64_t seed, std::string_view object, int run_number,
                         double longest_run_s);
 
-/// The clocks of a later run of one session: camera, robot and video go on as they ran in the session's `first` run, the camera's
-/// first read-out is at `start`, and robot and video begin as much earlier as they do in `drawn`.
+/// The clocks of a later run of a session: camera, robot and video continue from the `first` run of the session. The camera's
+/// first read-out is at `start`. Robot and video begin as long before it as in `drawn`.
 RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, CameraTime start);
 
 }  // namespace tactile

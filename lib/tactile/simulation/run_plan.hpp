@@ -13,10 +13,10 @@
 
 namespace tactile {
 
-/// How long the parts of a run last.
+/// The durations of the parts of a run.
 struct RunTimings {
-  Range quiet_s{0.8, 1.2};    ///< before anything moves
-  Range travel_s{0.15, 0.5};  ///< of the stage, before it touches
+  Range quiet_s{0.8, 1.2};    ///< before any motion
+  Range travel_s{0.15, 0.5};  ///< of the stage, before contact
   Range hold_s{0.35, 0.7};    ///< still, between press and lift
   Range lift_s{0.5, 0.9};     ///< of the arm
   Range rest_s{1.1, 1.6};     ///< still, after the lift
@@ -33,59 +33,59 @@ void list_fields(Fields& fields, RunTimings& t) {
   fields("between_s", t.between_s, 0.05, 60.0);
 }
 
-/// How runs differ from each other. A spread is the standard deviation of the logarithm of a factor on the object's own value.
-/// None of it is published: press and lift keep within what the sensor and its stage can do (0-2 mm inward, 4-20 mm/s), slip
-/// within what slip sensing reports (shear of 0.2-1.5 mm, stick-slip of 10-60 Hz, ringing of 60-300 Hz); the rest is assumed.
+/// The variation between runs. A spread is the standard deviation of the logarithm of a factor on the object's value. None of it
+/// is published. Press and lift are within the limits of the sensor and its stage (0-2 mm inward, 4-20 mm/s), slip is within the
+/// ranges reported for slip sensing (shear of 0.2-1.5 mm, stick-slip of 10-60 Hz, ringing of 60-300 Hz). The rest is assumed.
 struct RunVariation {
   // Press.
   double depth_spread = 0.25;
-  Range depth_mm{0.4, 1.9};  ///< cut to
+  Range depth_mm{0.4, 1.9};  ///< limits
   Range press_power{0.6, 1.4};
   double press_time_spread = 0.15;
-  Range press_s{0.12, 0.4};         ///< cut to
-  Range closing_speed_mm_s{4, 20};  ///< cut to
-  Range release_s{0.1, 0.25};       ///< from the stage's opening until the last marker is free
-  double centre_mm = 2.5;           ///< where the object meets the skin: standard deviation each way
-  double edge_slope = 2.0;          ///< the surface falls away beyond the object's edge [mm per mm]
-  // A tip pushed inward goes aside, as a ridge does that is pushed end on: towards the contact's centre, a part that the whole
-  // object takes along since the stage does not push straight, and a part of its own [all in mm per mm].
+  Range press_s{0.12, 0.4};         ///< limits
+  Range closing_speed_mm_s{4, 20};  ///< limits
+  Range release_s{0.1, 0.25};       ///< from the opening of the stage until the last marker is free
+  double centre_mm = 2.5;           ///< centre of contact: standard deviation in each direction
+  double edge_slope = 2.0;          ///< gradient of the surface outside the object's edge [mm per mm]
+  // A tip that is pushed inward also moves sideways: towards the contact's centre, by a part common to all tips because the stage
+  // does not push straight, and by an individual part [all in mm per mm].
   Range pull{0.8, 1.5};          ///< towards the contact's centre; below 0: away from it
-  double pull_full_mm = 9.0;     ///< so far from the centre it is full; less within
-  double skid = 0.25;            ///< of all tips: standard deviation each way
+  double pull_full_mm = 9.0;     ///< from this distance on it is full; less inside
+  double skid = 0.25;            ///< of all tips: standard deviation in each direction
   double pull_scatter_x = 0.12;  ///< of each tip along its ridge: standard deviation
-  double pull_scatter_y = 0.25;  ///< and over its thin side, to which it bends more easily
+  double pull_scatter_y = 0.25;  ///< the same over its thin side, to which it bends more easily
   // Lift.
   Range lift_speed_mm_s{30, 120};
   Range lift_acceleration_mm_s2{1100, 1300};
   double lift_angle_rad = 0.1;  ///< standard deviation
   double slack_spread = 0.3;
-  Range slack_mm{0.005, 0.2};  ///< cut to
+  Range slack_mm{0.005, 0.2};  ///< limits
   double shear_limit_spread = 0.15;
-  Range shear_limit_mm{0.2, 1.5};     ///< cut to
-  double light_share = 0.5;           ///< of the shear limit, that a tip which is hardly pressed has
+  Range shear_limit_mm{0.2, 1.5};     ///< limits
+  double light_share = 0.5;           ///< share of the shear limit of a tip that is barely pressed
   double marker_shear_spread = 0.12;  ///< between markers
   double stick_slip_hz_spread = 0.15;
-  Range stick_slip_hz{10, 60};  ///< cut to
+  Range stick_slip_hz{10, 60};  ///< limits
   double stick_slip_mm_spread = 0.35;
-  double most_spring_back = 0.8;    ///< of the shear limit, in one stick-slip
-  double light_object_g = 15;       ///< an object of this weight follows the tips by half as they spring back, a heavier one less
-  double stick_slip_jitter = 0.15;  ///< of a period: standard deviation, as a share
+  double most_spring_back = 0.8;     ///< of the shear limit, in one stick-slip
+  double light_object_g = 15;        ///< weight at which an object follows half of the spring-back; heavier ones follow less
+  double stick_slip_jitter = 0.15;   ///< of a period: standard deviation, as a share
   double spring_back_jitter = 0.25;  ///< of each spring-back: standard deviation of its logarithm
   double limit_jitter = 0.05;        ///< of each tip's limit from jerk to jerk: standard deviation, as a share
   Range unison{0.4, 0.9};
   Range lag_share{0.0, 0.6};
   double ring_hz_spread = 0.1;
-  Range ring_hz{60, 300};  ///< cut to
+  Range ring_hz{60, 300};  ///< limits
   double ring_decay_spread = 0.15;
   double texture_spread = 0.2;
-  Range texture_memory_s{0.003, 0.003};  ///< so long a tremble keeps its sign
+  Range texture_memory_s{0.003, 0.003};  ///< correlation time of the tremble
   double sink = 0.06;                    ///< standard deviation
   // All.
-  Range skin_coupling{0.06, 0.06};  ///< share of the mean by which markers that are touched less follow it: the skin is one piece
+  Range skin_coupling{0.06, 0.06};  ///< share by which less pressed markers follow the mean: the skin is one piece
   Range veil{0.01, 0.05};
-  Range object_veil{0.0, 0.04};  ///< stray light from an object of reflectivity 1, on top
+  Range object_veil{0.0, 0.04};  ///< additional stray light from an object of reflectivity 1
   double noise_spread = 0.25;
-  double stage_output_share = 0.5;  ///< of the runs, in which the robot's output commands the stage
+  double stage_output_share = 0.5;  ///< share of the runs in which the robot's output commands the stage
 };
 
 template <class Fields>
@@ -136,22 +136,22 @@ void list_fields(Fields& fields, RunVariation& v) {
   fields("stage_output_share", v.stage_output_share, 0.0, 1.0);
 }
 
-/// Motion that nobody labels, but that moves the markers. Assumptions all, small against press and slip.
+/// Unlabelled motion of the markers. All values are assumptions, small against press and slip.
 struct AfterEffects {
-  Range relaxation_share{0.002, 0.015};  ///< of the depth, by which tips creep while the stage stands still
+  Range relaxation_share{0.002, 0.015};  ///< of the depth, by which tips creep while the stage is still
   Range relaxation_s{0.3, 1.0};          ///< time constant
-  double micro_slips_per_s = 0.5;        ///< while the object touches and nothing else but its creeping moves
+  double micro_slips_per_s = 0.5;        ///< while the object touches and only creeps
   Range micro_slip_mm{0.02, 0.08};
-  double micro_slip_share = 0.35;  ///< of the touched markers that take part, one at least
+  double micro_slip_share = 0.35;  ///< share of the touched markers that take part, at least one
   double recontact_chance = 0.3;   ///< in the rest after a lift
   Range recontact_mm{0.05, 0.25};
   Range recontact_s{0.06, 0.15};
-  double settle_s = 0.12;             ///< micro-slips and re-contacts keep so far from whatever moves next
-  double after_lift_s = 0.4;          ///< and so far from the lift's end, by when a slip has surely ended
-  Range vibration_hz{12, 28};         ///< of the arm, where it starts and stops
+  double settle_s = 0.12;             ///< distance of micro-slips and re-contacts from other motion
+  double after_lift_s = 0.4;          ///< the same from the end of the lift, when a slip has surely ended
+  Range vibration_hz{12, 28};         ///< of the arm, at start and stop
   Range vibration_mm{0.0003, 0.005};  ///< a / (2 pi f)^2 of tips that ring at f = 80 to 300 Hz, at a = 1200 mm/s^2
   Range vibration_decay_s{0.04, 0.12};
-  Range vibration_housing{0.1, 0.5};  ///< of the camera's housing: share of the arm's acceleration that it rings with at first
+  Range vibration_housing{0.1, 0.5};  ///< initial acceleration of the camera's housing, as a share of the arm's
 };
 
 template <class Fields>
@@ -172,9 +172,9 @@ void list_fields(Fields& fields, AfterEffects& a) {
   fields("vibration_housing", a.vibration_housing, 0.0, 1.0);
 }
 
-/// Shares of the runs that are no plain press and slip.
+/// Shares of the runs that are not a plain press and slip.
 struct SpecialRuns {
-  int from_run = 4;  ///< runs before it are plain: one of them may be the one that is learned from
+  int from_run = 4;  ///< earlier runs are plain: one of them may be the training run
   double two_presses = 0.12;
   double without_slip = 0.08;
   double without_press = 0.08;
@@ -202,28 +202,30 @@ void list_fields(Fields& fields, SpecialRuns& s) {
 
 /// A marker under the object.
 struct MarkerContact {
-  double gap_mm = 0;  ///< between object and tip when the first marker is touched
-  double pull_x = 0;  ///< how far the tip goes aside as it is pushed in [mm per mm]
+  double gap_mm = 0;  ///< between object and tip at first contact
+  double pull_x = 0;  ///< sideways motion of the tip per inward motion [mm per mm]
   double pull_y = 0;
-  double shear_share = 1;  ///< of the lift's shear limit and stick-slip, from how well it is pressed
-  double lag_share = 0;    ///< by which it sticks later than the object jerks, as a share of the stick-slip period
+  double shear_share = 1;  ///< of the lift's shear limit and stick-slip, depending on its pressure
+  double lag_share = 0;    ///< delay of its sticking after a jerk, as a share of the stick-slip period
 };
 
 // Times of a plan are in seconds of camera time since the camera's first read-out.
 
-/// Motion that has no more than this ahead of it has ended: a hundredth of a pixel, of which a camera sees nothing.
+/// Slower than this share of the peak speed is still, by the rule of labels.
+inline constexpr double still_share = 0.01;
+/// Motion ends when its rest is below this: a hundredth of a pixel, invisible to the camera.
 inline constexpr double least_motion_mm = 0.0006;
-/// A tip that is pressed less than this is not dragged along.
+/// A tip that is pressed less than this is not dragged.
 inline constexpr double least_pressed_mm = 0.02;
 
-/// The stage closes on the object and stands still; it may open again.
+/// The stage closes on the object and stays; it may open again.
 struct PressPlan {
-  double stage_start_s = 0;  ///< its command; it is at speed 20 ms later
-  double contact_s = 0;      ///< the first marker is touched; before 0: it is pressed when the recording begins
-  double press_s = 0;        ///< from contact until the stage stands still
-  double depth_mm = 0;       ///< by which the first marker is then pushed in
+  double stage_start_s = 0;  ///< its command; it reaches its speed 20 ms later
+  double contact_s = 0;      ///< contact with the first marker; below 0: pressed when the recording begins
+  double press_s = 0;        ///< from contact until the stage is still
+  double depth_mm = 0;       ///< final depth of the first marker
   double press_power = 1;    ///< closing speed falls as (1 - t / press_s)^power
-  double stage_share = 1;    ///< markers' travel over the stage's: the object gives way by the rest
+  double stage_share = 1;    ///< markers' travel / stage's travel: the object yields by the rest
   double relaxation_share = 0;
   double relaxation_s = 0.2;
   std::optional<double> release_start_s;  ///< the stage opens again
@@ -231,18 +233,18 @@ struct PressPlan {
   std::array<MarkerContact, marker_count> markers{};
 
   double closing_speed_mm_s() const { return depth_mm * (press_power + 1.0) / press_s; }  ///< at contact
-  double still_s() const { return contact_s + press_s; }  ///< the stage stands still; the tips creep on
-  /// Whoever creeps less than `least_motion_mm` any more stands still.
+  double still_s() const { return contact_s + press_s; }  ///< the stage is still; the tips still creep
+  /// Creeping ends when less than `least_motion_mm` remains.
   double creeping_end_s() const;
-  /// By which the object is pushed in [mm], creeping and release included; 0 before contact.
+  /// Depth of the object [mm], creeping and release included; 0 before contact.
   double depth_at(double t_s) const;
-  double speed_at(double t_s) const;  ///< of that [mm/s], below 0 while it is released
+  double speed_at(double t_s) const;  ///< its speed [mm/s], below 0 during release
 };
 
-/// The arm goes up, and the object does not come along.
+/// The arm moves up, and the object stays.
 struct LiftPlan {
   double start_s = 0;
-  double lift_s = 0;  ///< the arm moves, its ramps included
+  double lift_s = 0;  ///< duration of the arm's motion, ramps included
   double speed_mm_s = 0;
   double acceleration_mm_s2 = 1200;
   double angle_rad = 0;  ///< of the shear against the image's y axis
@@ -258,28 +260,28 @@ struct LiftPlan {
   double ring_decay_s = 0;
   double texture_mm = 0;
   double texture_memory_s = 0.003;
-  double sink = 0;  ///< change of the markers' depth over the lift, as a share of it
+  double sink = 0;  ///< relative change of the markers' depth over the lift
 
   double end_s() const { return start_s + lift_s; }
   double travel_at(double t_s) const;  ///< [mm]
   double speed_at(double t_s) const;   ///< [mm/s]
   double acceleration_at(double t_s) const;
-  double time_of_travel(double mm) const;  ///< 0 to all of it; infinite beyond [s]
+  double time_of_travel(double mm) const;  ///< of 0 to the whole travel; infinite beyond [s]
 };
 
-/// The arm sets the sensor's tips against something hard for an instant, which all clocks see.
+/// The arm taps the sensor's tips against something hard. All devices record it.
 struct TapPlan {
-  double start_s = 0;    ///< the arm begins to go down
+  double start_s = 0;    ///< the arm begins to move down
   double travel_mm = 0;  ///< there and back
   double tap_s = 0;      ///< there and back
-  double depth_mm = 0;   ///< by which all tips are pushed in at the lowest point, at most half of the travel
+  double depth_mm = 0;   ///< of all tips at the lowest point, at most half of the travel
 
   double end_s() const { return start_s + tap_s; }
-  double fall_at(double t_s) const;   ///< of the arm, 0 to travel_mm: it speeds up, brakes, comes back likewise [mm]
+  double fall_at(double t_s) const;   ///< of the arm, 0 to travel_mm: it accelerates, brakes, and returns the same way [mm]
   double speed_at(double t_s) const;  ///< downwards [mm/s]
   double acceleration_at(double t_s) const;
-  double depth_at(double t_s) const;  ///< by which the tips are pushed in [mm]
-  double contact_s() const;           ///< they touch
+  double depth_at(double t_s) const;  ///< of the tips [mm]
+  double contact_s() const;           ///< first contact
   double free_s() const { return 2.0 * start_s + tap_s - contact_s(); }
 };
 
@@ -292,7 +294,7 @@ struct MicroSlipPlan {
   double ring_decay_s = 0.007;
 };
 
-/// The object rocks: the tips come free by this much, and are pressed again.
+/// The object rocks: the tips are released by this depth, and pressed again.
 struct RecontactPlan {
   double start_s = 0;
   double recontact_s = 0;
@@ -302,45 +304,45 @@ struct RecontactPlan {
   double freed_at(double t_s) const;  ///< [mm]
 };
 
-/// The arm rings where it starts and stops, and the tips with it.
+/// The arm rings at start and stop, and the tips with it.
 struct VibrationPlan {
   double hz = 20;
-  double tip_mm = 0;  ///< of the tips against the camera, along the lift, at an acceleration of 1200 mm/s^2
+  double tip_mm = 0;  ///< of the tips relative to the camera, along the lift, at an acceleration of 1200 mm/s^2
   double decay_s = 0.08;
-  double housing_share = 0.3;  ///< of the arm's acceleration, that the camera's housing rings with at first
+  double housing_share = 0.3;  ///< initial acceleration of the camera's housing, as a share of the arm's
 
-  /// Rings on after a change of the arm's acceleration by `change_mm_s2` until less than `least_motion_mm` is left.
+  /// Duration of ringing after a change of the arm's acceleration by `change_mm_s2`, until less than `least_motion_mm` remains.
   double lasts_s(double change_mm_s2) const;
 };
 
-/// Everything that one run draws before anything moves.
+/// All random draws of a run.
 struct RunPlan {
-  std::vector<PressPlan> presses;  ///< in order; each is open again before the next touches
+  std::vector<PressPlan> presses;  ///< in order; each is released before the next contact
   std::optional<LiftPlan> lift;
   std::vector<TapPlan> taps;
   std::vector<MicroSlipPlan> micro_slips;
   std::vector<RecontactPlan> recontacts;
   VibrationPlan vibration;
   double end_s = 0;                    ///< the camera's last read-out
-  double skin_coupling = 0.06;         ///< markers that are touched less than the mean follow it by this share
+  double skin_coupling = 0.06;         ///< less pressed markers follow the mean by this share
   double veil = 0;                     ///< stray light, as a reflectance
   double noise_factor = 1;             ///< of the camera's noise in this run
-  bool stage_on_robot_output = false;  ///< the stage is commanded through bit 0 of the robot's outputs
+  bool stage_on_robot_output = false;  ///< bit 0 of the robot's outputs commands the stage
   bool has_imu = false;
 
-  const PressPlan* press_at(double t_s) const;  ///< the latest that touches or has touched by then and is not released
-  // The arm, up from where it stood; taps included, its ringing not.
+  const PressPlan* press_at(double t_s) const;  ///< the latest press with contact that is not released
+  // The arm, upwards from its start; with taps, without ringing.
   double arm_travel_at(double t_s) const;        ///< [mm]
   double arm_speed_at(double t_s) const;         ///< [mm/s]
   double arm_acceleration_at(double t_s) const;  ///< [mm/s^2]
-  /// When, and by how much [mm/s^2], the arm's acceleration changes; by time.
+  /// The changes of the arm's acceleration: time [s] and change [mm/s^2], by time.
   std::vector<std::pair<double, double>> arm_acceleration_changes() const;
-  /// Of the tips along the lift [mm]: each is a mass on a spring, which lags behind while the arm speeds up, overshooting and
-  /// ringing at each change of the arm's acceleration.
+  /// Displacement of the tips along the lift [mm]: each is a mass on a spring. It lags while the arm accelerates, and overshoots
+  /// and rings at each change of the arm's acceleration.
   double vibration_at(double t_s) const;
-  double vibration_acceleration_at(double t_s) const;  ///< of the camera's housing, which rings with it [mm/s^2]
-  double stage_travel_at(double t_s) const;            ///< of the stage towards the object since the run began [mm]
-  bool stage_commanded_at(double t_s) const;           ///< shut, rather than open
+  double vibration_acceleration_at(double t_s) const;  ///< of the camera's housing [mm/s^2]
+  double stage_travel_at(double t_s) const;            ///< of the stage towards the object since the begin of the run [mm]
+  bool stage_commanded_at(double t_s) const;           ///< closed
 };
 
 void to_json(nlohmann::json& json, const RunPlan& plan);
@@ -355,11 +357,11 @@ struct RunPlanOptions {
   bool may_be_special = false;
 };
 
-/// No run that is drawn from these is longer.
+/// An upper limit for the duration of a run with these options.
 double longest_run_s(const RunPlanOptions& options);
 
-/// Draws a run with `object`. Each number comes from a stated distribution round the object's, so that neither a region of the
-/// image nor the mere count of events gives a class away.
+/// Draws a run with `object`. Each number has a stated distribution around the object's value. So neither a region of the image
+/// nor the number of events alone reveals the class.
 RunPlan draw_run_plan(const ObjectModel& object, const RunPlanOptions& options, Random& random);
 
 }  // namespace tactile

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/folders_in.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/run_files.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The settings' hash of a run that `simulate` made; nothing for any other folder.
+/// The hash of the settings of a simulated run; nothing for any other folder.
 std::optional<std::string> settings_hash_in(const RunFolder& run) {
   try {
     const RunInfo info = read_run_info(run);
@@ -33,8 +34,7 @@ std::optional<std::string> settings_hash_in(const RunFolder& run) {
   }
 }
 
-/// Why a run that was simulated otherwise is refused: what it was made with, and what is asked for; the physics where they
-/// differ.
+/// The error for a run with other settings: the old and the requested ones, and how the physics differ.
 Error made_otherwise(const RunFolder& run, const SimulateOptions& options) {
   const std::string where = run.folder.string();
   std::string was, asked;
@@ -49,7 +49,7 @@ Error made_otherwise(const RunFolder& run, const SimulateOptions& options) {
       was += fmt::format(", physics {} ({})", member<std::string>(physics, "source", where), hash.substr(0, 8));
       asked += fmt::format(", physics {} ({})", options.physics.source, asked_hash.substr(0, 8));
     }
-  } catch (const Error&) {  // an older version's run.json says less
+  } catch (const Error&) {  // run.json of an older version has less
   }
   if (was == asked) return Error(where + ": was simulated with other settings; expected the same, or --force to replace it");
   return Error(fmt::format("{}: was simulated with {}; expected {}, or --force to replace it", where, was, asked));
@@ -63,17 +63,7 @@ std::uint64_t bytes_in(const fs::path& folder) {
   return bytes;
 }
 
-std::vector<fs::path> folders_in(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  std::error_code failed;
-  for (fs::directory_iterator entry(folder, failed); !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
-    std::error_code unknown;
-    if (fs::is_directory(entry->symlink_status(unknown))) folders.push_back(entry->path());
-  }
-  return folders;
-}
-
-/// Whether every file is there and as long as it was made.
+/// Whether every file exists and has its original size.
 bool is_whole(const RunFolder& run) {
   const RunFiles files = check_files(run, read_run_info(run), FileComparison::size);
   return files.told && files.missing.empty() && files.changed.empty() && files.not_listed.empty();
@@ -81,10 +71,10 @@ bool is_whole(const RunFolder& run) {
 
 struct PlannedRun {
   SimulatedRun outcome;
-  bool keeps_labels = false;  ///< made with the same settings before: its labels still hold
+  bool keeps_labels = false;  ///< made with the same settings, so its labels stay valid
 };
 
-/// Counts the events within presses and slips.
+/// Counts the events in presses and slips.
 class TouchCounter {
  public:
   explicit TouchCounter(const DrawnRun& drawn) {
@@ -113,7 +103,7 @@ class TouchCounter {
   std::uint64_t events_ = 0;
 };
 
-/// Films the run into a recording, with the inertial sensor's samples between the events as they come in time.
+/// Records the run, with the events and the samples of the inertial sensor in order of time.
 void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCounter& touch,
             const std::function<void(double)>& tell_share) {
   constexpr microseconds piece = 10ms;
@@ -147,14 +137,13 @@ void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCo
   recording.close();
 }
 
-/// What is to be done for a run, by what is there now. @throws Error  if something else is there, which must not be replaced
+/// Decides what to do for a run. @throws Error  if its folder is not a simulated run
 PlannedRun plan_run(const RunFolder& run, const SimulateOptions& options) {
   PlannedRun planned{.outcome = {.run = run}};
   if (!fs::exists(fs::symlink_status(run.folder))) return planned;
   const std::optional<std::string> hash = settings_hash_in(run);
   if (!hash) {
-    throw Error(run.folder.string() +
-                ": is there already and was not made by 'simulate'; expected another data folder, or this one free");
+    throw Error(run.folder.string() + ": exists and was not made by 'simulate'; expected another data folder, or a new run");
   }
   const bool same = *hash == hash_of(simulation_settings(options.physics, run.object, run.run, options.preset, options.seed));
   if (!same && !options.force) throw made_otherwise(run, options);
@@ -164,7 +153,7 @@ PlannedRun plan_run(const RunFolder& run, const SimulateOptions& options) {
   return planned;
 }
 
-/// What is to be done for each run asked for; refuses before anything is touched.
+/// Decides what to do for each requested run, before anything is changed.
 std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
   std::vector<const ObjectModel*> objects;
   if (options.objects.empty()) {
@@ -189,7 +178,7 @@ std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
   return planned;
 }
 
-/// Makes a run, unless another process has made the same one by now. @throws Error  as `plan_run`, or if it cannot be written
+/// Makes a run, unless another process has made the same one. @throws Error  as `plan_run`, or if it cannot be written
 SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const CameraPixels& pixels,
                       const std::function<void(double)>& tell_share) {
   PlannedRun planned = plan_run(run, options);
@@ -204,7 +193,7 @@ SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, cons
     planned = plan_run(run, options);
     if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
   }
-  // The same run made again is the same run: its labels, which a person may have confirmed, still hold.
+  // The run is made again identically, so its labels, which a person may have confirmed, stay valid.
   if (planned.keeps_labels && fs::exists(run.labels())) fs::copy_file(run.labels(), whole.path() / "labels.json");
   whole.commit();
   made.kind = planned.outcome.kind;
@@ -265,7 +254,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
   const int runs = options.runs.value_or(options.physics.preset(options.preset).runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
   std::vector<SimulatedRun> outcomes = plan_runs(options, runs);
-  for (const fs::path& object : folders_in(options.data)) remove_leftovers_in(object);
+  for (const fs::path& object : folders_in(options.data, Links::skip)) remove_leftovers_in(object);
   const CameraPixels pixels = simulated_camera_pixels(options.physics, options.seed);
 
   std::vector<std::size_t> to_make;

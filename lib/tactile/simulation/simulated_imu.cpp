@@ -12,7 +12,7 @@ constexpr double standard_gravity_mm_s2 = 9806.65;
 constexpr double acceleration_limit_g = 4, acceleration_step_g = 4.0 / 32768;
 constexpr double rate_limit_dps = 500, rate_step_dps = 500.0 / 32768;
 constexpr double temperature_step_c = 1.0 / 512, temperature_noise_c = 0.015;
-constexpr int samples_per_temperature = 8;  // it is measured a hundred times a second
+constexpr int samples_per_temperature = 8;  // it is measured 100 times per second
 
 float measured(double value, double limit, double step) {
   return static_cast<float>(step * std::round(std::clamp(value, -limit, limit - step) / step));
@@ -39,7 +39,7 @@ std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const Imu
   samples.reserve(static_cast<std::size_t>(plan.end_s / period_s) + 2);
   std::int64_t last_us = -1;
   float felt_c = 0;
-  const double first_s = period_s * random.uniform();  // the sensor does not wait for the recording
+  const double first_s = period_s * random.uniform();  // the sensor is not synchronised with the recording
   for (std::int64_t k = 0;; ++k) {
     const double t_s = first_s + period_s * static_cast<double>(k);
     const auto stamp_us = static_cast<std::int64_t>(1e6 * t_s + drawn(physics.delay_us, random)) / step_us * step_us;

@@ -10,19 +10,19 @@
 
 namespace tactile {
 
-/// What the camera's inertial sensor is like. The camera rides on the arm. Noise and steps are those of a DVXplorer at rest: 3
-/// mg, 0.1 degrees/s, a sample every 1.242 ms where 1.25 ms are asked for. The sensor's ranges are 4 g and 500 degrees/s.
+/// Properties of the inertial sensor of the camera, which moves with the arm. Noise and steps are those of a DVXplorer at rest: 3
+/// mg, 0.1 degrees/s, a sample every 1.242 ms instead of the nominal 1.25 ms. The ranges are 4 g and 500 degrees/s.
 struct ImuPhysics {
   double share = 0.5;  ///< of the runs that have its stream
   double rate_hz = 800;
-  double rate_error = 0.01;             ///< the rate is off by up to this share: the sensor has a clock of its own
+  double rate_error = 0.01;             ///< largest relative error of the rate: the sensor has its own clock
   Range delay_us{20, 260};              ///< from a sample to its stamp
-  microseconds stamp_step{200};         ///< a stamp is the time of the read-out going on: a whole number of these since the first
+  microseconds stamp_step{200};         ///< a stamp is the time of the current read-out: a whole number of these after the first
   double acceleration_noise_g = 0.003;  ///< standard deviation of a sample
   double acceleration_bias_g = 0.02;    ///< standard deviation from run to run, each axis
   double rate_noise_dps = 0.1;
   double rate_bias_dps = 0.4;
-  double tilt_rad = 0.05;  ///< of the camera against the vertical, standard deviation, each way
+  double tilt_rad = 0.05;  ///< of the camera against the vertical, standard deviation, each axis
   Range temperature_c{32, 42};
 };
 
@@ -41,8 +41,8 @@ void list_fields(Fields& fields, ImuPhysics& imu) {
   fields("temperature_c", imu.temperature_c, -40.0, 125.0);
 }
 
-/// The stream over the camera's recording, and no further: gravity, the arm's acceleration and ringing, noise. The image's y axis
-/// points down and the arm goes up it, so that a camera at rest feels about (0, -1, 0) g. Times ascend, none comes twice.
+/// The stream during the camera's recording: gravity, the arm's acceleration and ringing, and noise. The image's y axis points
+/// down, so a camera at rest measures about (0, -1, 0) g. Times are strictly ascending.
 /// @param start  the camera's first read-out
 std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const ImuPhysics& physics, Random& random);
 

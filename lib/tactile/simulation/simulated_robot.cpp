@@ -12,17 +12,17 @@ namespace {
 constexpr double rotation_noise_rad_per_mm = 1e-3;   // joints of an arm about a metre long
 constexpr double rotation_speed_noise_factor = 3.0;  // the wrist's joints are coarser
 
-/// As a log prints it: more digits than the encoders know only make files larger.
+/// Rounded as a log prints it: more digits than the encoders provide only make files larger.
 double rounded(double value) { return std::round(value * 1e7) / 1e7; }
 
-/// What the arm's ringing adds to its motion.
+/// The contribution of the arm's ringing to its motion.
 struct Ringing {
   double travel_mm = 0;
   double speed_mm_s = 0;
 };
 
-/// The motion whose acceleration is the plan's: after a change c of the arm's acceleration the arm lags by share c / (w^2 + d^2),
-/// and swings round that,
+/// The motion with the plan's acceleration: after a change c of the arm's acceleration the arm lags by share c / (w^2 + d^2) and
+/// swings around that,
 ///
 ///   x = -share c / (w^2 + d^2) (1 - e^(-d t) (cos w t + d / w sin w t)),   x' = -share c / w e^(-d t) sin w t
 Ringing ringing_at(const VibrationPlan& vibration, const std::vector<std::pair<double, double>>& changes, double t_s) {

@@ -10,13 +10,13 @@
 
 namespace tactile {
 
-/// What the arm's log is like.
+/// Properties of the arm's log.
 struct RobotPhysics {
   int rate_hz = 125;
-  Range speed_noise_mm_s{0.2, 0.5};   ///< standard deviation, which joint encoders leave in a speed
-  double pose_noise_mm = 0.01;        ///< standard deviation; the rotation has 0.001 rad per mm of it
-  double lost_package_share = 0.004;  ///< the controller skips one when it is short of time; the first is never lost
-  Range after_camera_s{0.1, 0.6};     ///< the log ends so much later than the camera
+  Range speed_noise_mm_s{0.2, 0.5};   ///< standard deviation, due to joint encoders
+  double pose_noise_mm = 0.01;        ///< standard deviation; that of the rotation is 0.001 rad per mm
+  double lost_package_share = 0.004;  ///< packages that a busy controller skips; the first is never lost
+  Range after_camera_s{0.1, 0.6};     ///< time from the end of the camera to the end of the log
 };
 
 template <class Fields>
@@ -33,9 +33,9 @@ struct LoggedRobot {
   std::uint64_t dropped_packages = 0;
 };
 
-/// The arm's log on its controller's clock, beyond both ends of the camera's recording: still but for the lift and the taps,
-/// which go along the base's z axis, and the ringing of the arm. Bit 0 of the outputs follows the stage's command where the robot
-/// gives it.
+/// The arm's log on its controller's clock, longer than the camera's recording at both ends. The arm is still except for the lift
+/// and the taps, along the base's z axis, and its ringing. Bit 0 of the outputs follows the stage's command if the robot gives
+/// it.
 LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotPhysics& physics, Random& random);
 
 }  // namespace tactile

@@ -23,13 +23,13 @@ namespace {
 
 constexpr std::size_t objects_per_round = 10;
 
-// Robot and video go on for a moment after the camera has stopped, as they began before it.
+// Robot and video begin before the camera and end after it.
 constexpr microseconds robot_after_end = 200ms;
 constexpr microseconds video_after_end = 100ms;
 
 int number_of(const std::string& run) { return static_cast<int>(whole_number_in(run).value_or(1)); }
 
-/// How many runs the camera has seen before, in the order in which a lab makes them: one of each object, then the next of each.
+/// The number of earlier runs of the camera, in the order of a lab: the first run of each object, then the second of each, ...
 std::size_t runs_before(const SimulationPhysics& physics, const std::string& object, const std::string& run) {
   return static_cast<std::size_t>(number_of(run) - 1) * objects_per_round + physics.place_of(object);
 }

@@ -10,17 +10,17 @@ namespace {
 
 constexpr int width = 320, height = 240;
 constexpr std::size_t frame_pixels = std::size_t{width} * height;
-constexpr std::size_t noise_pixels = std::size_t{1} << 17;  // frames begin at random places in it: no two need look alike
+constexpr std::size_t noise_pixels = std::size_t{1} << 17;  // frames begin at random places in it, so they differ
 constexpr double px_per_mm = 1.3;
 constexpr double table_px = 222, centre_px = 160;
-constexpr double open_mm = 6;  // of a stage that never closes
+constexpr double open_mm = 6;  // travel of a stage that never closes
 constexpr double least_exposure = 0.7, most_exposure = 1.4;
 
 struct Box {
   double left, top, right, bottom;
 };
 
-/// By how much of the pixel from `at` to `at + 1` lies between the two.
+/// The share of the pixel from `at` to `at + 1` that lies between the two.
 double covered(int at, double from, double to) {
   return std::clamp(std::min(to, at + 1.0) - std::max<double>(from, at), 0.0, 1.0);
 }
@@ -101,21 +101,21 @@ cv::Mat SimulatedVideo::draw(std::size_t index) {
   if (still_exposure_ != exposure) {
     still_ = cv::Mat(height, width, CV_8UC1, cv::Scalar(std::round(seen(70))));
     fill_box(still_, {0, table_px, width, height}, seen(105));
-    // The object stands still; the light press does not hold it.
+    // The object stays in place: the light press does not hold it.
     fill_box(still_, {centre_px - half_width_px_, table_px - height_px_, centre_px + half_width_px_, table_px}, seen(grey_));
     still_exposure_ = exposure;
   }
 
   const double t_s = 1e-6 * static_cast<double>(us_of(clocks_->video.camera_from(times_[index])) - clocks_->camera_start_us);
   const double gap_px = px_per_mm * (closed_mm_ - plan_->stage_travel_at(t_s));
-  // At rest the gripper is never in the table. Of the arm's ringing less than a tenth of a pixel could be seen.
+  // At rest the gripper must not touch the table. The arm's ringing is below a tenth of a pixel.
   const double middle = std::min(table_px - 0.55 * height_px_, table_px - 22) - px_per_mm * plan_->arm_travel_at(t_s);
   const double right_of_sensor = centre_px - half_width_px_ - gap_px, left_of_finger = centre_px + half_width_px_;
   cv::Mat frame = still_.clone();
   fill_box(frame, {centre_px - 75, middle - 52, centre_px + 75, middle - 40}, seen(40));         // the gripper's bar
   fill_box(frame, {centre_px - 10, 0, centre_px + 10, middle - 52}, seen(55));                   // the arm
   fill_box(frame, {right_of_sensor - 26, middle - 40, right_of_sensor, middle + 18}, seen(25));  // the sensor on its stage
-  fill_box(frame, {left_of_finger, middle - 40, left_of_finger + 8, middle + 18}, seen(210));    // the finger that stays
+  fill_box(frame, {left_of_finger, middle - 40, left_of_finger + 8, middle + 18}, seen(210));    // the fixed finger
 
   std::uint8_t* pixels = frame.data;
   const std::int8_t* noise = noise_.data() + noise_begins_[index];

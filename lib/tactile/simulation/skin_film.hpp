@@ -12,17 +12,17 @@
 
 namespace tactile {
 
-/// What the event camera saw of a run.
+/// Statistics of the events that the camera recorded of a run.
 struct FilmedSkin {
   std::uint64_t events = 0;
-  std::uint64_t caused = 0;  ///< by moving markers; the others are noise
-  /// The first event that each of the skin's motions caused, in their order; nothing if it caused none so far. Where an
-  /// unlabelled motion goes on beside a labelled one, the labelled one's events begin with its start.
+  std::uint64_t caused = 0;  ///< events due to moving markers; the others are noise
+  /// The time of the first event of each motion of the skin, in their order; nothing if it has caused none yet. If an unlabelled
+  /// motion overlaps a labelled one, the events of the labelled one count from its start.
   std::vector<std::optional<CameraTime>> first_events;
   CameraTime last_readout{};
 };
 
-/// The camera looking at the skin, one read-out after the other.
+/// The camera in front of the skin, read-out by read-out.
 class SkinFilm {
  public:
   /// @param motion, pixels  must outlive the film
@@ -31,7 +31,7 @@ class SkinFilm {
 
   bool ended() const { return next_ == motion_->poses.size(); }
   double share_done() const { return static_cast<double>(next_) / static_cast<double>(motion_->poses.size()); }
-  /// The next read-out's events, valid until the one after it; not to be called once it has ended.
+  /// The events of the next read-out, valid until the next call. Must not be called after the end.
   std::span<const Event> next();
   const FilmedSkin& filmed() const { return filmed_; }  ///< up to the last read-out
 
@@ -44,8 +44,8 @@ class SkinFilm {
   FilmedSkin filmed_;
 };
 
-/// Runs the film to its end and hands on the events in batches, ascending in time.
-/// @param tell_share  told how much of the run is done, 0 to 1; may throw to end it
+/// Runs the film to its end and passes the events on in batches, ascending in time.
+/// @param tell_share  receives the finished share of the run, 0 to 1; may throw to stop
 void film_whole(SkinFilm& film, const std::function<void(std::span<const Event>)>& use,
                 const std::function<void(double)>& tell_share = {});
 

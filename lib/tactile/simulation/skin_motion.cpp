@@ -5,195 +5,22 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <span>
+
+#include "tactile/simulation/moving_tips.hpp"
 
 namespace tactile {
 namespace {
 
-constexpr double still_share = 0.01;  // of the peak speed: slower is still
 constexpr double press_still_s = 0.020;
-constexpr double slip_still_s = 0.150;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-
-double bell(Random& random) { return std::clamp(random.normal(), -2.0, 2.0); }
 
 microseconds whole_us(double seconds) { return microseconds{std::llround(1e6 * seconds)}; }
 
-/// How long a ringing of this size goes on until nobody sees it.
-double ringing_s(double mm, double decay_s) { return decay_s * std::log(std::max(1.0, std::abs(mm) / least_motion_mm)); }
-
-/// The tip of one marker while the arm moves.
-class ShearedTip {
- public:
-  /// @param jerks  when the object jerks, in seconds, ascending; must outlive the tip
-  ShearedTip(const LiftPlan& lift, const MarkerContact& marker, const std::vector<double>& jerks)
-      : lift_(lift),
-        jerks_(jerks),
-        limit_mm_(lift.shear_limit_mm * marker.shear_share),
-        spring_back_mm_(lift.stick_slip_mm * marker.shear_share),
-        lag_s_(marker.lag_share / lift.stick_slip_hz),
-        peak_mm_(limit_mm_) {}
-
-  /// Moves on by `dt_s` to `t_s`, in which the arm moves by `dragged_mm`.
-  void move_on(double t_s, double dt_s, double dragged_mm, Random& random) {
-    if (!slides_) {
-      const double missing_mm = peak_mm_ - shear_mm_;
-      if (dragged_mm >= missing_mm) {
-        slides_ = slid_ = true;
-        released_s_ = dragged_mm > 0 ? t_s - dt_s * (1.0 - missing_mm / dragged_mm) : t_s;
-        from_mm_ = peak_mm_;
-        to_mm_ = std::max(0.0, from_mm_ - spring_back_mm_ * std::exp(lift_.spring_back_jitter * bell(random)));
-        while (jerk_index_ < jerks_.size() && jerks_[jerk_index_] + lag_s_ <= t_s) ++jerk_index_;
-      } else {
-        shear_mm_ += dragged_mm;
-      }
-    }
-    if (slides_) {
-      const double since = t_s - released_s_, ringing_mm = from_mm_ - to_mm_;
-      shear_mm_ = to_mm_;
-      if (t_s < ringing_end_s()) {
-        shear_mm_ +=
-            ringing_mm * std::exp(-since / lift_.ring_decay_s) * std::cos(2.0 * std::numbers::pi * lift_.ring_hz * since);
-      }
-      if (jerk_index_ < jerks_.size() && t_s >= jerks_[jerk_index_] + lag_s_) {
-        ++jerk_index_;
-        if (random.uniform() < lift_.unison) {
-          slides_ = false;
-          peak_mm_ = std::max(limit_mm_ * (1.0 + lift_.limit_jitter * bell(random)), shear_mm_ + 0.02 * limit_mm_);
-        }
-      }
-    }
-    const double keep = std::exp(-dt_s / lift_.texture_memory_s);
-    tremble_ = keep * tremble_ + std::sqrt(1.0 - keep * keep) * random.normal();
-  }
-
-  bool slides() const { return slides_; }  ///< the object moves past the tip
-
-  /// The tip moves until then, once the arm stands still.
-  double ringing_end_s() const { return slides_ ? released_s_ + ringing_s(from_mm_ - to_mm_, lift_.ring_decay_s) : -infinite; }
-
-  /// A surface that has run past makes a tip tremble, as long as the arm moves: its sticking in between lasts milliseconds.
-  double shear_mm(double speed_share) const { return shear_mm_ + (slid_ ? lift_.texture_mm * tremble_ * speed_share : 0.0); }
-
- private:
-  const LiftPlan& lift_;
-  const std::vector<double>& jerks_;
-  double limit_mm_, spring_back_mm_, lag_s_, peak_mm_;
-  double shear_mm_ = 0;
-  bool slides_ = false, slid_ = false;
-  std::size_t jerk_index_ = 0;
-  double released_s_ = 0, from_mm_ = 0, to_mm_ = 0;
-  double tremble_ = 0;
-};
-
-/// All tips while the arm moves, and what the rules of labels ask about them.
-class Lift {
- public:
-  Lift(const RunPlan& plan, double dt_s, Random& random) : dt_s_(dt_s) {
-    if (!plan.lift) return;
-    const PressPlan* press = plan.press_at(plan.lift->start_s);
-    if (press == nullptr) return;
-    const double start_s = plan.lift->time_of_travel(plan.lift->slack_mm);
-    for (std::size_t m = 0; m < marker_count; ++m) {
-      const MarkerContact& marker = press->markers[m];
-      if (!(press->depth_mm - marker.gap_mm > least_pressed_mm)) continue;
-      touched_[m] = true;
-      const double limit_mm = plan.lift->shear_limit_mm * marker.shear_share;
-      gross_s_ = std::min(gross_s_, plan.lift->time_of_travel(plan.lift->slack_mm + limit_mm));
-      start_s_ = start_s;
-    }
-    if (!(start_s_ < infinite)) return;
-    plan_ = &*plan.lift;
-    press_ = press;
-    for (double t_s = start_s_; t_s < plan_->end_s();) {
-      t_s += (1.0 + plan_->stick_slip_jitter * bell(random)) / plan_->stick_slip_hz;
-      jerks_.push_back(t_s);
-    }
-    tips_.reserve(marker_count);
-    for (const MarkerContact& marker : press->markers) tips_.emplace_back(*plan_, marker, jerks_);
-  }
-  Lift(const Lift&) = delete;
-  Lift& operator=(const Lift&) = delete;
-
-  bool drags() const { return plan_ != nullptr; }
-  bool drags(const PressPlan* press) const { return plan_ != nullptr && press == press_; }
-  double start_s() const { return start_s_; }  ///< a tip first moves
-  double gross_s() const { return gross_s_; }  ///< infinite if none ever slides
-  double arm_end_s() const { return plan_->end_s(); }
-
-  /// To the next read-out, at `t_s`; each once, in order.
-  void move_on(double t_s, Random& random) {
-    double against_mm_s = 0;
-    if (plan_ != nullptr && t_s >= start_s_ && (t_s < plan_->end_s() + dt_s_ || t_s < ringing_end_s_ + dt_s_)) {
-      const double speed_share = plan_->speed_at(t_s) / plan_->speed_mm_s;
-      const double all_dragged_mm = std::max(0.0, plan_->travel_at(t_s) - plan_->slack_mm);
-      const double dragged_mm = all_dragged_mm - dragged_mm_;
-      dragged_mm_ = all_dragged_mm;
-      for (std::size_t m = 0; m < marker_count; ++m) {
-        if (!touched_[m]) continue;
-        tips_[m].move_on(t_s, dt_s_, dragged_mm, random);
-        ringing_end_s_ = std::max(ringing_end_s_, tips_[m].ringing_end_s());
-        const double moved_mm = tips_[m].shear_mm(speed_share) - shear_mm_[m];
-        shear_mm_[m] += moved_mm;
-        if (tips_[m].slides()) against_mm_s = std::max(against_mm_s, std::abs(dragged_mm - moved_mm) / dt_s_);
-      }
-    }
-    speeds_mm_s_.push_back(against_mm_s);
-  }
-
-  bool touches(std::size_t m) const { return touched_[m]; }
-  double shear_mm(std::size_t m) const { return shear_mm_[m]; }
-  double ringing_end_s() const { return ringing_end_s_; }
-
-  /// By the rule of labels, once all read-outs have passed.
-  double end_s() const {
-    if (!(gross_s_ < infinite)) return arm_end_s();
-    const double limit = still_share * *std::max_element(speeds_mm_s_.begin(), speeds_mm_s_.end());
-    const auto quiet = static_cast<std::size_t>(std::ceil(slip_still_s / dt_s_));
-    // speeds_mm_s_[k] is the mean from read-out k - 1 to k, and so that of the instant between them.
-    std::size_t still = static_cast<std::size_t>(std::ceil(gross_s_ / dt_s_));
-    for (std::size_t k = still; k < speeds_mm_s_.size() && k < still + quiet; ++k) {
-      if (speeds_mm_s_[k] >= limit) still = k + 1;
-    }
-    const auto middle_s = [&](std::size_t k) { return (static_cast<double>(k) - 0.5) * dt_s_; };
-    if (still >= speeds_mm_s_.size()) return infinite;
-    const double before = speeds_mm_s_[still - 1], after = speeds_mm_s_[still];
-    const double share = before > limit ? (before - limit) / (before - after) : 0.0;
-    return std::max(gross_s_, middle_s(still - 1) + dt_s_ * share);
-  }
-
- private:
-  double dt_s_;
-  const LiftPlan* plan_ = nullptr;
-  const PressPlan* press_ = nullptr;
-  std::array<bool, marker_count> touched_{};
-  double start_s_ = infinite, gross_s_ = infinite, ringing_end_s_ = -infinite;
-  std::vector<double> jerks_;
-  std::vector<ShearedTip> tips_;
-  std::array<double, marker_count> shear_mm_{};
-  double dragged_mm_ = 0;
-  std::vector<double> speeds_mm_s_;  ///< of the object against the tips that it moves past, the fastest
-};
-
-/// Where a micro-slip has taken its tips.
-struct MicroSlip {
-  const MicroSlipPlan* plan = nullptr;
-  bool begun = false;
-  std::array<double, marker_count> toward_x{}, toward_y{};  ///< unit vectors
-
-  double end_s() const { return plan->at_s + ringing_s(plan->slip_mm, plan->ring_decay_s); }
-  bool moves(std::size_t m) const { return (plan->markers >> m & 1U) != 0; }
-  double gone_mm(double t_s) const {
-    const double since = t_s - plan->at_s;
-    if (t_s >= end_s()) return plan->slip_mm;
-    return plan->slip_mm *
-           (1.0 - std::exp(-since / plan->ring_decay_s) * std::cos(2.0 * std::numbers::pi * plan->ring_hz * since));
-  }
-};
-
-/// When the tip speed of a press is below 1 % of its peak for the first 20 ms. Worked out, not sampled, but for the search.
+/// The begin of the first 20 ms in which the tip speed of a press is below 1 % of its peak. Speeds are exact; only the search
+/// samples.
 double press_end_s(const PressPlan& press, double until_s) {
-  std::array<double, marker_count> path_share{};  // of the object's way, that a tip goes inward and aside
+  std::array<double, marker_count> path_share{};  // a tip's displacement, inward and sideways, per displacement of the object
   double peak = 0;
   for (std::size_t m = 0; m < marker_count; ++m) {
     const MarkerContact& marker = press.markers[m];
@@ -223,7 +50,7 @@ double press_end_s(const PressPlan& press, double until_s) {
   return std::min(still_s, until_s);
 }
 
-/// Collects motions, then takes the labelled ones' time away from the others.
+/// Collects motions, and removes the times of the labelled ones from the others.
 class MotionList {
  public:
   explicit MotionList(double until_s) : until_s_(until_s) {}
@@ -242,7 +69,7 @@ class MotionList {
     }
   }
 
-  /// @param moves  whether anything is to be seen between two times
+  /// @param moves  whether a marker moves visibly between two times
   template <class Moves>
   std::vector<MarkerMotion> finished(const Moves& moves) {
     std::stable_sort(motions_.begin(), motions_.end(), starts_before);
@@ -290,14 +117,14 @@ void add_presses(MotionList& list, const RunPlan& plan) {
   }
 }
 
-void add_after_effects(MotionList& list, const RunPlan& plan, const std::vector<MicroSlip>& slips) {
+void add_after_effects(MotionList& list, const RunPlan& plan, std::span<const MicroSlip> slips) {
   for (const MicroSlip& slip : slips)
     list.add(Touch::slip, "micro-slip", false, slip.plan->at_s, slip.end_s(), slip.plan->markers);
   for (const RecontactPlan& rocks : plan.recontacts) list.add(Touch::press, "re-contact", false, rocks.start_s, rocks.end_s());
   for (const TapPlan& tap : plan.taps) list.add(Touch::press, "tap", false, tap.contact_s(), tap.free_s());
 }
 
-/// The arm's ringing, and that of the tips after a slip is over: one motion where they overlap.
+/// The ringing of the arm, and of the tips after a slip: one motion if they overlap.
 void add_vibrations(MotionList& list, const RunPlan& plan, double tail_start_s, double tail_end_s) {
   std::vector<std::pair<double, double>> rings;
   for (const auto& [at_s, change] : plan.arm_acceleration_changes())
@@ -312,104 +139,47 @@ void add_vibrations(MotionList& list, const RunPlan& plan, double tail_start_s, 
   }
 }
 
+/// Whether a marker moves visibly between two times.
+bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds readout, microseconds start,
+                   microseconds end) {
+  const double least_px = view.px_per_mm * least_motion_mm;
+  const auto first = static_cast<std::size_t>(start / readout);
+  const auto last = std::min(static_cast<std::size_t>((end + readout - 1us) / readout), poses.size() - 1);
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    for (std::size_t m = 0; m < marker_count; ++m) {
+      const MarkerPose &a = poses[first][m], &b = poses[k][m];
+      const double size_px = std::abs(b.scale - a.scale) * marker_width_mm * view.px_per_mm;
+      if (std::max(std::hypot(b.x - a.x, b.y - a.y), size_px) > least_px) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random) {
   assert(readout > 0us && "read-outs follow each other in time");
   const double dt_s = 1e-6 * static_cast<double>(readout.count());
   const auto steps = static_cast<std::size_t>(std::floor(plan.end_s / dt_s + 1e-6)) + 1;
-  const double angle_rad = plan.lift ? plan.lift->angle_rad : 0.0;
-  const double along_x = std::sin(angle_rad), along_y = std::cos(angle_rad);
-
-  Lift lift(plan, dt_s, random);
-  const double whole_travel_mm = plan.lift ? plan.lift->travel_at(plan.lift->end_s()) : 0.0;
-  const auto sunk = [&](const PressPlan* press, double t_s) {  // a factor on the depth
-    return lift.drags(press) && whole_travel_mm > 0 ? 1.0 + plan.lift->sink * plan.lift->travel_at(t_s) / whole_travel_mm : 1.0;
-  };
-  std::vector<MicroSlip> micro_slips;
-  for (const MicroSlipPlan& slip : plan.micro_slips) micro_slips.push_back({.plan = &slip});
-
+  MovingTips tips(plan, view, dt_s, random);
   SkinMotion motion;
   motion.poses.reserve(steps);
-  for (std::size_t k = 0; k < steps; ++k) {
-    const double t_s = static_cast<double>(k) * dt_s;
-    lift.move_on(t_s, random);
-    const PressPlan* press = plan.press_at(t_s);
-
-    // Inward.
-    std::array<double, marker_count> pushed{}, upright_share{};
-    double mean_pushed = 0, mean_shear = 0;
-    if (press != nullptr) {
-      double depth_mm = press->depth_at(t_s) * sunk(press, t_s), held_mm = depth_mm;
-      if (press->release_start_s && t_s > *press->release_start_s)
-        held_mm = press->depth_at(*press->release_start_s) * sunk(press, *press->release_start_s);
-      for (const RecontactPlan& rocks : plan.recontacts) depth_mm -= rocks.freed_at(t_s);
-      for (std::size_t m = 0; m < marker_count; ++m) {
-        const double gap_mm = press->markers[m].gap_mm;
-        pushed[m] = std::max(0.0, depth_mm - gap_mm);
-        mean_pushed += pushed[m] / marker_count;
-        const bool opens = press->release_start_s && t_s > *press->release_start_s;
-        upright_share[m] = !opens ? 0.0 : 1.0 - (held_mm > gap_mm ? pushed[m] / (held_mm - gap_mm) : 0.0);
-        if (lift.drags(press) && lift.touches(m)) mean_shear += lift.shear_mm(m) * (1.0 - upright_share[m]) / marker_count;
-      }
-    }
-    double tapped_mm = 0;
-    for (const TapPlan& tap : plan.taps) tapped_mm += tap.depth_at(t_s);
-
-    // Aside.
-    const double ringing_mm = plan.vibration_at(t_s);
-    SkinPose pose;
-    for (std::size_t m = 0; m < marker_count; ++m) {
-      const double q = pushed[m] + plan.skin_coupling * std::max(0.0, mean_pushed - pushed[m]);
-      double aside_x = 0, aside_y = 0;
-      if (press != nullptr) {
-        const MarkerContact& marker = press->markers[m];
-        const bool dragged = lift.drags(press) && lift.touches(m);
-        const double shear = dragged ? lift.shear_mm(m) * (1.0 - upright_share[m]) : plan.skin_coupling * mean_shear;
-        aside_x = q * marker.pull_x + shear * along_x;
-        aside_y = q * marker.pull_y + shear * along_y;
-        for (MicroSlip& slip : micro_slips) {
-          if (!slip.moves(m) || t_s < slip.plan->at_s || slip.plan->at_s < press->contact_s) continue;
-          if (!slip.begun) {
-            const double bent = std::hypot(aside_x, aside_y);
-            slip.toward_x[m] = bent > 0 ? -aside_x / bent : -along_x;
-            slip.toward_y[m] = bent > 0 ? -aside_y / bent : -along_y;
-          }
-          const double gone_mm = slip.gone_mm(t_s) * (1.0 - upright_share[m]);
-          aside_x += gone_mm * slip.toward_x[m];
-          aside_y += gone_mm * slip.toward_y[m];
-        }
-      }
-      pose[m] = marker_pose(view, m, q + tapped_mm, aside_x + ringing_mm * along_x, aside_y + ringing_mm * along_y);
-    }
-    for (MicroSlip& slip : micro_slips) slip.begun = slip.begun || t_s >= slip.plan->at_s;
-    motion.poses.push_back(pose);
-  }
+  for (std::size_t k = 0; k < steps; ++k) motion.poses.push_back(tips.advance_to(static_cast<double>(k) * dt_s, random));
 
   MotionList list(static_cast<double>(steps - 1) * dt_s);
   add_presses(list, plan);
-  add_after_effects(list, plan, micro_slips);
+  add_after_effects(list, plan, tips.micro_slips());
+  const DraggedTips& dragged = tips.dragged();
   double tail_start_s = infinite;
-  if (lift.drags()) {
-    tail_start_s = lift.end_s();
-    list.add(Touch::slip, "slip", true, lift.start_s(), tail_start_s);
+  if (dragged.drags()) {
+    tail_start_s = dragged.end_s();
+    list.add(Touch::slip, "slip", true, dragged.start_s(), tail_start_s);
   }
-  add_vibrations(list, plan, tail_start_s, lift.ringing_end_s());
-  const double least_px = view.px_per_mm * least_motion_mm;
-  motion.motions = list.finished([&](microseconds start, microseconds end) {
-    const auto first = static_cast<std::size_t>(start / readout);
-    const auto last = std::min(static_cast<std::size_t>((end + readout - 1us) / readout), steps - 1);
-    for (std::size_t k = first + 1; k <= last; ++k) {
-      for (std::size_t m = 0; m < marker_count; ++m) {
-        const MarkerPose &a = motion.poses[first][m], &b = motion.poses[k][m];
-        const double size_px = std::abs(b.scale - a.scale) * marker_width_mm * view.px_per_mm;
-        if (std::max(std::hypot(b.x - a.x, b.y - a.y), size_px) > least_px) return true;
-      }
-    }
-    return false;
-  });
+  add_vibrations(list, plan, tail_start_s, dragged.ringing_end_s());
+  motion.motions =
+      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, readout, start, end); });
   for (MarkerMotion& moved : motion.motions) {
-    if (moved.what == "slip" && lift.gross_s() < infinite) moved.gross = whole_us(lift.gross_s());
+    if (moved.what == "slip" && dragged.gross_s() < infinite) moved.gross = whole_us(dragged.gross_s());
   }
   if (plan.lift) motion.lift_start = whole_us(plan.lift->start_s);
   return motion;

@@ -5,15 +5,15 @@
 
 namespace tactile {
 
-/// What `VideoWriter` takes for a film of pictures of `size`: [height, width] 8-bit grey or BGR, both sides even.
+/// Makes of a picture what `VideoWriter` takes for a film of `size`: [height, width] 8-bit grey or BGR, both sides even.
 ///
-/// A picture of another size is resized, alpha left out, the upper 8 of 16 bits kept; where a side of `size` is odd the last row
-/// or column stands twice, since H.264 halves the colours' sides.
+/// A picture of another size is resized. Alpha is left out, and the upper 8 of 16 bits are kept. Where a side of `size` is odd
+/// the last row or column is repeated, since H.264 halves the sides of the colours.
 ///
-/// @return  empty if the picture is, or has pixels of another kind: neither 8 nor 16 bits, or of 2 or more than 4 channels
+/// @return  empty if the picture is empty, has neither 8 nor 16 bits, or has 2 or more than 4 channels
 cv::Mat film_picture(const cv::Mat& picture, cv::Size size);
 
-/// The sides of what `film_picture` returns.
+/// The size of the pictures that `film_picture` returns.
 cv::Size film_size(cv::Size size);
 
 }  // namespace tactile

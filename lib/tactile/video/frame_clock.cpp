@@ -12,18 +12,18 @@ constexpr double new_beginning_us = -1e6;
 
 }  // namespace
 
-std::optional<microseconds> FrameClock::time_of(double told_ms, HostTime came) {
+std::optional<microseconds> FrameClock::time_of(double source_ms, HostTime arrived) {
   if (!begun_) {
     begun_ = true;
-    told_ms_ = told_ms;
-    came_ = came;
+    source_ms_ = source_ms;
+    arrived_ = arrived;
     return t_;
   }
   // Beyond a day or so a step is damage anyway, and the conversion must not overflow.
-  const double told_step_us = std::round(1000.0 * (told_ms - told_ms_));
+  const double told_step_us = std::round(1000.0 * (source_ms - source_ms_));
   const bool is_step = std::isfinite(told_step_us) && std::abs(told_step_us) < 1e11;
   const microseconds told_step{is_step ? static_cast<std::int64_t>(told_step_us) : 0};
-  const microseconds came_step = std::max(came - came_, microseconds{1});
+  const microseconds came_step = std::max(arrived - arrived_, microseconds{1});
   const bool ascends = std::isfinite(told_step_us) && told_step_us >= 1;
 
   microseconds step = told_step;
@@ -33,14 +33,14 @@ std::optional<microseconds> FrameClock::time_of(double told_ms, HostTime came) {
     step = frame_;
   } else if (!ascends) {
     if (ascended_ || ++standing_ < 2)
-      return std::nullopt;  // `told_ms_` stays: what follows is measured from the last with a place
+      return std::nullopt;  // `source_ms_` stays: what follows is measured from the last with a place
     step = frame_;
   } else {
     ascended_ = true;
     if (!is_step || told_step > longest_step) step = frame_;
   }
-  told_ms_ = told_ms;
-  came_ = came;
+  source_ms_ = source_ms;
+  arrived_ = arrived;
   return t_ += step;
 }
 

@@ -7,31 +7,32 @@
 
 namespace tactile {
 
-/// Puts a source's frames on one line of time that always ascends, whatever the source tells of them. The first frame is at 0.
+/// Gives a source's frames times that always ascend. The first frame is at 0.
 ///
-/// A frame lies as far behind the one before it as the source tells. Where that cannot be:
-///   - a live source (its time stands still, steps back, or runs 5 s ahead of the host's): as far as they came after each other;
-///   - a recorded one: a frame whose time stands still or steps back is a duplicate and has no place. But where no time has
-///     ascended by the third frame the file tells none, and from then on frames lie one `frame` apart, as they do where the time
-///     steps back by more than a second (it has begun anew) or ahead by more than an hour.
+/// The time from frame to frame is the source's own. Where that is impossible:
+///   - for a live source (its time stands still, steps back, or runs 5 s ahead of the host's): the time between their arrivals;
+///   - for a recorded one: a frame whose time stands still or steps back is a duplicate and has no time. If no time has ascended
+///   by
+///     the third frame, the file has no times, and from then on frames are one `frame` apart. The same holds where the time steps
+///     back by more than a second (it restarts) or ahead by more than an hour.
 class FrameClock {
  public:
-  /// @param frame  of a recorded source: the time from frame to frame where it tells none, > 0
+  /// @param frame  of a recorded source: the time from frame to frame if it has no times, > 0
   FrameClock(bool live, microseconds frame) : live_(live), frame_(frame) {}
 
-  /// @param told_ms  what the source tells of this frame's time; any value
-  /// @param came     when it came
-  /// @return         its time on the line, or nothing for a duplicate
-  std::optional<microseconds> time_of(double told_ms, HostTime came);
+  /// @param source_ms  the source's time of this frame; any value
+  /// @param arrived    when it arrived
+  /// @return           its time, or nothing for a duplicate
+  std::optional<microseconds> time_of(double source_ms, HostTime arrived);
 
  private:
   bool live_ = false;
   microseconds frame_;
   bool begun_ = false;
-  bool ascended_ = false;  ///< the source has told a time that ascends
+  bool ascended_ = false;  ///< the source has given a time that ascends
   int standing_ = 0;       ///< frames whose time did not ascend, before any did
-  double told_ms_ = 0;     ///< of the last frame
-  HostTime came_{};
+  double source_ms_ = 0;   ///< of the last frame
+  HostTime arrived_{};
   microseconds t_{0};
 };
 

@@ -8,13 +8,11 @@
 #include <cerrno>
 #include <cmath>
 #include <condition_variable>
-#include <cstdarg>
 #include <cstdio>
 #include <cstring>
 #include <deque>
 #include <mutex>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <system_error>
@@ -22,16 +20,13 @@
 #include <utility>
 #include <vector>
 
-extern "C" {
-#include <libavutil/log.h>
-}
-
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/video/film_picture.hpp"
 #include "tactile/video/frame_clock.hpp"
+#include "tactile/video/video_source.hpp"
 #include "tactile/video/video_writer.hpp"
 
 namespace tactile {
@@ -40,9 +35,8 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-constexpr int patience_ms = 5'000;                             // with a URL that does not answer, or stops sending
 constexpr int broken_in_a_row = 100;                           // frames that cannot be decoded, before a source counts as gone
-constexpr microseconds kept_per_kill = 1s;                     // film between two syncs, and so what a power cut takes
+constexpr microseconds kept_per_kill = 1s;                     // film between two syncs: a power cut takes no more
 constexpr std::size_t waiting_bytes = std::size_t{512} << 20;  // frames that wait: a 4K camera's would take gigabytes
 
 struct TimedFrame {
@@ -52,63 +46,6 @@ struct TimedFrame {
 
   std::size_t bytes() const { return picture.total() * picture.elemSize(); }
 };
-
-enum class SourceKind : std::uint8_t { device, file, url };
-
-struct OpenSource {
-  cv::VideoCapture capture;
-  SourceKind kind = SourceKind::file;
-  bool recorded = false;  ///< it has an end that is known, and a pace of its own
-};
-
-std::optional<int> device_number(const std::string& source) {
-  const std::optional<std::int64_t> number = whole_number_in(source);
-  return number && *number >= 0 && *number < 1000 ? std::optional(static_cast<int>(*number)) : std::nullopt;
-}
-
-/// One clear sentence of ours instead of a page of OpenCV's and libavformat's.
-void be_quiet() {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  av_log_set_callback([](void*, int, const char*, va_list) {});
-}
-
-OpenSource open_source(const std::string& source) {
-  be_quiet();
-  OpenSource opened;
-  std::error_code ignored;
-  const std::optional<int> number = device_number(source);
-  const bool is_url = source.find("://") != std::string::npos;
-  const char* expected = "";
-  if (number || (!is_url && (source.starts_with("/dev/video") || fs::is_character_file(source, ignored)))) {
-    opened.kind = SourceKind::device;
-    expected = "a camera that is plugged in, may be read and is in nobody else's use";
-    const std::string device = number ? fmt::format("/dev/video{}", *number) : source;
-    if (!fs::exists(device, ignored)) {
-      throw Error(fmt::format("{}{}: no such device; expected {}", source, number ? " (" + device + ")" : "", expected));
-    }
-    opened.capture.open(device, cv::CAP_V4L2);
-  } else if (is_url) {
-    opened.kind = SourceKind::url;
-    expected = "a URL that answers within 5 s with a video, such as rtsp://… or http://…";
-    opened.capture.open(source, cv::CAP_FFMPEG,
-                        {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, patience_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, patience_ms});
-  } else {
-    expected = "a video that libavformat reads";
-    if (!fs::is_regular_file(source, ignored))
-      throw Error(source + ": no such file; expected a device's number or path, a video's file, or a URL");
-    opened.capture.open("file:" + fs::absolute(source).string(), cv::CAP_FFMPEG);
-  }
-  if (!opened.capture.isOpened()) throw Error(fmt::format("{}: cannot be opened; expected {}", source, expected));
-  opened.recorded =
-      opened.kind == SourceKind::file || (opened.kind == SourceKind::url && opened.capture.get(cv::CAP_PROP_FRAME_COUNT) >= 1);
-  return opened;
-}
-
-/// The time from frame to frame by the rate that the source tells.
-microseconds nominal_step(const cv::VideoCapture& capture) {
-  const double rate = capture.get(cv::CAP_PROP_FPS);
-  return microseconds{std::isfinite(rate) && rate >= 1 && rate <= 1000 ? std::llround(1e6 / rate) : 40'000};
-}
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -198,7 +135,7 @@ class Film {
 
 struct VideoCapture::State {
   VideoCaptureOptions options;
-  OpenSource source;                // the grabber's alone, once it runs
+  VideoSource source;               // used by the grabbing thread only, once it runs
   std::optional<FrameClock> clock;  // likewise
 
   mutable std::mutex guard;  // of all that follows
@@ -235,7 +172,7 @@ struct VideoCapture::State {
     if (options.log) options.log("video " + options.source + ": " + text);
   }
 
-  /// The next frame that can be decoded and has a time of its own; nothing once the source has ended.
+  /// The next frame that can be decoded and has its own time; nothing once the source has ended.
   std::optional<TimedFrame> next_frame() {
     for (int broken = 0; broken < broken_in_a_row;) {
       if (!source.capture.grab()) return std::nullopt;
@@ -296,7 +233,7 @@ struct VideoCapture::State {
     if (!asked) log(why);
   }
 
-  /// What is recorded can wait: its first frame shall be the first film's.
+  /// A recorded source can wait: its first frame is the first film's.
   void wait_for_a_film() {
     std::unique_lock lock(guard);
     room.wait(lock, [&] { return stopping || filmed_before; });
@@ -304,7 +241,7 @@ struct VideoCapture::State {
 
   void wait_until(Steady::time_point begun, microseconds t) {
     const std::chrono::duration<double, std::micro> after(static_cast<double>(t.count()) / options.speed);
-    // A wait of years would overflow the clock; nobody will see its end.
+    // A wait of years would overflow the clock.
     const auto due = begun + std::chrono::duration_cast<Steady::duration>(
                                  std::min(after, std::chrono::duration<double, std::micro>(std::chrono::hours(24 * 365))));
     std::unique_lock lock(guard);
@@ -321,7 +258,7 @@ struct VideoCapture::State {
     const auto has_room = [&] {
       return queue.empty() || (queue.size() < options.queue && queued_bytes + frame.bytes() <= waiting_bytes);
     };
-    // Whoever wants a recorded film as fast as it goes wants all of it.
+    // At full speed no frame of a recorded film is dropped.
     if (source.recorded && options.speed == 0)
       room.wait(lock, [&] { return stopping || (is_filmed() && has_room()) || !error.empty(); });
     if (film == nullptr || film_ending) return;
@@ -365,7 +302,7 @@ struct VideoCapture::State {
     } catch (const std::exception& e) {
       failed = e.what();
     }
-    if (!failed.empty()) log("the film cannot go on: " + failed);
+    if (!failed.empty()) log("the film cannot continue: " + failed);
     lock.lock();
     ++(written ? frames : dropped);
     if (failed.empty()) return;
@@ -376,7 +313,7 @@ struct VideoCapture::State {
     room.notify_one();
   }
 
-  /// Closes the film, where its source has ended too: what was filmed is whole then. Forgets it only once it is not wanted.
+  /// Closes the film, also where its source has ended: it is whole then. Forgets it only once it is not wanted.
   void end_film(std::unique_lock<std::mutex>& lock) {
     if (!film_closed) {
       lock.unlock();
@@ -405,8 +342,8 @@ VideoCapture::VideoCapture(VideoCaptureOptions options) : state_(std::make_uniqu
   if (state.options.queue == 0) throw Error(source + ": a queue of 0 frames; expected at least 1");
   if (state.options.quality < 0 || state.options.quality > 51)
     throw Error(fmt::format("{}: quality {} is out of range; expected 0 to 51", source, state.options.quality));
-  host_now();  // its clock begins with the first to ask: not in the middle of a film
-  state.source = open_source(source);
+  host_now();  // its clock begins with the first call: not in the middle of a film
+  state.source = open_video_source(source);
   state.clock.emplace(!state.source.recorded, nominal_step(state.source.capture));
   std::optional<TimedFrame> first = state.next_frame();
   if (!first) throw Error(source + ": gives no frame; expected a video or a camera that runs");

@@ -35,9 +35,9 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) throw Error(file + ": cannot be read; expected the times of a video's frames");
-  constexpr std::size_t longest_row = 4096;  // what a power cut left may be zeros for gigabytes
+  constexpr std::size_t longest_row = 4096;  // a power cut may leave gigabytes of zeros
   std::array<char, longest_row> row{};
-  // What lies before the newline, or the end of the file.
+  // The text before the newline, or before the end of the file.
   const auto read_row = [&] {
     in.getline(row.data(), row.size());
     return std::string_view(row.data(), static_cast<std::size_t>(std::max<std::streamsize>(in.gcount() - (in.eof() ? 0 : 1), 0)));
@@ -63,7 +63,8 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
     const std::vector<std::string> cells = cells_of(text);
     if (cells.size() == 1 && cells[0].empty()) continue;
     if (cells.size() != names.size()) {
-      throw Error(fmt::format("{}: row {} has {} values; expected {}, as its header", file, number, cells.size(), names.size()));
+      throw Error(
+          fmt::format("{}: row {} has {} values; expected {}, as in its header", file, number, cells.size(), names.size()));
     }
     const auto value_at = [&](std::size_t column) {
       const std::optional<std::int64_t> value = whole_number_in(cells[column]);
@@ -78,8 +79,8 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
     }
     const VideoTime t{microseconds{value_at(time_column)}};
     if (!times.empty() && t <= times.back()) {
-      throw Error(fmt::format("{}: row {} has pts_us {}; expected more than {}, as the frame before", file, number, us_of(t),
-                              us_of(times.back())));
+      throw Error(fmt::format("{}: row {} has pts_us {}; expected more than {}, the time of the frame before", file, number,
+                              us_of(t), us_of(times.back())));
     }
     times.push_back(t);
   }

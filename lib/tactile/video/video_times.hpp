@@ -9,7 +9,7 @@
 namespace tactile {
 
 /// The times of a video's frames, in the order of the frames: column `pts_us` of `video.csv`, whose `index` counts from 0.
-/// Further columns are passed over, and so is a last row without its newline: a kill has cut it.
+/// Further columns are ignored, and so is a last row without its newline, which a kill has cut.
 /// @throws Error  naming the row if a value is no whole number, an index is skipped, a time does not ascend or a row is
 ///                longer than 4095 bytes
 std::vector<VideoTime> read_video_times(const std::filesystem::path& file);

@@ -25,7 +25,7 @@ namespace tactile {
 namespace {
 
 constexpr AVRational microsecond{1, 1'000'000};
-constexpr std::size_t readable_beyond = 256;  // [B] behind a picture: libswscale reads some there
+constexpr std::size_t readable_beyond = 256;  // [B] after a picture: libswscale reads some there
 
 std::string reason(int error) {
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
@@ -82,21 +82,22 @@ struct VideoWriter::State {
     codec->height = options.height;
     codec->pix_fmt = AV_PIX_FMT_YUV420P;
     codec->time_base = microsecond;
-    codec->framerate = {30, 1};  // for the rate control only; the frames' times are their own
+    codec->framerate = {30, 1};  // for the rate control only; each frame has its own time
     codec->gop_size = options.frames_per_fragment;
     codec->max_b_frames = 0;  // else decoding times run ahead of the first frame's, and players shift the whole film
     codec->thread_count = 1;
-    codec->log_level_offset = AV_LOG_DEBUG - AV_LOG_INFO;  // the encoder's account of itself is for debugging
+    codec->log_level_offset = AV_LOG_DEBUG - AV_LOG_INFO;  // the encoder's own messages are for debugging
     codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
     av_opt_set(codec->priv_data, "preset", options.fast ? "ultrafast" : "veryfast", 0);
     av_opt_set(codec->priv_data, "tune", "zerolatency", 0);
     if (options.fast) {
-      av_opt_set_int(codec->priv_data, "qp", options.quality, 0);  // then no frame is looked at twice
-      av_opt_set(codec->priv_data, "coder", "cabac", 0);           // the preset's own takes long to begin, and more bytes
+      av_opt_set_int(codec->priv_data, "qp", options.quality, 0);  // then each frame is encoded once
+      av_opt_set(codec->priv_data, "coder", "cabac", 0);           // the preset's own needs a long start, and more bytes
     } else {
       av_opt_set_int(codec->priv_data, "crf", options.quality, 0);
     }
-    if (options.fragment_span.count() > 0) av_opt_set(codec->priv_data, "forced-idr", "1", 0);  // a fragment begins anew
+    if (options.fragment_span.count() > 0)
+      av_opt_set(codec->priv_data, "forced-idr", "1", 0);  // a fragment begins with a key frame
     check(avcodec_open2(codec, encoder, nullptr), "opening the encoder");
 
     AVStream* stream = avformat_new_stream(format, nullptr);
@@ -171,7 +172,7 @@ struct VideoWriter::State {
   }
 
   void begin_fragment(std::int64_t us) {
-    // Left alone, the fragment before this one is written only with the frame after this one.
+    // Otherwise the fragment before this one is written only with the frame after this one.
     if (options.fragment_span.count() > 0 && us > 0) check(av_write_frame(format, nullptr), "writing a fragment");
     fragment_us = us;
   }
@@ -194,7 +195,7 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const VideoWriterOpt
   state_->options = options;
   const auto is_side = [](int side) { return side > 0 && side <= 16384 && side % 2 == 0; };
   if (!is_side(options.width) || !is_side(options.height)) {
-    throw Error(fmt::format("{}: {} x {} px is no size for H.264; expected even sides from 2 to 16384", state_->file,
+    throw Error(fmt::format("{}: {} x {} px is not a size for H.264; expected even sides from 2 to 16384", state_->file,
                             options.width, options.height));
   }
   if (options.quality < 0 || options.quality > 51) {
@@ -212,7 +213,7 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const VideoWriterOpt
 VideoWriter::~VideoWriter() {
   try {
     close();
-  } catch (const Error&) {  // as promised: `close` is where a failure is seen
+  } catch (const Error&) {  // only `close` reports a failure
   }
 }
 
@@ -241,7 +242,7 @@ void VideoWriter::close() {
   if (!state_ || !state_->begun) return;
   state_->begun = false;
   state_->encode(nullptr);
-  state_->write_waiting(state_->last_us + state_->last_duration_us);  // nobody knows how long the last frame lasted
+  state_->write_waiting(state_->last_us + state_->last_duration_us);  // the length of the last frame is not known
   state_->check(av_write_trailer(state_->format), "ending the file");
   state_->check(avio_closep(&state_->format->pb), "closing the file");
 }

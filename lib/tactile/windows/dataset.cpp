@@ -1,9 +1,5 @@
 #include "tactile/windows/dataset.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -13,7 +9,6 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
@@ -27,8 +22,8 @@ constexpr hsize_t largest_side = 32767;  // of a heatmap [px]
 
 nlohmann::json parsed(const std::string& text, const std::string& where) {
   nlohmann::json settings = nlohmann::json::parse(text, nullptr, false);
-  if (settings.is_discarded()) throw Error(where + ": its settings are no JSON; expected a file that tactile made");
-  if (!settings.is_object()) throw Error(where + ": its settings are no object; expected a file that tactile made");
+  if (settings.is_discarded()) throw Error(where + ": its settings are not JSON; expected a file that tactile made");
+  if (!settings.is_object()) throw Error(where + ": its settings are not an object; expected a file that tactile made");
   return settings;
 }
 
@@ -44,17 +39,17 @@ std::size_t common_length(const std::string& where, const First& first, const Ot
 }
 
 Touch touch_of(std::uint8_t value, const std::string& where) {
-  if (value >= touch_count) throw_inconsistent(where, "class " + std::to_string(value) + " is none of 0, 1 and 2");
+  if (value >= touch_count) throw_inconsistent(where, "class " + std::to_string(value) + " is not 0, 1 or 2");
   return static_cast<Touch>(value);
 }
 
-/// Checks the file that a link of the dataset leads to, before HDF5 follows it.
+/// Checks the target of a link of the dataset before HDF5 follows the link.
 void check_linked_file(hid_t parent, const std::string& name, const fs::path& dataset) {
   const std::string linked = h5::linked_file(parent, name);
   if (!linked.empty()) h5::check_readable(dataset.parent_path() / linked);
 }
 
-/// The command that makes the dataset, or what `command` names, again.
+/// The shell command that makes the dataset, or the output of `command`, again.
 std::string command_for(const fs::path& dataset, const std::string& command) {
   const fs::path folder = dataset.has_parent_path() ? dataset.parent_path() : fs::path(".");
   if (dataset.filename() == "dataset.h5") return "'tactile " + command + " " + shell_word(folder.string()) + "'";
@@ -62,13 +57,13 @@ std::string command_for(const fs::path& dataset, const std::string& command) {
   return "'tactile " + command + " " + shell_word(dataset.string()) + "'";
 }
 
-/// For a file whose values alone are damaged: the command would keep it.
+/// For a file with damaged values: without removing it, the command would keep it.
 std::string remove_and_make(const fs::path& dataset, const std::string& part, const std::string& command) {
   return "Remove " + dataset_layout::file_beside(dataset, part).string() + ", and " + command_for(dataset, command) +
          " makes it again";
 }
 
-/// Calls `read`; where that finds damage, the error ends with what makes the file whole again.
+/// Calls `read`. If that finds damage, the error ends with the remedy.
 template <class Read>
 auto with_remedy(const std::string& remedy, const Read& read) {
   try {
@@ -78,7 +73,7 @@ auto with_remedy(const std::string& remedy, const Read& read) {
   }
 }
 
-/// The table of a history, which must be of this dataset and of one heatmap a sample.
+/// The table of a history. It must belong to this dataset and have one heatmap for each sample.
 h5::Id open_heatmaps(hid_t group, const std::string& name, const fs::path& dataset, const std::string& manifest_hash,
                      std::size_t samples, const std::string& where) {
   check_linked_file(group, name, dataset);
@@ -89,40 +84,12 @@ h5::Id open_heatmaps(hid_t group, const std::string& name, const fs::path& datas
     throw_inconsistent(where, "the history's shape is not [samples, height, width]");
   }
   if (h5::read_text_attribute(table, "manifest_sha256", where) != manifest_hash) {
-    throw Error(where + ": of another dataset; expected heatmaps of this one, remove the file and run 'tactile heatmaps'");
+    throw Error(where + ": belongs to another dataset; remove the file and run 'tactile heatmaps'");
   }
   return table;
 }
 
 }  // namespace
-
-namespace dataset_layout {
-
-nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs) {
-  nlohmann::json manifest = settings;
-  manifest["format"] = format;
-  manifest["sensor"] = {{"width", sensor.width}, {"height", sensor.height}};
-  manifest["simulated"] = simulated;
-  manifest["runs"] = nlohmann::json::array();
-  for (const DatasetRun& run : runs) {
-    manifest["runs"].push_back(
-        {{"object", run.object}, {"run", run.run}, {"events_sha256", run.events_sha256}, {"labels_sha256", run.labels_sha256}});
-  }
-  return manifest;
-}
-
-FolderLock::FolderLock(const fs::path& dataset) {
-  const fs::path folder = dataset.has_parent_path() ? dataset.parent_path() : fs::path(".");
-  folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Some network disks lock no folders: then two commands at once may lose the link of one, and the file it led to is made anew.
-  if (folder_ >= 0) (void)::flock(folder_, LOCK_EX);
-}
-
-FolderLock::~FolderLock() {
-  if (folder_ >= 0) ::close(folder_);
-}
-
-}  // namespace dataset_layout
 
 struct Dataset::State {
   fs::path file;
@@ -160,17 +127,17 @@ StoredHeatmaps Dataset::State::describe(hid_t group, const std::string& name) co
 
 void Dataset::State::read() {
   const std::string where = file.string();
-  if (!h5::has_attribute(id, "manifest_sha256")) throw_inconsistent(where, "no dataset");
+  if (!h5::has_attribute(id, "manifest_sha256")) throw_inconsistent(where, "is not a dataset");
   if (const auto found = h5::read_number(id, "format", where); found != dataset_layout::format) {
     throw Error(where + ": of format " + std::to_string(found) + "; expected " + std::to_string(dataset_layout::format) +
-                ", run 'tactile windows' anew");
+                ", run 'tactile windows' again");
   }
   manifest_hash = h5::read_text_attribute(id, "manifest_sha256", where);
   const auto side = [&](const char* name) {
     return static_cast<int>(std::clamp<std::int64_t>(h5::read_number(id, name, where), 0, 32767));
   };
   sensor = {side("sensor_width"), side("sensor_height")};
-  if (sensor.width <= 0 || sensor.height <= 0) throw_inconsistent(where, "a sensor without area");
+  if (sensor.width <= 0 || sensor.height <= 0) throw_inconsistent(where, "the sensor has no area");
   simulated = h5::read_number(id, "simulated", where) != 0;
   read_runs(where);
   const nlohmann::json settings = parsed(h5::read_text_attribute(id, "settings", where), where);
@@ -183,7 +150,7 @@ void Dataset::State::read() {
   const auto start = h5::read_table<std::int64_t>(id, "intervals/start_us", where);
   const auto end = h5::read_table<std::int64_t>(id, "intervals/end_us", where);
   for (std::size_t i = 0; i < common_length(where + ": /intervals", interval_run, interval_class, start, end); ++i) {
-    if (interval_run[i] >= runs.size()) throw_inconsistent(where, "an interval of a run that is not there");
+    if (interval_run[i] >= runs.size()) throw_inconsistent(where, "an interval belongs to no run");
     intervals.push_back({interval_run[i], {touch_of(interval_class[i], where), camera_time(start[i]), camera_time(end[i])}});
   }
   const auto sample_run = h5::read_table<std::uint32_t>(id, "samples/run", where);
@@ -193,7 +160,7 @@ void Dataset::State::read() {
     samples.push_back({sample_run[i], camera_time(t[i]), touch_of(label[i], where)});
     const bool in_order = i == 0 || samples[i - 1].run_index < samples[i].run_index ||
                           (samples[i - 1].run_index == samples[i].run_index && samples[i - 1].t < samples[i].t);
-    if (sample_run[i] >= runs.size() || !in_order) throw_inconsistent(where, "samples that are not in order of run, then time");
+    if (sample_run[i] >= runs.size() || !in_order) throw_inconsistent(where, "the samples are not sorted by run and time");
   }
   check_events(where);
 }
@@ -210,29 +177,29 @@ void Dataset::State::read_runs(const std::string& where) {
        ++i) {
     runs.push_back({object[i], run[i], folder[i], first[i], events[i], events_sha256[i], labels_sha256[i]});
     if (first[i] != next || __builtin_add_overflow(next, events[i], &next))
-      throw_inconsistent(where, "runs whose events do not lie end to end");
+      throw_inconsistent(where, "the events of the runs are not contiguous");
   }
 }
 
 void Dataset::State::check_events(const std::string& where) const {
   check_linked_file(id, "events", file);
   const h5::Id group(H5Gopen2(id, "events", H5P_DEFAULT), H5Gclose);
-  if (group < 0) h5::fail(where, "the events beside it cannot be opened");
+  if (group < 0) h5::fail(where, "its file of events cannot be opened");
   if (h5::read_text_attribute(group, "manifest_sha256", where + ": /events") != manifest_hash) {
-    throw Error(where + ": the events beside it are of another dataset; expected its own, run 'tactile windows' anew");
+    throw Error(where + ": its file of events belongs to another dataset; run 'tactile windows' again");
   }
   const std::uint64_t expected = runs.empty() ? 0 : runs.back().first_event + runs.back().events;
   for (const char* name : {"t_us", "x", "y", "on"}) {
     const std::string column_where = where + ": /events/" + name;
     const h5::Id column = h5::open_table(group, name, column_where);
     if (h5::shape_of(column, column_where) != std::vector<hsize_t>{expected})
-      throw_inconsistent(column_where, "not as long as the runs say");
+      throw_inconsistent(column_where, "has another length than the runs' events");
     h5::check_stored_size(column, column_where);
   }
 }
 
 Dataset::Dataset(fs::path file) : state_(std::make_unique<State>()) {
-  if (!fs::exists(file)) throw Error(file.string() + ": no such dataset; expected one that 'tactile windows' made");
+  if (!fs::exists(file)) throw Error(file.string() + ": no such dataset; 'tactile windows' makes one");
   const h5::Session session;
   state_->file = std::move(file);
   with_remedy(command_for(state_->file, "windows") + " makes it again", [&] {
@@ -255,7 +222,7 @@ const SamplingOptions& Dataset::sampling() const { return state_->sampling; }
 const std::string& Dataset::manifest_hash() const { return state_->manifest_hash; }
 
 fs::path Dataset::run_folder(std::uint32_t run_index) const {
-  return state_->file.parent_path() / state_->runs.at(run_index).folder;  // an absolute folder stands for itself
+  return state_->file.parent_path() / state_->runs.at(run_index).folder;  // an absolute folder replaces the parent
 }
 
 std::vector<Event> Dataset::events(std::uint32_t run_index) const {
@@ -271,7 +238,7 @@ std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first,
   }
   const std::string where = state_->file.string() + ": /events";
   const std::string remedy = remove_and_make(state_->file, "events", "windows");
-  with_remedy(remedy, [&] { state_->check_events(state_->file.string()); });  // the file may have been replaced since
+  with_remedy(remedy, [&] { state_->check_events(state_->file.string()); });  // the file may have been replaced
   std::vector<Event> events(count);
   const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
     std::vector<T> values(count);
@@ -284,11 +251,11 @@ std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first,
   const SensorSize sensor = state_->sensor;
   read_column("t_us", std::int64_t{}, [](Event& event, std::int64_t t) { event.t = camera_time(t); });
   read_column("x", std::uint16_t{}, [&](Event& event, std::uint16_t x) {
-    if (x >= sensor.width) throw_inconsistent(where, "an event outside the sensor");
+    if (x >= sensor.width) throw_inconsistent(where, "an event lies outside the sensor");
     event.x = static_cast<std::int16_t>(x);
   });
   read_column("y", std::uint16_t{}, [&](Event& event, std::uint16_t y) {
-    if (y >= sensor.height) throw_inconsistent(where, "an event outside the sensor");
+    if (y >= sensor.height) throw_inconsistent(where, "an event lies outside the sensor");
     event.y = static_cast<std::int16_t>(y);
   });
   read_column("on", std::uint8_t{}, [](Event& event, std::uint8_t on) { event.on = on; });
@@ -340,7 +307,7 @@ std::string Dataset::what_is_wrong_with(const std::string& name) const {
       std::iota(indexes.begin(), indexes.end(), static_cast<std::uint32_t>(first));
       digest.add(std::as_bytes(std::span<const std::uint8_t>(read_heatmaps(name, indexes))));
     }
-    return digest.hex() == written ? "" : where + ": its values are not those that were written";
+    return digest.hex() == written ? "" : where + ": its values differ from those that were written";
   } catch (const Error& e) {
     return e.what();
   }
@@ -350,8 +317,7 @@ std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::s
   const h5::Session session;
   const std::string where = state_->file.string() + ": /heatmaps/" + name;
   const h5::Id group(H5Gopen2(state_->id, "heatmaps", H5P_DEFAULT), H5Gclose);
-  if (group < 0 || !h5::has_member(group, name))
-    throw Error(where + ": no such history; expected one that 'tactile heatmaps' rendered");
+  if (group < 0 || !h5::has_member(group, name)) throw Error(where + ": no such history; 'tactile heatmaps' renders it");
   return with_remedy(remove_and_make(state_->file, name, "heatmaps"), [&] {
     const h5::Id table = open_heatmaps(group, name, state_->file, state_->manifest_hash, state_->samples.size(), where);
     h5::check_stored_size(table, where);
@@ -374,100 +340,15 @@ void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
   for (const auto& [file, hash] :
        {std::pair(folder.events(), run.events_sha256), std::pair(folder.labels(), run.labels_sha256)}) {
     if (!fs::exists(file)) {
-      throw Error(run.object + "/" + run.run + ": " + file.string() + " is gone; expected the file that " +
-                  dataset.file().string() + " was made from, 'tactile windows DATA --out " + shell_word(dataset.file().string()) +
+      throw Error(run.object + "/" + run.run + ": " + file.string() + " is missing; " + dataset.file().string() +
+                  " was made from it. 'tactile windows DATA --out " + shell_word(dataset.file().string()) +
                   "' finds runs that have moved");
     }
     if (sha256_of_file(file) != hash) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " has changed since " + dataset.file().string() +
-                  " was made; expected the same, run 'tactile windows' anew");
+                  " was made; run 'tactile windows' again");
     }
   }
-}
-
-struct HeatmapsWriter::State {
-  fs::path dataset;
-  std::string manifest_hash;
-  StoredHeatmaps description;
-  std::uint64_t samples = 0, written = 0;
-  fs::path target;
-  std::optional<WholeFile> whole;
-  h5::Id file, table;
-  Sha256 digest;
-
-  std::size_t heatmap_size() const {
-    return static_cast<std::size_t>(description.width) * static_cast<std::size_t>(description.height);
-  }
-
-  ~State() {
-    const h5::Session session;
-    table = {};
-    file = {};
-  }
-};
-
-HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& description) : state_(std::make_unique<State>()) {
-  const h5::Session session;
-  state_->dataset = dataset.file();
-  state_->manifest_hash = dataset.manifest_hash();
-  state_->description = description;
-  state_->samples = dataset.samples().size();
-  state_->target = dataset_layout::file_beside(dataset.file(), description.name);
-  state_->whole.emplace(state_->target, IfThere::replace);
-  const std::string where = state_->target.string();
-  state_->file = h5::create_file(state_->whole->path(), h5::Structure::checked);
-  // A heatmap is a chunk, so that any choice of samples reads no other.
-  state_->table = h5::create_table(state_->file, description.name, H5T_STD_U8LE,
-                                   {static_cast<hsize_t>(description.height), static_cast<hsize_t>(description.width)}, 1, where);
-  h5::write_attribute(state_->table, "manifest_sha256", state_->manifest_hash, where);
-  h5::write_attribute(state_->table, "settings", description.settings.dump(), where);
-  for (const auto& [key, value] : description.settings.items()) {
-    if (value.is_number_integer()) h5::write_attribute(state_->table, key, value.get<std::int64_t>(), where);
-    if (value.is_number_float()) h5::write_attribute(state_->table, key, value.get<double>(), where);
-    if (value.is_string()) h5::write_attribute(state_->table, key, value.get<std::string>(), where);
-  }
-}
-
-HeatmapsWriter::~HeatmapsWriter() = default;
-
-void HeatmapsWriter::append(std::span<const std::uint8_t> heatmaps) {
-  const h5::Session session;
-  const std::size_t count = heatmaps.size() / state_->heatmap_size();
-  h5::append_rows(state_->table, H5T_NATIVE_UINT8, heatmaps.data(), count, state_->target.string());
-  state_->written += count;
-  state_->digest.add(std::as_bytes(heatmaps));
-}
-
-void HeatmapsWriter::commit() {
-  const h5::Session session;
-  const std::string where = state_->target.string(), name = state_->description.name;
-  if (state_->written != state_->samples) {
-    throw Error(where + ": " + std::to_string(state_->written) + " heatmaps; expected one for each of " +
-                std::to_string(state_->samples) + " samples");
-  }
-  h5::write_attribute(state_->table, "sha256", state_->digest.hex(), where);
-  state_->table.close(where);
-  state_->file.close(where);
-
-  const dataset_layout::FolderLock lock(state_->dataset);
-  WholeFile copy(state_->dataset, IfThere::replace);
-  std::error_code failed;
-  fs::copy_file(state_->dataset, copy.path(), failed);
-  if (failed)
-    throw Error(state_->dataset.string() + ": cannot be copied (" + failed.message() + "); expected a folder with room");
-  h5::Id linked = h5::open_file(copy.path(), true);
-  if (h5::read_text_attribute(linked, "manifest_sha256", state_->dataset.string()) != state_->manifest_hash) {
-    throw Error(state_->dataset.string() +
-                ": replaced by another dataset meanwhile; expected it to stay while heatmaps are rendered");
-  }
-  h5::Id group(H5Gopen2(linked, "heatmaps", H5P_DEFAULT), H5Gclose);
-  if (group < 0) h5::fail(state_->dataset.string(), "/heatmaps cannot be opened");
-  state_->whole->commit();
-  if (h5::has_member(group, name)) return;  // of another process, which made the same
-  h5::link_to_file(group, name, state_->target.filename().string(), name, state_->dataset.string());
-  group.close(where);
-  linked.close(where);
-  copy.commit();
 }
 
 }  // namespace tactile

@@ -14,11 +14,11 @@
 
 namespace tactile {
 
-/// One run of a dataset: its slice of the events, and what it was made from.
+/// One run of a dataset: its events, and the files it was made from.
 struct DatasetRun {
   std::string object;
   std::string run;
-  std::string folder;  ///< as given to `windows`: relative to the dataset's own folder where it lies below it
+  std::string folder;  ///< relative to the dataset's folder if it lies below it, otherwise absolute
   std::uint64_t first_event = 0;
   std::uint64_t events = 0;
   std::string events_sha256;
@@ -37,10 +37,10 @@ struct StoredHeatmaps {
   int width = 0, height = 0;
 };
 
-/// A dataset opened for reading: tables are in memory, events and heatmaps are read as they are asked for.
+/// A dataset, open for reading. Tables are in memory; events and heatmaps are read on request.
 class Dataset {
  public:
-  /// @throws Error  if the file is missing, no HDF5, not a dataset of ours, or the events beside it are not its own
+  /// @throws Error  if the file is missing or not a dataset, or its file of events belongs to another dataset
   explicit Dataset(std::filesystem::path file);
   ~Dataset();
   Dataset(Dataset&&) noexcept;
@@ -52,27 +52,26 @@ class Dataset {
   std::span<const DatasetRun> runs() const;
   std::span<const DatasetInterval> intervals() const;
   std::span<const Sample> samples() const;
-  const nlohmann::json& settings()
-      const;  ///< the manifest: "sampling" as SamplingOptions, "mix", "include_flagged", the runs' hashes
+  /// The manifest: "sampling" as SamplingOptions, "mix", "include_flagged", the runs' hashes.
+  const nlohmann::json& settings() const;
   const SamplingOptions& sampling() const;
   const std::string& manifest_hash() const;
   std::filesystem::path run_folder(std::uint32_t run_index) const;
 
   std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
-  /// `count` of the run's events from the one with number `first` on. @throws Error also if it has not so many
+  /// `count` events of the run, from number `first` on. @throws Error  also if the run has fewer
   std::vector<Event> events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const;
-  std::vector<StoredHeatmaps> heatmaps() const;  ///< every history that is listed
+  std::vector<StoredHeatmaps> heatmaps() const;  ///< all listed histories
 
-  /// That history; nothing if it is not listed, or its file is missing, damaged or of another dataset, so that it is rendered
-  /// anew.
+  /// One history; nothing if it is not listed, or its file is missing, damaged or of another dataset.
   std::optional<StoredHeatmaps> find_heatmaps(const std::string& name) const;
 
-  /// Whether a listed history is what was written: its file beside, its shape, its settings, and every value, by their SHA-256.
-  /// @return  what is wrong; empty if nothing
+  /// Compares a listed history with what was written: file, shape, settings, and the SHA-256 of all values.
+  /// @return  what is wrong; empty if it is intact
   std::string what_is_wrong_with(const std::string& name) const;
-  std::vector<std::string> heatmap_names() const;  ///< every history that is listed, readable or not
+  std::vector<std::string> heatmap_names() const;  ///< all listed histories, readable or not
 
-  /// @return [sample_indexes, height, width], one after the other
+  /// @return  [sample_indexes, height, width]
   std::vector<std::uint8_t> read_heatmaps(const std::string& name, std::span<const std::uint32_t> sample_indexes) const;
 
  private:
@@ -80,11 +79,11 @@ class Dataset {
   std::unique_ptr<State> state_;
 };
 
-/// @throws Error  that names the run, if its events or its labels are not those that the dataset was made from
+/// @throws Error  that names the run, if its events or labels differ from those that the dataset was made from
 void check_unchanged(const Dataset& dataset, std::uint32_t run_index);
 
-/// Renderings on their way into a dataset: a file of their own beside it, which the dataset links to once it is whole. The
-/// dataset's file is never written under its name; whatever happens, it is there and readable.
+/// Writes the heatmaps of one history to a separate file beside the dataset. When that is complete, the dataset links to it. The
+/// dataset's file is replaced in one step, so it is readable at every moment.
 class HeatmapsWriter {
  public:
   /// @throws Error  if the file cannot be made
@@ -93,10 +92,10 @@ class HeatmapsWriter {
   HeatmapsWriter(const HeatmapsWriter&) = delete;
   HeatmapsWriter& operator=(const HeatmapsWriter&) = delete;
 
-  /// @param heatmaps  [any number, height, width], in the order of the dataset's samples
+  /// @param heatmaps  [any number, height, width], in the order of the samples
   void append(std::span<const std::uint8_t> heatmaps);
 
-  /// @throws Error  if there are not as many heatmaps as samples, or the dataset has been replaced since it was opened
+  /// @throws Error  if the number of heatmaps differs from that of the samples, or the dataset was replaced meanwhile
   void commit();
 
  private:

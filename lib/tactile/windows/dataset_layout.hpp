@@ -8,7 +8,7 @@
 #include "tactile/events/event.hpp"
 #include "tactile/windows/dataset.hpp"
 
-// Names and rules that reading and writing a dataset share.
+// Names and rules for both reading and writing a dataset.
 namespace tactile::dataset_layout {
 
 inline constexpr std::int64_t format = 1;
@@ -18,10 +18,10 @@ inline std::filesystem::path file_beside(const std::filesystem::path& dataset, c
   return dataset.parent_path() / (dataset.stem().string() + "." + part + ".h5");
 }
 
-/// What names a dataset once hashed. `settings` = sampling options, mix, include_flagged.
+/// The manifest, whose hash identifies a dataset. `settings` = sampling options, mix, include_flagged.
 nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs);
 
-/// Keeps other processes from putting files in place beside a dataset until it goes.
+/// Locks the folder of a dataset, so that only one process replaces files in it.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& dataset);

@@ -15,6 +15,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/core/ticks.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
@@ -28,11 +29,12 @@ namespace {
 void find_ends(PlannedRun& run) {
   OpenRun open(run.folder);
   const std::string where = run.folder.events().string();
-  const SensorSize told{run.info.width, run.info.height};  // without area where there is no run.json
-  run.sensor = open.recording.stream(open.stream_id).size.value_or(told);
-  if (told.width > 0 && run.sensor != told) {
+  const SensorSize declared{run.info.width, run.info.height};  // no area without run.json
+  run.sensor = open.recording.stream(open.stream_id).size.value_or(declared);
+  if (declared.width > 0 && run.sensor != declared) {
     throw Error(where + ": of a sensor of " + std::to_string(run.sensor.width) + "x" + std::to_string(run.sensor.height) +
-                " px; expected the " + std::to_string(told.width) + "x" + std::to_string(told.height) + " px that run.json has");
+                " px; expected the " + std::to_string(declared.width) + "x" + std::to_string(declared.height) +
+                " px in run.json");
   }
   std::optional<CameraTime> last;
   for_all_events(open.recording, open.stream_id, [&](std::span<const Event> events) {
@@ -46,7 +48,7 @@ void find_ends(PlannedRun& run) {
     }
     run.recorded_events += events.size();
   });
-  if (!last) throw Error(where + ": holds no event; expected a recording of the run");
+  if (!last) throw Error(where + ": has no event; expected a recording of the run");
   run.last_event = *last;
 }
 
@@ -56,7 +58,7 @@ std::string list_of(const std::vector<std::string>& names, std::string_view betw
   return text;
 }
 
-/// Draws the run's samples. @return  why it has none, if so
+/// Draws the run's samples. @return  why it has none; nothing if it has some
 std::optional<NoSamples> draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& options) {
   std::vector<SampledInterval> intervals;
   std::vector<std::string> flagged;
@@ -87,7 +89,7 @@ std::optional<NoSamples> draw_samples(PlannedRun& run, const Labels& labels, con
   return reason;
 }
 
-/// Why runs are left out so far.
+/// All reasons so far why runs are left out.
 std::string all_reasons(const DatasetPlan& plan) {
   std::vector<std::string> reasons = plan.warnings;
   reasons.insert(reasons.end(), plan.errors.begin(), plan.errors.end());
@@ -103,7 +105,7 @@ void add_without_samples(DatasetPlan& plan, const PlannedRun& run, NoSamples rea
   plan.without_samples.push_back({run.folder.object, run.folder.run, std::move(reason)});
 }
 
-/// What run.json says of a run; without one, what its folder tells.
+/// The run.json of a run; without one, the information from its folder.
 RunInfo info_of(const RunFolder& folder) {
   RunInfo info;
   if (is_there(folder.info())) {
@@ -117,26 +119,27 @@ RunInfo info_of(const RunFolder& folder) {
   return info;
 }
 
-/// Warns of runs that are not quite as they should be, and are used all the same.
+/// Warns of irregular runs that are used nevertheless.
 void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::string>& warnings) {
   std::vector<std::string> without_info;
   for (const PlannedRun& run : runs) {
     const std::string name = run.folder.name();
     if (!is_there(run.folder.info())) without_info.push_back(name);
     if (!run.info.complete)
-      warnings.push_back(name + ": run.json says that the recording was never closed; what is there is used");
+      warnings.push_back(name + ": run.json has complete = false, the recording was not closed; its events are used");
     if (run.info.object != run.folder.object || run.info.run != run.folder.run)
-      warnings.push_back(name + ": run.json says that it is " + run.info.object + "/" + run.info.run +
+      warnings.push_back(name + ": run.json names it " + run.info.object + "/" + run.info.run +
                          "; the name of its folder is used");
   }
   if (!without_info.empty())
     warnings.push_back(
-        "runs without run.json (named by their folders, of the sensor that the recording declares, simulated if "
-        "truth.json is there): " +
+        "runs without run.json (their names come from the folders, the sensor from the recording; they are simulated if they "
+        "have "
+        "truth.json): " +
         list_of(without_info));
 }
 
-/// The labelled runs below `data` that may be used together; the others are named in the plan.
+/// The labelled runs below `data` that may be used together. The plan lists the others.
 std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
   std::vector<PlannedRun> found;
   RunsBelow below = look_for_runs(data);
@@ -157,8 +160,8 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
       run.info = info_of(run.folder);
     } catch (const std::exception& e) {
       plan.errors.push_back(sentence_of(e) + "; " + run.folder.name() + " is left out");
-      leave_out(plan, run, "its run.json cannot be used");
-      add_without_samples(plan, run, has_no("run.json that can be used"));
+      leave_out(plan, run, "its run.json cannot be read");
+      add_without_samples(plan, run, has_no("readable run.json"));
       continue;
     }
     found.push_back(std::move(run));
@@ -182,8 +185,8 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     }
   }
   if (!simulated.empty())
-    plan.warnings.push_back("simulated runs are left out since there are real ones (--mix takes both): " + list_of(simulated));
-  if (found.empty()) throw Error(data.string() + ": no run can be used (" + all_reasons(plan) + "); expected sound ones");
+    plan.warnings.push_back("simulated runs are left out because there are real ones (--mix uses both): " + list_of(simulated));
+  if (found.empty()) throw Error(data.string() + ": no run can be used (" + all_reasons(plan) + ")");
   if (chosen.empty()) {
     throw Error(data.string() + ": none of its " + std::to_string(unlabelled.size()) +
                 (any_real && !simulated.empty() ? " real" : "") +
@@ -195,7 +198,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   return chosen;
 }
 
-/// Of all sizes the one that most runs have; the first such of equals.
+/// The most common sensor size; the first one if there are several.
 SensorSize common_sensor(const std::vector<PlannedRun>& runs) {
   const auto runs_of = [&](SensorSize size) {
     return std::count_if(runs.begin(), runs.end(), [&](const PlannedRun& run) { return run.sensor == size; });
@@ -213,7 +216,7 @@ SensorSize common_sensor(const std::vector<PlannedRun>& runs) {
   return common;
 }
 
-/// A run's folder as the dataset keeps it: relative to the dataset's own where it lies below it.
+/// A run's folder as stored: relative to the dataset's folder if it lies below that, otherwise absolute.
 std::string folder_name(const RunFolder& run, const fs::path& dataset) {
   const fs::path folder = fs::weakly_canonical(run.folder), base = fs::weakly_canonical(fs::absolute(dataset).parent_path());
   const fs::path relative = folder.lexically_relative(base);
@@ -221,7 +224,7 @@ std::string folder_name(const RunFolder& run, const fs::path& dataset) {
   return (below ? relative : folder).string();
 }
 
-/// Names the runs without samples and the objects that have no other, and what lifts flags.
+/// Warns of the runs without samples, of the objects that have no other runs, and tells how to lift flags.
 /// @throws Error  if no run has samples, or `strict` and an object has none
 void warn_of_runs_without_samples(DatasetPlan& plan, const fs::path& data, const std::set<std::string>& with_samples,
                                   bool strict) {
@@ -242,75 +245,56 @@ void warn_of_runs_without_samples(DatasetPlan& plan, const fs::path& data, const
   plan.warnings.insert(plan.warnings.end(), objects.begin(), objects.end());
 }
 
-/// Whether the labels are of these events; true where they do not tell, as those that a person wrote.
+/// Whether the labels belong to these events; true if they name no events, such as labels that a person wrote.
 bool made_from(const Labels& labels, const std::string& events_sha256) {
   const nlohmann::json inputs =
       labels.provenance.is_object() ? labels.provenance.value("inputs", nlohmann::json::object()) : nlohmann::json::object();
   return !inputs.is_object() || !inputs.contains("events.aedat4") || inputs.at("events.aedat4") == events_sha256;
 }
 
-}  // namespace
+struct RunOutcome {
+  std::string why_left_out;  ///< empty if the run is in the dataset
+  std::string error;         ///< why it cannot be read; empty if it can
+  std::optional<NoSamples> why_no_samples;
+};
 
-DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
-                         const ProgressCallback& progress) {
-  check(options.sampling);
-  DatasetPlan plan;
-  std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
-  std::vector<std::string> why_left_out(chosen.size()), errors(chosen.size());
-  std::vector<std::optional<NoSamples>> why_none(chosen.size());
-  std::mutex guard;
-  std::uint64_t done = 0;
-  parallel_for(chosen.size(), threads, [&](std::size_t i) {
-    PlannedRun& run = chosen[i];
-    const auto plan_run = [&] {
-      const Labels labels = read_labels(run.folder.labels());
-      if (labels.run_is_flagged() && !options.include_flagged) {
-        why_none[i] = why_no_samples(labels, options.include_flagged);
-        why_left_out[i] = "flagged: " + why_none[i]->flags;
-      } else if (run.events_sha256 = sha256_of_file(run.folder.events()); !made_from(labels, run.events_sha256)) {
-        why_left_out[i] = "its events have changed since it was labelled, run 'tactile label' again";
-        why_none[i] = has_no("labels of its present events");
-      } else {
-        run.labels_sha256 = sha256_of_file(run.folder.labels());
-        find_ends(run);
-        why_left_out[i] =
-            why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
-        if (run.sensor.width <= 0) why_left_out[i] = "neither its recording nor a run.json tells the sensor's size";
-        why_none[i] = why_left_out[i].empty() ? draw_samples(run, labels, options) : has_no("recording that can be used");
-      }
-    };
-    try {
-      plan_run();
-    } catch (const std::exception& e) {
-      errors[i] = sentence_of(e, run.folder.name());
-      why_left_out[i] = errors[i];
-      why_none[i] = has_no("files that can be read");
-    }
-    const std::scoped_lock lock(guard);
-    tell(progress, ++done, 2 * chosen.size(), run.folder.name());
-  });
-  std::set<std::string> with_samples;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const bool by_flag = why_none[i] && why_none[i]->flagged;
-    if (why_none[i]) {
-      add_without_samples(plan, chosen[i], *why_none[i]);
-    } else {
-      with_samples.insert(chosen[i].folder.object);
-    }
-    if (why_left_out[i].empty()) {
-      plan.runs.push_back(std::move(chosen[i]));
-      continue;
-    }
-    if (!errors[i].empty()) {
-      plan.errors.push_back(errors[i] + "; " + chosen[i].folder.name() + " is left out");
-    } else if (!by_flag) {
-      plan.warnings.push_back(chosen[i].folder.name() + ": left out, " + why_left_out[i]);
-    }
-    leave_out(plan, chosen[i], why_left_out[i]);
+/// Reads a run's labels and events, and draws its samples.
+RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options) {
+  const Labels labels = read_labels(run.folder.labels());
+  if (labels.run_is_flagged() && !options.include_flagged) {
+    const std::optional<NoSamples> why = why_no_samples(labels, options.include_flagged);
+    return {.why_left_out = "flagged: " + why->flags, .error = {}, .why_no_samples = why};
   }
-  warn_of_runs_without_samples(plan, data, with_samples, options.strict);
-  plan.sensor = common_sensor(plan.runs);
+  run.events_sha256 = sha256_of_file(run.folder.events());
+  if (!made_from(labels, run.events_sha256)) {
+    return {.why_left_out = "its events have changed since it was labelled, run 'tactile label' again",
+            .error = {},
+            .why_no_samples = has_no("labels of its present events")};
+  }
+  run.labels_sha256 = sha256_of_file(run.folder.labels());
+  find_ends(run);
+  std::string why = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
+  if (run.sensor.width <= 0) why = "neither its recording nor run.json has the sensor's size";
+  if (!why.empty()) return {.why_left_out = why, .error = {}, .why_no_samples = has_no("recording that can be used")};
+  return {.why_left_out = {}, .error = {}, .why_no_samples = draw_samples(run, labels, options)};
+}
 
+/// Adds a run to the dataset's runs, or to those left out.
+void add_to_plan(DatasetPlan& plan, PlannedRun run, const RunOutcome& outcome) {
+  if (outcome.why_left_out.empty()) {
+    plan.runs.push_back(std::move(run));
+    return;
+  }
+  if (!outcome.error.empty()) {
+    plan.errors.push_back(outcome.error + "; " + run.folder.name() + " is left out");
+  } else if (!outcome.why_no_samples->flagged) {
+    plan.warnings.push_back(run.folder.name() + ": left out, " + outcome.why_left_out);
+  }
+  leave_out(plan, run, outcome.why_left_out);
+}
+
+/// Numbers the runs, adds their rows, and warns of recordings that occur twice.
+void add_rows(DatasetPlan& plan, const fs::path& file) {
   std::map<std::string, std::string> run_with;
   for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
     PlannedRun& run = plan.runs[index];
@@ -321,7 +305,7 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
       plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark);
     const auto [other, is_new] = run_with.emplace(run.events_sha256, run.folder.name());
     if (!is_new)
-      plan.warnings.push_back(run.folder.name() + ": holds the same recording as " + other->second +
+      plan.warnings.push_back(run.folder.name() + ": has the same recording as " + other->second +
                               ", so a split may test on what it trained on");
     plan.rows.push_back({.object = run.folder.object,
                          .run = run.folder.run,
@@ -329,6 +313,41 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
                          .events_sha256 = run.events_sha256,
                          .labels_sha256 = run.labels_sha256});
   }
+}
+
+}  // namespace
+
+DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
+                         const ProgressCallback& progress) {
+  check(options.sampling);
+  DatasetPlan plan;
+  std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
+  std::vector<RunOutcome> outcomes(chosen.size());
+  std::mutex guard;
+  std::uint64_t done = 0;
+  parallel_for(chosen.size(), threads, [&](std::size_t i) {
+    const std::string name = chosen[i].folder.name();
+    try {
+      outcomes[i] = plan_run(chosen[i], options);
+    } catch (const std::exception& e) {
+      const std::string error = sentence_of(e, name);
+      outcomes[i] = {.why_left_out = error, .error = error, .why_no_samples = has_no("files that can be read")};
+    }
+    const std::scoped_lock lock(guard);
+    tell(progress, ++done, 2 * chosen.size(), name);
+  });
+  std::set<std::string> with_samples;  // objects
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (outcomes[i].why_no_samples) {
+      add_without_samples(plan, chosen[i], *outcomes[i].why_no_samples);
+    } else {
+      with_samples.insert(chosen[i].folder.object);
+    }
+    add_to_plan(plan, std::move(chosen[i]), outcomes[i]);
+  }
+  warn_of_runs_without_samples(plan, data, with_samples, options.strict);
+  plan.sensor = common_sensor(plan.runs);
+  add_rows(plan, file);
   plan.settings = dataset_settings_of(options);
   plan.manifest = dataset_layout::manifest_of(plan.settings, plan.sensor, plan.simulated, plan.rows);
   return plan;

@@ -14,15 +14,15 @@
 #include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-// What a dataset is to hold, derived from run folders: shared by writing one and verifying one.
+// The planned contents of a dataset, derived from run folders. Writing and verifying a dataset both use it.
 namespace tactile {
 
-/// Camera time from `begin` on, and before `end`.
+/// Camera time in [begin, end).
 struct TimeSpan {
   CameraTime begin{}, end{};
 };
 
-/// A run as a dataset takes it.
+/// A run of the planned dataset.
 struct PlannedRun {
   RunFolder folder;
   RunInfo info;
@@ -30,23 +30,23 @@ struct PlannedRun {
   std::string events_sha256, labels_sha256;
   SensorSize sensor;
   CameraTime first_event{}, last_event{};
-  std::uint64_t recorded_events = 0;     ///< of which the dataset stores some
-  std::vector<TouchInterval> intervals;  ///< those whose labels are used
+  std::uint64_t recorded_events = 0;     ///< in the recording; the dataset stores some of them
+  std::vector<TouchInterval> intervals;  ///< those with used labels
   std::vector<Sample> samples;           ///< `run_index` counts planned runs
 };
 
 struct DatasetPlan {
-  std::vector<PlannedRun> runs;  ///< those in the dataset
+  std::vector<PlannedRun> runs;  ///< in the dataset
   std::vector<WindowedRun> left_out;
-  std::size_t passed_over = 0;                     ///< of those left out: simulated beside real ones
-  std::vector<RunWithoutSamples> without_samples;  ///< of all but those passed over, by object, then run
+  std::size_t passed_over = 0;                     ///< left out because they are simulated and others are real
+  std::vector<RunWithoutSamples> without_samples;  ///< except those passed over; by object, then run
   std::vector<std::string> warnings;
-  std::vector<std::string> errors;  ///< a sentence for each run or folder that is left out since it cannot be read
+  std::vector<std::string> errors;  ///< a sentence for each run or folder that cannot be read
   SensorSize sensor;
   bool simulated = false;
 
   nlohmann::json settings;
-  std::vector<DatasetRun> rows;  ///< of `runs`, their events not counted yet
+  std::vector<DatasetRun> rows;  ///< of `runs`, without the numbers of events
   nlohmann::json manifest;
 };
 
@@ -57,14 +57,14 @@ struct OpenRun {
   std::int32_t stream_id;
 };
 
-/// Reads every run below `data` once; the plan names those that cannot be read. @throws Error as `write_dataset`
+/// Reads every run below `data` once. The plan lists runs that cannot be read. @throws Error  as `write_dataset`
 DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesystem::path& file, const WindowsOptions& options,
                          unsigned threads, const ProgressCallback& progress);
 
-/// The union of [t - history, t) over a run's samples, as spans that do not touch, ascending.
+/// The union of [t - history, t) over a run's samples, as separate spans, ascending.
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
 
-/// Hands over the events of a run that a dataset stores, ascending.
+/// Passes the events that a dataset stores of a run to `use`, ascending.
 void for_stored_events(const PlannedRun& run, microseconds history, const std::function<void(std::span<const Event>)>& use);
 
 }  // namespace tactile

@@ -23,7 +23,7 @@ std::string name_of(std::string_view key) {
   return name;
 }
 
-/// All keys side by side.
+/// All keys on one level.
 nlohmann::json flat(const nlohmann::json& settings) {
   nlohmann::json all = nlohmann::json::object();
   for (const auto& [key, value] : settings.items()) {

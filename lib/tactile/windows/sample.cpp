@@ -1,23 +1,17 @@
 #include "tactile/windows/sample.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/ticks.hpp"
 
 namespace tactile {
 namespace {
 
 using TicksByTouch = std::array<std::vector<CameraTime>, touch_count>;
-
-/// How far `us` lies above the multiple of `tick` at or below it.
-std::int64_t remainder_of(std::int64_t us, microseconds tick) {
-  const std::int64_t remainder = us % tick.count();
-  return remainder < 0 ? remainder + tick.count() : remainder;
-}
 
 TicksByTouch ticks_of(std::span<const SampledInterval> intervals, CameraTime first_event, CameraTime last_event,
                       const SamplingOptions& options) {
@@ -27,18 +21,18 @@ TicksByTouch ticks_of(std::span<const SampledInterval> intervals, CameraTime fir
     const bool in_order = i == 0 || intervals[i - 1].interval.end <= interval.start;
     if (interval.end < interval.start || interval.touch == Touch::none || !in_order) {
       throw Error("interval from " + std::to_string(us_of(interval.start)) + " to " + std::to_string(us_of(interval.end)) +
-                  " us; expected presses and slips by start, none overlapping another");
+                  " us; expected presses and slips sorted by start, without overlap");
     }
   }
   TicksByTouch ticks;
   const TickRange range = full_ticks(first_event, last_event, options.history, options.tick);
   if (const std::string why = why_too_many(range); !why.empty()) throw Error("samples: " + why);
-  std::size_t current = 0;  // the first interval that ends, guard included, at or behind the tick
+  std::size_t current = 0;  // the first interval that ends, guard included, at or after the tick
   for (std::int64_t index = 0; index < range.count; ++index) {
     const CameraTime t = range.at(index);
     while (current < intervals.size() && after(intervals[current].interval.end, options.guard) < t) ++current;
     bool guarded = false;
-    // Guards overlap where intervals lie close; a later one may hold this tick too.
+    // Guards of close intervals overlap, so a later interval may contain this tick too.
     for (std::size_t i = current; i < intervals.size() && before(intervals[i].interval.start, options.guard) < t; ++i) {
       const TouchInterval& interval = intervals[i].interval;
       guarded = guarded || t <= after(interval.end, options.guard);
@@ -104,45 +98,6 @@ std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInt
   std::array<std::uint64_t, touch_count> counts{};
   std::transform(ticks.begin(), ticks.end(), counts.begin(), [](const auto& of_touch) { return of_touch.size(); });
   return counts;
-}
-
-CameraTime first_tick_from(CameraTime t, microseconds tick) {
-  const std::int64_t above = remainder_of(us_of(t), tick);
-  return above == 0 ? t : after(t, microseconds{tick.count() - above});
-}
-
-CameraTime last_tick_until(CameraTime t, microseconds tick) { return before(t, microseconds{remainder_of(us_of(t), tick)}); }
-
-CameraTime TickRange::at(std::int64_t index) const {
-  // From one end of the clock to the other is more than an int64 holds.
-  const std::uint64_t on = static_cast<std::uint64_t>(tick.count()) * static_cast<std::uint64_t>(index);
-  const std::uint64_t room = static_cast<std::uint64_t>(us_of(CameraTime::max())) - static_cast<std::uint64_t>(us_of(first));
-  if (on > room) return CameraTime::max();
-  return camera_time(static_cast<std::int64_t>(static_cast<std::uint64_t>(us_of(first)) + on));
-}
-
-std::string why_too_many(const TickRange& ticks) {
-  if (ticks.count <= most_ticks) return "";
-  return std::to_string(ticks.count) + " ticks of " + std::to_string(ticks.tick.count()) +
-         " us from the first event to the last; expected at most " + std::to_string(most_ticks) +
-         ": a piece of the recording ('tactile convert --from-us --to-us'), or times that are not damaged";
-}
-
-TickRange full_ticks(CameraTime first_event, CameraTime last_event, microseconds history, microseconds tick) {
-  if (tick <= microseconds{0} || history < microseconds{0})
-    throw Error("ticks of " + std::to_string(tick.count()) + " us; expected more than 0");
-  TickRange range{.first = {}, .count = 0, .tick = tick};
-  const CameraTime begin = after(first_event, history);
-  const CameraTime first = first_tick_from(begin, tick), last = last_tick_until(last_event, tick);
-  // Held at an end of the clock, a time is no tick any more: then no full tick is left there.
-  const bool beyond =
-      between(first_event, begin) != history || remainder_of(us_of(first), tick) != 0 || remainder_of(us_of(last), tick) != 0;
-  if (beyond || first > last) return range;
-  range.first = first;
-  const std::uint64_t span = static_cast<std::uint64_t>(us_of(last)) - static_cast<std::uint64_t>(us_of(first));
-  const std::uint64_t steps = span / static_cast<std::uint64_t>(tick.count());
-  range.count = static_cast<std::int64_t>(std::min<std::uint64_t>(steps, std::numeric_limits<std::int64_t>::max() - 1) + 1);
-  return range;
 }
 
 }  // namespace tactile

@@ -12,12 +12,12 @@
 namespace tactile {
 namespace {
 
-constexpr double events_in_slice = 1 << 19;        // on average; a burst may hold many times that
+constexpr double events_in_slice = 1 << 19;        // on average; a burst may have many times that
 constexpr std::size_t most_open_recordings = 200;  // a system allows about 1000 open files
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// An event as it is compared; 16 bytes, of which a slice holds many.
+/// An event for the comparison; small, because a slice has many.
 struct Mark {
   std::int64_t t_us = 0;
   std::uint32_t place = 0;  ///< pixel and polarity
@@ -30,7 +30,7 @@ std::uint32_t place_of(const Event& event) {
   return static_cast<std::uint32_t>(event.x) << 17 | static_cast<std::uint32_t>(event.y) << 2 | event.on;
 }
 
-/// A recording that is read from its begin to its end, slice by slice.
+/// A recording that is read once, slice by slice.
 class SlicedRecording {
  public:
   SlicedRecording(const PlannedRun& run, std::uint32_t run_index, microseconds history)
@@ -38,7 +38,7 @@ class SlicedRecording {
 
   const PlannedRun& run() const { return run_; }
 
-  /// The events of the slice, which lies behind the one before it.
+  /// Reads the events of a slice. Slices must ascend.
   void read(CameraTime begin, CameraTime end) {
     marks_.clear();
     if (!open_) open_ = std::make_unique<OpenRun>(run_.folder);
@@ -47,14 +47,14 @@ class SlicedRecording {
         while (window_ < windows_.size() && windows_[window_].end <= event.t) ++window_;
         const bool in_window = window_ < windows_.size() && windows_[window_].begin <= event.t;
         events_in_windows_ += in_window ? 1 : 0;
-        marks_.push_back({us_of(event.t), place_of(event), in_window, run_index_});
+        marks_.push_back({us_of(event.t), place_of(event), in_window, run_index_ & 0x7fff'ffffU});
       }
     });
   }
   void close() { open_.reset(); }
 
   std::span<const Mark> marks() const { return marks_; }
-  std::uint64_t events_in_windows() const { return events_in_windows_; }  ///< of all slices up to here
+  std::uint64_t events_in_windows() const { return events_in_windows_; }  ///< in all slices so far
 
  private:
   const PlannedRun& run_;
@@ -66,7 +66,7 @@ class SlicedRecording {
   std::vector<Mark> marks_;
 };
 
-/// Counts for each pair the events in windows of the first that the second holds too.
+/// Counts for each pair the events in windows of the first that the second contains too.
 void count_equal(std::vector<Mark>& marks, std::map<Pair, std::uint64_t>& shared) {
   const auto key = [](const Mark& mark) { return std::tuple(mark.t_us, mark.place, +mark.run_index); };
   std::sort(marks.begin(), marks.end(), [&](const Mark& a, const Mark& b) { return key(a) < key(b); });
@@ -76,7 +76,7 @@ void count_equal(std::vector<Mark>& marks, std::map<Pair, std::uint64_t>& shared
     for (auto mine = first; mine != last && first->run_index != (last - 1)->run_index; ++mine) {
       if (mine->in_window == 0) continue;
       for (auto other = first; other != last; ++other) {
-        const bool is_new = other == first || (other - 1)->run_index != other->run_index;  // a run may hold it twice
+        const bool is_new = other == first || (other - 1)->run_index != other->run_index;  // a run may contain it twice
         if (is_new && other->run_index != mine->run_index) ++shared[{+mine->run_index, +other->run_index}];
       }
     }
@@ -84,7 +84,7 @@ void count_equal(std::vector<Mark>& marks, std::map<Pair, std::uint64_t>& shared
   }
 }
 
-/// Where recordings begin and end: between two of these times the same recordings are there.
+/// The begins and ends of the recordings. Between two of them the set of recordings is constant.
 std::vector<CameraTime> ends_of(std::span<const PlannedRun> runs) {
   std::vector<CameraTime> ends;
   for (const PlannedRun& run : runs) {
@@ -112,7 +112,7 @@ class Comparison {
     }
   }
 
-  /// Both ways. Nothing of recordings of different times.
+  /// Both directions of each pair that overlaps in time.
   std::vector<SharedEvents> result() const {
     std::vector<SharedEvents> pairs;
     for (std::uint32_t a = 0; a < recordings_.size(); ++a) {
@@ -169,11 +169,11 @@ class Comparison {
     count_equal(marks_, shared_);
   }
 
-  /// How many events in its windows a run has before `t`, one of `ends_`, where others were there too.
+  /// The number of events in windows of a run before `t`, one of `ends_`, while other recordings overlapped.
   std::uint64_t windows_before(std::uint32_t run_index, CameraTime t) const {
     const auto& until = windows_until_[run_index];
-    const auto behind = std::partition_point(until.begin(), until.end(), [&](const auto& each) { return each.first <= t; });
-    return behind == until.begin() ? 0 : std::prev(behind)->second;
+    const auto later = std::partition_point(until.begin(), until.end(), [&](const auto& each) { return each.first <= t; });
+    return later == until.begin() ? 0 : std::prev(later)->second;
   }
 
   std::vector<CameraTime> ends_;

@@ -1,17 +1,21 @@
 #include "tactile/windows/split.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {
 namespace {
 
+constexpr std::array<std::string_view, 2> split_names{"single-run", "unseen"};
+
 using RunIndexes = std::vector<std::uint32_t>;
 
-/// The run that is learned from: the wanted one, else the next in order, after the last the first; nothing if none has samples.
+/// The run for training: the wanted one, otherwise the next with samples, cyclically; nothing if none has samples.
 std::optional<std::uint32_t> training_run(std::span<const RunName> runs, const RunIndexes& of_object, const std::string& wanted) {
   std::map<std::string, std::uint32_t> whole;
   for (const std::uint32_t index : of_object) {
@@ -30,14 +34,8 @@ std::string names_of(const std::map<std::string, RunIndexes>& by_object) {
 
 }  // namespace
 
-std::string_view name_of(SplitKind kind) { return kind == SplitKind::single_run ? "single-run" : "unseen"; }
-
-SplitKind split_named(std::string_view name) {
-  for (const SplitKind kind : {SplitKind::single_run, SplitKind::unseen}) {
-    if (name == name_of(kind)) return kind;
-  }
-  throw Error("split '" + std::string(name) + "' is unknown; expected single-run or unseen");
-}
+std::string_view name_of(SplitKind kind) { return split_names.at(static_cast<std::size_t>(kind)); }
+SplitKind split_named(std::string_view name) { return enumerator_named<SplitKind>(name, split_names, "split"); }
 
 const std::vector<std::string>& default_held_out() {
   static const std::vector<std::string> objects{"textured-box", "plastic-container", "fan", "small-box", "sprayer"};

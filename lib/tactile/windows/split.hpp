@@ -13,18 +13,18 @@ enum class SplitKind : std::uint8_t { single_run, unseen };
 std::string_view name_of(SplitKind kind);      ///< "single-run", "unseen"
 SplitKind split_named(std::string_view name);  ///< @throws Error
 
-/// The paper's five objects that its unseen test never trains on.
+/// The five objects that the paper holds out in its unseen test.
 const std::vector<std::string>& default_held_out();
 
 struct SplitOptions {
   SplitKind kind = SplitKind::single_run;
   std::string train_run = "01";
-  std::vector<std::string> held_out = default_held_out();  ///< objects; of `unseen` only
+  std::vector<std::string> held_out = default_held_out();  ///< objects; for `unseen` only
 };
 
-/// Runs by object and id, never samples: neighbours share nearly all of their events.
+/// A split by run, never by sample: neighbouring samples share nearly all of their events.
 struct Split {
-  std::vector<std::uint32_t> train_runs;  ///< indexes into the runs given
+  std::vector<std::uint32_t> train_runs;  ///< indexes of the given runs
   std::vector<std::uint32_t> test_runs;
 };
 
@@ -34,11 +34,11 @@ struct RunName {
   bool has_samples = true;
 };
 
-/// single-run: trains on run `train_run` of every object, tests on every other run of it. unseen: trains on it for the objects
-/// not held out, tests on every run of those held out.
-/// Where an object's `train_run` is missing or has no samples, the next of its runs that has some takes its place, after the last
-/// the first. An object without any such run is neither trained nor tested on, unless it is held out.
-/// @throws Error  if a held-out object does not exist, or nothing is left to train or test on
+/// single-run: trains on run `train_run` of every object, and tests on its other runs. unseen: trains on run `train_run` of the
+/// objects that are not held out, and tests on all runs of the held-out ones.
+/// If an object's `train_run` is missing or has no samples, its next run with samples is used; after the last run comes the
+/// first. An object without such a run is not used, unless it is held out.
+/// @throws Error  if a held-out object does not exist, or no run remains for training or testing
 Split split_runs(std::span<const RunName> runs, const SplitOptions& options);
 
 }  // namespace tactile

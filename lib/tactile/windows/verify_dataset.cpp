@@ -18,16 +18,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double chance_share = 0.01;  // of the events of windows: fewer may equal another recording's by chance
+constexpr double chance_share = 0.01;  // of the events in windows: fewer may be equal by chance
 
 using Differences = std::vector<std::string>;
 
-/// A run's events as the dataset holds them, read block by block.
+/// A run's events in the dataset, read block by block.
 class StoredEvents {
  public:
   StoredEvents(const Dataset& dataset, std::uint32_t run_index) : dataset_(dataset), run_index_(run_index) {}
 
-  /// Whether the next ones are these.
+  /// Whether the next events are these.
   bool continue_with(std::span<const Event> events) {
     while (!events.empty()) {
       if (next_ == block_.size() && !read_block()) return false;
@@ -84,10 +84,10 @@ void compare_intervals(const Dataset& dataset, std::uint32_t stored_index, const
   const bool same = std::equal(
       intervals.begin(), intervals.end(), run.intervals.begin(), run.intervals.end(),
       [](const TouchInterval& a, const TouchInterval& b) { return a.touch == b.touch && a.start == b.start && a.end == b.end; });
-  if (!same) differences.push_back(run.folder.name() + ": its intervals are not those of its labels");
+  if (!same) differences.push_back(run.folder.name() + ": its intervals differ from its labels");
 }
 
-/// What differs between one run of a dataset and what its folder gives now.
+/// The differences between one run of a dataset and its folder.
 Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, const PlannedRun& run) {
   Differences differences;
   const DatasetRun& stored = dataset.runs()[stored_index];
@@ -102,7 +102,7 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   bool same = true;
   for_stored_events(run, dataset.sampling().history,
                     [&](std::span<const Event> expected) { same = same && events.continue_with(expected); });
-  if (!same || !events.at_end()) differences.push_back(name + ": its events are not those of its samples' histories");
+  if (!same || !events.at_end()) differences.push_back(name + ": its events differ from those in the histories of its samples");
   return differences;
 }
 
@@ -117,14 +117,14 @@ void check_histories(const Dataset& dataset, DatasetCheck& check) {
   }
 }
 
-/// Whatever one recording has in common with another. The runs of a dataset must not share a recording, nor a piece of one.
+/// Adds the runs that share a recording or a piece of one, which the runs of a dataset must not.
 void compare_recordings(const DatasetPlan& plan, microseconds history, unsigned threads, const ProgressCallback& progress,
                         DatasetCheck& check) {
   std::map<std::string, std::string> run_of_file;
   for (const PlannedRun& run : plan.runs) {
     const auto [same_file, is_new] = run_of_file.emplace(run.events_sha256, run.folder.name());
     if (is_new) continue;
-    check.differences.push_back(run.folder.name() + ": holds the same recording as " + same_file->second +
+    check.differences.push_back(run.folder.name() + ": has the same recording as " + same_file->second +
                                 ", so training windows lie in test windows");
   }
   const auto text_of = [](std::uint64_t count) { return std::to_string(count); };
@@ -164,11 +164,11 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
     plan = plan_dataset(data, file, options, threads, progress);
   } catch (const Error& e) {
     if (!fs::exists(data)) throw;
-    check.differences.emplace_back(e.what());  // labels that are none, say: no dataset comes of these runs
+    check.differences.emplace_back(e.what());  // for example invalid labels: these runs give no dataset
     return check;
   }
-  if (dataset.sensor() != plan.sensor) check.differences.emplace_back("the sensor's size is not that of the runs");
-  if (dataset.simulated() != plan.simulated) check.differences.emplace_back("what the dataset says of simulated runs is not so");
+  if (dataset.sensor() != plan.sensor) check.differences.emplace_back("the sensor's size differs from that of the runs");
+  if (dataset.simulated() != plan.simulated) check.differences.emplace_back("the dataset's mark for simulated runs is wrong");
   std::map<std::string, std::uint32_t> stored;
   for (std::uint32_t index = 0; index < dataset.runs().size(); ++index) {
     stored.emplace(dataset.runs()[index].object + "/" + dataset.runs()[index].run, index);

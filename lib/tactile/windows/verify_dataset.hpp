@@ -10,20 +10,20 @@
 namespace tactile {
 
 struct DatasetCheck {
-  std::vector<std::string> differences;  ///< a sentence each; none if the dataset holds
+  std::vector<std::string> differences;  ///< a sentence each; empty if the dataset is correct
   std::uint64_t pairs_at_one_time = 0;   ///< pairs of runs whose recordings overlap in camera time, compared event by event
-  std::uint64_t equal_by_chance = 0;     ///< events of windows that equal one of another run; too few to be the same ones
-  std::vector<std::string> histories;    ///< listed ones whose every value is as it was written
+  std::uint64_t equal_by_chance = 0;     ///< events in windows equal to one of another run, too few to be shared
+  std::vector<std::string> histories;    ///< listed ones whose values are all intact
 };
 
-/// Derives the dataset again from the runs below `data`, by the settings it was made with, and compares: runs, sensor, intervals,
-/// samples and events. Of each history that is listed it compares every value with the hash that it was written with.
+/// Derives the dataset again from the runs below `data`, with the settings it was made with, and compares runs, sensor,
+/// intervals, samples and events. It compares the values of each listed history with their stored hash.
 ///
-/// Splits are by run. So no event of a training window lies in a test window, whatever the split, if no event of any window of
-/// a run is in the recording of another: that is shown too, event by event where recordings overlap in camera time, as
-/// `shared_events` counts them, and by the hashes of the files. More than 1 in 100 counts as shared.
+/// It also checks that training and test windows share no event, whatever the split. Splits are by run, so this holds if no event
+/// in a window of a run is in the recording of another run. Recordings that overlap in camera time are compared event by event
+/// (`shared_events`), and all files by their hash. More than 1 in 100 events counts as shared.
 ///
-/// @param threads  0: as many as the machine has cores
+/// @param threads  0: one per core
 /// @throws Error  if there is no dataset, or there are no runs
 DatasetCheck verify_dataset(const std::filesystem::path& data, const std::filesystem::path& file, unsigned threads = 0,
                             const ProgressCallback& progress = {});

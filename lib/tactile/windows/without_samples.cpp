@@ -106,7 +106,7 @@ std::vector<RunWithoutSamples> runs_without_samples(const Dataset& dataset, std:
 }
 
 std::vector<RunWithoutSamples> runs_of_objects_left_out(const Dataset& dataset) {
-  std::map<std::string, std::set<std::string>> runs;  // of each object, in the dataset or beside it
+  std::map<std::string, std::set<std::string>> runs;  // of each object, in the dataset or in its folder
   std::set<std::string> in_dataset, with_samples;
   for (const DatasetRun& run : dataset.runs()) {
     runs[run.object].insert(run.run);
@@ -159,9 +159,9 @@ void refuse_objects_left_out(std::span<const std::string> sentences) {
 
 std::string how_to_lift_flags(const RunFolder& run, const std::string& command) {
   return fmt::format(
-      "Look at it with 'tactile view {}'; where a flagged label is right, set 'confirmed' of its flag in labels.json to true and "
+      "Look at it with 'tactile view {}'. If a flagged label is right, set 'confirmed' of its flag in labels.json to true and "
       "run "
-      "'{}' again. '{} --include-flagged' takes flagged labels as they are.",
+      "'{}' again. '{} --include-flagged' uses flagged labels as they are.",
       shell_word(run.folder.string()), command, command);
 }
 

@@ -62,7 +62,7 @@ class EventColumns {
   std::uint64_t appended_ = 0;
 };
 
-/// Writes the file of events and counts them in the plan's rows.
+/// Writes the file of events, and their numbers to the plan's rows.
 std::uint64_t write_events(DatasetPlan& plan, const fs::path& file, const std::string& manifest_hash, microseconds history,
                            const ProgressCallback& progress) {
   const std::string where = file.string();
@@ -138,9 +138,9 @@ std::string events_file_of(const fs::path& dataset) {
   return h5::linked_file(h5::open_file(dataset, false), "events");
 }
 
-/// Gives the dataset that is about to be replaced its events under another name, so that it stays whole until it goes.
+/// Renames the events of the dataset that is about to be replaced, so that it stays complete until then.
 void set_old_events_aside(const fs::path& file, const fs::path& events_file, const fs::path& old_events_file) {
-  if (events_file_of(file) == old_events_file.filename()) return;  // a command that was ended half-way had come so far
+  if (events_file_of(file) == old_events_file.filename()) return;  // an interrupted command has already done this
   std::error_code failed;
   fs::remove(old_events_file, failed);
   fs::create_hard_link(events_file, old_events_file, failed);
@@ -158,7 +158,7 @@ void set_old_events_aside(const fs::path& file, const fs::path& events_file, con
   relinked.commit();
 }
 
-/// Removes the files of histories that the dataset does not lead to, and the events that it led to before it was replaced.
+/// Removes the files of histories without a link in the dataset, and the events of the replaced dataset.
 void remove_stale_files(const fs::path& file) {
   std::set<fs::path> in_use;
   {
@@ -181,16 +181,16 @@ void remove_stale_files(const fs::path& file) {
   for (const fs::path& each : stale) fs::remove(each, ignored);
 }
 
-/// Tells the dataset where its runs lie now; it stays what it is otherwise.
-void note_folders(const fs::path& file, std::span<const DatasetRun> rows, const std::string& manifest_hash) {
+/// Updates the folders of the runs; the rest of the dataset stays.
+void update_folders(const fs::path& file, std::span<const DatasetRun> rows, const std::string& manifest_hash) {
   const std::string where = file.string();
   const h5::Session session;
   WholeFile copy(file, IfThere::replace);
   fs::copy_file(file, copy.path());
   h5::Id out = h5::open_file(copy.path(), true);
   if (h5::read_text_attribute(out, "manifest_sha256", where) != manifest_hash)
-    throw Error(where + ": replaced by another dataset meanwhile; expected it to stay while the folders of its runs are noted");
-  if (H5Ldelete(out, "runs/folder", H5P_DEFAULT) < 0) h5::fail_writing(where, "the folders of its runs cannot be noted");
+    throw Error(where + ": was replaced by another dataset meanwhile; run the command again");
+  if (H5Ldelete(out, "runs/folder", H5P_DEFAULT) < 0) h5::fail_writing(where, "the folders of its runs cannot be written");
   write_column<std::string>(out, "runs/folder", rows, where, [](const DatasetRun& run) { return run.folder; });
   out.close(where);
   copy.commit();
@@ -198,7 +198,7 @@ void note_folders(const fs::path& file, std::span<const DatasetRun> rows, const 
 
 enum class Existing { nothing, dataset, broken_dataset };
 
-/// @throws Error  if the file is there and no dataset of ours, which nobody asked to overwrite
+/// @throws Error  if the file exists and is not a dataset
 Existing examine(const fs::path& file, std::optional<Dataset>& dataset) {
   if (!fs::exists(file)) return Existing::nothing;
   try {
@@ -209,10 +209,10 @@ Existing examine(const fs::path& file, std::optional<Dataset>& dataset) {
     try {
       if (h5::has_attribute(h5::open_file(file, false), "manifest_sha256")) return Existing::broken_dataset;
     } catch (const h5::Damaged&) {
-      if (fs::exists(dataset_layout::file_beside(file, "events"))) return Existing::broken_dataset;  // of which it was part
+      if (fs::exists(dataset_layout::file_beside(file, "events"))) return Existing::broken_dataset;  // which belongs to it
     }
   }
-  throw Error(file.string() + ": is there and no dataset of tactile's; expected a dataset to replace, or no such file");
+  throw Error(file.string() + ": exists and is not a dataset of tactile; expected a dataset to replace, or a new name");
 }
 
 bool same_folders(std::span<const DatasetRun> a, std::span<const DatasetRun> b) {
@@ -252,8 +252,8 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
     const bool moved = !same_folders(old->runs(), plan.rows);
     summary.outcome = moved ? DatasetSummary::Outcome::moved : DatasetSummary::Outcome::unchanged;
     const dataset_layout::FolderLock lock(file);
-    if (moved) note_folders(file, plan.rows, summary.manifest_hash);
-    remove_stale_files(file);  // a command that was ended may have come so far
+    if (moved) update_folders(file, plan.rows, summary.manifest_hash);
+    remove_stale_files(file);  // an interrupted command may have left some
     return summary;
   }
   old.reset();

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the small ROS 1 bags beside this script, and what is in them as sums into truth.json.
+"""Writes small ROS 1 bags, and truth.json with sums over their contents.
 
-    make_bags.py [FOLDER]
+    make_bags.py [FOLDER]     default: the folder of this script
 
-Needs the Python package rosbags; the tests only read what it wrote. The same version of it gives the same bags.
+It needs the Python package rosbags; the tests only read the bags. The same version of rosbags writes the same bytes.
 """
 
 import hashlib
@@ -26,7 +26,7 @@ TRANSFORMS = "geometry_msgs/TransformStamped[] transforms\n"
 
 START_US = 1_700_000_000_000_000
 WIDTH, HEIGHT = 160, 120
-JOINTS = ["elbow_joint", "shoulder_lift_joint", "shoulder_pan_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]  # ROS's order
+JOINTS = ["elbow_joint", "shoulder_lift_joint", "shoulder_pan_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]  # in the order of ROS
 
 store = get_typestore(Stores.ROS1_NOETIC)
 store.register(get_types_from_msg(EVENT, "dvs_msgs/msg/Event"))
@@ -42,7 +42,7 @@ def header(us, frame=""):
 
 
 def made_events(count, seed):
-    """(t_us, x, y, on), several of one time, over a second."""
+    """(t_us, x, y, on) within one second. Some events have the same time."""
     rng = random.Random(seed)
     times = sorted(START_US + 200 * rng.randrange(5_000) for _ in range(count))
     return [(t, rng.randrange(WIDTH), rng.randrange(HEIGHT), rng.randrange(2)) for t in times]
@@ -57,7 +57,7 @@ def sums(events):
 
 
 def messages_of(events, span_us=10_000):
-    """The events in packets as a driver sends them, by time."""
+    """The events in packets of equal duration, as a driver sends them."""
     packets = {}
     for event in events:
         packets.setdefault((event[0] - START_US) // span_us, []).append(event)
@@ -75,7 +75,7 @@ def libcaer(packet, base_us):
 
 
 def libcaer_cmp(packet, base_us):
-    """Masks where neighbours of one column fire together, single events else."""
+    """Masks for neighbours in one column with the same time and polarity, else single events."""
     words, high, low, column = [], 0, 0, None
     i = 0
     while i < len(packet):
@@ -107,7 +107,7 @@ def mono(packet, base_us):
 
 
 def event_packet(packet, sequence, encoding):
-    # libcaer's base leaves room for an overflow of the sensor's 31 bits half-way through the recording, amid a packet.
+    # With this base the 31-bit time of libcaer overflows half-way through the recording, within a packet.
     base_us = START_US + 505_000 - 2**31 if encoding == "libcaer" else packet[0][0]
     wraps = encoding == "libcaer" and packet[0][0] - base_us >= 2**31
     data = {"libcaer": libcaer, "libcaer_cmp": libcaer_cmp, "mono": mono}[encoding](packet, base_us)
@@ -118,7 +118,7 @@ def event_packet(packet, sequence, encoding):
 
 
 def pose_at(s):
-    """A tool that rises and turns about z by 0.3 rad/s, in front of the robot."""
+    """Position and rotation (quaternion) of a tool in front of the robot. It rises, and rotates about z by 0.3 rad/s."""
     return (0.5, 0.1, 0.2 + 0.05 * s), (0.0, 0.0, math.sin(0.15 * s), math.cos(0.15 * s))
 
 
@@ -142,7 +142,7 @@ def joint_state(us):
 
 def image(us, index, encoding):
     channels = {"mono8": 1, "bgr8": 3, "rgb8": 3}[encoding]
-    pixels = np.zeros((49, 65, channels), dtype=np.uint8)  # odd, as no H.264 film is
+    pixels = np.zeros((49, 65, channels), dtype=np.uint8)  # odd sizes, which H.264 does not have
     pixels[:, 5 * index:5 * index + 5] = 200
     if channels == 3:
         pixels[..., 2 if encoding == "bgr8" else 0] = 255  # red
@@ -196,7 +196,7 @@ def main():
         bag(name, run, events, compression, poses=len(robot_times), frames=len(frame_times), imu=20,
             first_frame_us=frame_times[0], last_frame_us=frame_times[-1])
 
-    # Each encoding of EventPackets; one number is skipped, as a lost packet leaves it.
+    # Each encoding of EventPackets. One sequence number is skipped, as if a packet were lost.
     for encoding in ("libcaer", "libcaer_cmp", "mono"):
         events = made_events(2_000, 2)
         if encoding == "libcaer_cmp":  # neighbours that fire together
@@ -205,14 +205,14 @@ def main():
         bag(encoding, [("/event_camera/events", "event_camera_msgs/msg/EventPacket", p[-1][0] + 400,
                         event_packet(p, i + (i > 40), encoding)) for i, p in enumerate(packets)], events, lost=1)
 
-    # Messages that overlap in time, as two threads would send them.
+    # Messages that overlap in time, as if two threads sent them.
     events = made_events(1_000, 3)
     halves = [(i, p[0::2], p[1::2]) for i, p in enumerate(messages_of(events))]
     overlapping = [("/dvs/events", "dvs_msgs/msg/EventArray", START_US + 20_000 * i + 10_000 * k, event_array(part))
                    for i, even, odd in halves for k, part in enumerate((odd, even)) if part]
     bag("overlapping", overlapping, sorted((e for _, even, odd in halves for e in odd + even), key=lambda e: e[0]))
 
-    # What cannot be taken without a word from the user, or not at all.
+    # Bags that are converted only with a further option, or not at all.
     events = made_events(50, 4)
     packet = event_array(events)
     write(os.path.join(folder, "two-cameras.bag"),

@@ -134,7 +134,7 @@ TEST_F(WithEdits, AMarkConfirmsAndLiftsTheIntervalsFlags) {
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
-TEST_F(WithEdits, WhatNobodyLookedAtStaysAsItIs) {
+TEST_F(WithEdits, KeepsWhatNobodyAnnotated) {
   ImportedLabels imported{.where = "tasks.json", .looked_at = false};
   const Labels labels = edited(imported);
   EXPECT_EQ(labels.intervals.size(), 3U);
@@ -159,13 +159,13 @@ TEST_F(WithEdits, WhatCannotBeALabelIsNamed) {
   using Intervals = std::vector<ImportedInterval>;
   EXPECT_NE(refused([](Intervals& i) { i[0].end_us = 1'150'000; }).find("press-1 and press-2 overlap by 0.049501 s"),
             std::string::npos);
-  EXPECT_NE(refused([](Intervals& i) { i[0].end_us = i[0].start_us; }).find("a mere point"), std::string::npos);
-  EXPECT_NE(refused([](Intervals& i) { i[0].end_us = 0; }).find("expected its end behind its start"), std::string::npos);
-  EXPECT_NE(refused([](Intervals& i) { i[1].id = "press-1"; }).find("stands there twice"), std::string::npos);
+  EXPECT_NE(refused([](Intervals& i) { i[0].end_us = i[0].start_us; }).find("has no length"), std::string::npos);
+  EXPECT_NE(refused([](Intervals& i) { i[0].end_us = 0; }).find("expected its end after its start"), std::string::npos);
+  EXPECT_NE(refused([](Intervals& i) { i[1].id = "press-1"; }).find("occurs twice"), std::string::npos);
   EXPECT_NE(
-      refused([](Intervals& i) { i[2].end_us = 3'200'000; }).find("outside of the recording; expected 0.000000 s to 3.000000 s"),
+      refused([](Intervals& i) { i[2].end_us = 3'200'000; }).find("outside the recording; expected 0.000000 s to 3.000000 s"),
       std::string::npos);
-  EXPECT_NE(refused([](Intervals& i) { i[0].start_us = -5'000; }).find("outside of the recording"), std::string::npos);
+  EXPECT_NE(refused([](Intervals& i) { i[0].start_us = -5'000; }).find("outside the recording"), std::string::npos);
   EXPECT_NE(refused([](Intervals& i) { i[0].start_us = std::numeric_limits<std::int64_t>::min(); }).find("outside"),
             std::string::npos);
 }

@@ -27,10 +27,10 @@ class RefusedFiles : public testing::Test {
 TEST_F(RefusedFiles, OfAudacity) {
   const auto read = [&](const std::string& text) { return error(read_audacity, "labels.txt", text); };
   expect(read("0.1\t0.2\tpress\n0.3\t0.4\tpush\n"), "labels.txt, line 2: 'push' names no class; expected press or slip");
-  expect(read("nan\t0.2\tpress\n"), "line 1: 'nan' is no time; expected seconds");
-  expect(read("0.1 0.2 press\n"), "line 1: '0.1 0.2 press' is no label; expected 'start TAB end TAB text'");
+  expect(read("nan\t0.2\tpress\n"), "line 1: 'nan' is not a time; expected seconds");
+  expect(read("0.1 0.2 press\n"), "line 1: '0.1 0.2 press' is not a label; expected 'start TAB end TAB text'");
   expect(read("0.1\t0.2\t\n"), "names no class");
-  expect(read(""), "holds no label");
+  expect(read(""), "has no label");
   expect(read(std::string(9 << 20, '\0')), "bytes long; expected at most");
 }
 
@@ -57,8 +57,8 @@ TEST_F(RefusedFiles, OfElan) {
            value + "\"><ANNOTATION_VALUE>push</ANNOTATION_VALUE></ALIGNABLE_ANNOTATION></ANNOTATION></TIER>";
   };
   const auto read = [&](const std::string& text) { return error(read_elan, "labels.eaf", text); };
-  expect(read("<ANNOTATION_DOCUMENT>"), "labels.eaf: no XML");
-  expect(read("<html/>"), "no annotation document");
+  expect(read("<ANNOTATION_DOCUMENT>"), "labels.eaf: is not XML");
+  expect(read("<html/>"), "is not an annotation document");
   expect(read("<ANNOTATION_DOCUMENT><HEADER TIME_UNITS=\"NTSC-frames\"/></ANNOTATION_DOCUMENT>"),
          "in 'NTSC-frames'; expected milliseconds");
   expect(read(document("<TIME_ORDER/><TIER TIER_ID=\"speech\"/>")), "has no tier 'touch'");
@@ -76,19 +76,20 @@ TEST_F(RefusedFiles, OfLabelStudio) {
     return R"([{"data": {"run": "fan/01"}, "annotations": [{"result": [{"id": "press-1", "type": "timeserieslabels", "value": )" +
            result + "}]}]}]";
   };
-  expect(read("["), "tasks.json: no JSON");
-  expect(read("[]"), "holds no task");
-  expect(read(R"([{"run": "fan/01", "label": []}])"), "task 1: no task; expected Label Studio's export as JSON, not as JSON-MIN");
+  expect(read("["), "tasks.json: is not JSON");
+  expect(read("[]"), "has no task");
+  expect(read(R"([{"run": "fan/01", "label": []}])"),
+         "task 1: is not a task; expected Label Studio's export as JSON, not as JSON-MIN");
   expect(read(task(R"({"start": "1.5", "end": 2, "timeserieslabels": ["press"]})")),
-         "'fan/01', result 'press-1': 'start' is no number");
+         "'fan/01', result 'press-1': 'start' is not a number");
   expect(read(task(R"({"start": 1e300, "end": 2, "timeserieslabels": ["press"]})")), "'start' is 1e+300");
-  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["push"]})")), "'push' is no class");
-  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["press", "slip"]})")), "has not one class");
+  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["push"]})")), "'push' is not a class");
+  expect(read(task(R"({"start": 1.5, "end": 2, "timeserieslabels": ["press", "slip"]})")), "must have one class");
   expect(read(R"([{"data": {"run": "fan/01"}, "annotations": [{"result": []}, {"result": []}]}])"), "has several annotations");
   expect(read(std::string(50, '[')), "nests values more than 20 deep");
   std::string many = "[";
   for (int i = 0; i < 1'000'100; ++i) many += "0,";
-  expect(read(many + "0]"), "holds more than 1000000 values");
+  expect(read(many + "0]"), "has more than 1000000 values");
 }
 
 TEST_F(RefusedFiles, OfCsv) {
@@ -101,8 +102,8 @@ TEST_F(RefusedFiles, OfCsv) {
          "column 'confirmed' holds 'maybe'; expected true or false");
   expect(read("class,start_s,end_s,origin\npress,0.1,0.2,dawn\n"), "column 'origin' holds 'dawn'");
   expect(read("class,start_s,end_s,run,origin\npress,0.1,0.2,fan/01,camera\nslip,0.3,0.4,fan/01,video\n"),
-         "line 3: times of 'fan/01' count from elsewhere");
-  expect(read("class,start_s,end_s\n"), "holds no row");
+         "line 3: the times of 'fan/01' have another origin");
+  expect(read("class,start_s,end_s\n"), "has no row");
   expect(read(std::string(2'000, ',') + "\n"), "more than 1000 values");
 }
 
@@ -134,7 +135,7 @@ TEST_F(RefusedFiles, AnIdThatAToolWouldLoseIsNotWritten) {
   for (const char* id : {"my press", "press", "1", "", "a\tb"}) {
     LabelsToExport run = test::exported_run();
     run.labels.intervals[0].id = id;
-    expect(test::error_of([&] { audacity_text(run); }), "would be lost in other tools");
+    expect(test::error_of([&] { audacity_text(run); }), "does not survive in other tools");
   }
 }
 

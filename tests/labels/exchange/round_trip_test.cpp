@@ -114,7 +114,7 @@ TEST(SecondsText, IsExactForEveryMicrosecondAndReadsBack) {
   }
 }
 
-TEST(SecondsIn, RoundsAndSaysHowFarAndRefusesWhatIsNoTime) {
+TEST(SecondsIn, RoundsWithItsResolutionAndRefusesOtherTexts) {
   EXPECT_EQ(seconds_in("0.9296")->rounding_us, 50);
   EXPECT_EQ(seconds_in("0.93")->rounding_us, 500);
   EXPECT_EQ(seconds_in("2")->us, 2'000'000);

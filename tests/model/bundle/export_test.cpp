@@ -107,7 +107,7 @@ TEST_F(Export, ReplacesOnlyByForce) {
   write_whole(folder / "w.safetensors", "something dear");
   const auto refused = run("--onnx m.onnx --safetensors w.safetensors");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("w.safetensors: is there; expected a new name, or --force"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("w.safetensors: exists already; expected a new name, or --force"), std::string::npos) << refused.err;
   EXPECT_EQ(read_text(folder / "w.safetensors"), "something dear");
   EXPECT_FALSE(fs::exists(folder / "m.onnx"));  // neither the one that could have been written
 
@@ -119,7 +119,7 @@ TEST_F(Export, ReplacesOnlyByForce) {
   EXPECT_EQ(files_beside_models(), 2U);
 }
 
-TEST_F(Export, SaysWhatIsWrong) {
+TEST_F(Export, ReportsWhatIsWrong) {
   const auto expect_refused = [&](const std::string& arguments, const std::string& part) {
     const auto result = run(arguments);
     EXPECT_EQ(result.exit_code, 1) << arguments;
@@ -129,13 +129,13 @@ TEST_F(Export, SaysWhatIsWrong) {
   };
   expect_refused("--onnx m.onnx", "run 'tactile train' first");
   const ModelBundle bundle = make_bundle("mine");
-  expect_refused("", "nothing to export to; expected --onnx FILE, --safetensors FILE");
+  expect_refused("", "no output is given; expected --onnx FILE, --safetensors FILE");
   expect_refused("--model yours --onnx m.onnx", "models/yours: no model");
-  expect_refused("--model mine --onnx m --safetensors ./m", "m: named for both formats");
+  expect_refused("--model mine --onnx m --safetensors ./m", "m: is given for both formats");
   expect_refused("--model mine --onnx models", "models: is a folder");
-  expect_refused("--model mine --onnx models/mine/model.json/m.onnx", "the folder cannot be made");
+  expect_refused("--model mine --onnx models/mine/model.json/m.onnx", "the folder cannot be created");
   write_weights(bundle.weights(), LeNet(small, 99).weights());
-  expect_refused("--model mine --onnx m.onnx --quiet", "not the weights that model.json names by their hash");
+  expect_refused("--model mine --onnx m.onnx --quiet", "its hash differs from model.json");
 }
 
 TEST_F(Export, NeedsNoLibtorch) {

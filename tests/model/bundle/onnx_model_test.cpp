@@ -42,7 +42,7 @@ std::map<std::string, onnx::AttributeProto> attributes_of(const onnx::NodeProto&
   return attributes;
 }
 
-/// A list that an operator's attribute gives, or what ONNX says of one that is not given.
+/// A list that an operator's attribute gives, or ONNX's default.
 std::vector<std::int64_t> ints_of(const onnx::NodeProto& node, const std::string& name, std::vector<std::int64_t> usual) {
   const auto attributes = attributes_of(node);
   const auto found = attributes.find(name);
@@ -248,7 +248,7 @@ TEST_P(EveryNetwork, IsReadByOpenCVsRuntimeWithTheSameLogitsForAnyBatch) {
   }
 }
 
-TEST_P(EveryNetwork, SaysWhatItIsMadeOf) {
+TEST_P(EveryNetwork, DescribesItself) {
   const onnx::ModelProto model = parsed(bytes_of(LeNet({32, 24}, 3, options()), options(), {{"classes", "[1]"}, {"input", "x"}}));
   EXPECT_EQ(model.ir_version(), 7);
   ASSERT_EQ(model.opset_import_size(), 1);

@@ -7,7 +7,7 @@
 namespace tactile {
 namespace {
 
-TEST(DefaultName, TellsHistorySplitRunAndSeed) {
+TEST(DefaultName, HasHistorySplitRunAndSeed) {
   ModelSettings settings;
   EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
   settings.split.kind = SplitKind::unseen;

@@ -41,7 +41,7 @@ std::string error_of(const ModelBundle& bundle) {
   return "";
 }
 
-TEST(Classifier, SaysWhatTheNetworkThatWasWrittenSays) {
+TEST(Classifier, PredictsLikeTheWrittenNetwork) {
   const test::TemporaryFolder folder;
   const ModelBundle bundle = small_bundle(folder);
   const Classifier classifier(bundle.folder, 2);
@@ -99,7 +99,7 @@ TEST(Classifier, GivesNoVerdictOfWeightsWhoseSumsLeaveFloat32) {
   nlohmann::json json = read_json(bundle.description());
   json["weights_sha256"] = sha256_of_file(bundle.weights());
   write_json(bundle.description(), json);
-  EXPECT_NE(error_of(bundle).find("so large that sums may leave float32"), std::string::npos) << error_of(bundle);
+  EXPECT_NE(error_of(bundle).find("so large that sums may exceed float32"), std::string::npos) << error_of(bundle);
   const Classifier libtorch = open_classifier(bundle.folder, 1, EngineKind::libtorch);
   const auto noise = test::noise_heatmaps(3, {32, 24}, 1);
   try {
@@ -197,7 +197,7 @@ TEST(ModelBundle, ThatNoTrainingWritesIsRefusedAsItIsLoaded) {
   EXPECT_NO_THROW(read_description(bundle));
 }
 
-TEST(NewestBundle, IsTheOneTrainedLastOfThoseWanted) {
+TEST(NewestBundle, IsTheLastTrainedOfTheAcceptedOnes) {
   const test::TemporaryFolder folder;
   small_bundle(folder, "a", 1, "2024-01-02T00:00:00.000000Z");
   small_bundle(folder, "b", 2, "2024-01-03T00:00:00.000000Z");

@@ -54,7 +54,8 @@ using Heatmap = std::vector<std::uint8_t>;
 Heatmap noise(SensorSize size, double density, Random& random) {
   Heatmap heatmap(cells_of(size));
   for (std::uint8_t& cell : heatmap)
-    cell = random.below(1'000'000) < density * 1e6 ? static_cast<std::uint8_t>(1 + random.below(255)) : std::uint8_t{0};
+    cell = static_cast<double>(random.below(1'000'000)) < density * 1e6 ? static_cast<std::uint8_t>(1 + random.below(255))
+                                                                        : std::uint8_t{0};
   return heatmap;
 }
 
@@ -115,7 +116,7 @@ std::string error_of(SensorSize size, const Weights& weights, const LeNetOptions
   return "";
 }
 
-TEST(LeNetEngine, SaysWhatLibtorchSaysWithEveryVectorInstructionAndSize) {
+TEST(LeNetEngine, PredictsLikeLibtorchWithEveryVectorInstructionAndSize) {
   ASSERT_GE(LeNetEngine::targets().size(), 2U) << "only one set of instructions is tested";
   for (const std::string& target : LeNetEngine::targets()) {
     for (std::size_t i = 0; i < sizes.size(); ++i)
@@ -123,7 +124,7 @@ TEST(LeNetEngine, SaysWhatLibtorchSaysWithEveryVectorInstructionAndSize) {
   }
 }
 
-TEST(LeNetEngine, SaysItOfOtherWeightsToo) {
+TEST(LeNetEngine, PredictsLikeLibtorchWithOtherWeights) {
   for (std::uint64_t seed = 1; seed < 8; ++seed) {
     Weights weights = random_weights(usual, seed);
     scale(weights, "conv1", 3);  // as training spreads them
@@ -132,7 +133,7 @@ TEST(LeNetEngine, SaysItOfOtherWeightsToo) {
   }
 }
 
-TEST(LeNetEngine, TellsHeatmapsApart) {
+TEST(LeNetEngine, DistinguishesHeatmaps) {
   LeNetEngine engine(usual, random_weights(usual, 3));
   const auto heatmaps = heatmaps_of(usual, 3);
   for (std::size_t i = 0; i < heatmaps.size(); ++i) {
@@ -148,7 +149,7 @@ TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBits) {
         LeNetEngine sparse(size, weights, {}, {precision, true, target}), dense(size, weights, {}, {precision, false, target});
         auto heatmaps = heatmaps_of(size, 6);
         const auto before = heatmaps;
-        heatmaps.insert(heatmaps.end(), before.rbegin(), before.rend());  // what one leaves behind, the next must not see
+        heatmaps.insert(heatmaps.end(), before.rbegin(), before.rend());  // a heatmap must not affect the next
         for (const Heatmap& heatmap : heatmaps) {
           ASSERT_EQ(sparse.classify(heatmap), dense.classify(heatmap)) << target << ", " << size.width << " x " << size.height;
           LeNetEngine fresh(size, weights, {}, {precision, true, target});
@@ -264,7 +265,7 @@ TEST(LeNetEngine, TakesOneLayerOfHugeOrTinyWeights) {
 }
 
 TEST(LeNetEngine, TakesTinyWeightsEverywhere) {
-  // What a layer passes on is lost beside the next one's bias, and the last bias is the answer.
+  // The outputs of a layer vanish against the next one's bias, so the last bias is the result.
   Weights weights = random_weights(usual, 5);
   for (const char* layer : {"conv1", "conv2", "fc1", "fc2", "fc3"}) scale(weights, layer, 1e-30F);
   expect_like_libtorch(usual, weights, heatmaps_of(usual, 5), "", "all scaled");

@@ -7,7 +7,7 @@
 namespace tactile {
 namespace {
 
-TEST(IsClose, IsSaidBelowATenThousandthBetweenTheTwoLargest) {
+TEST(IsClose, IsTrueBelowATenThousandthBetweenTheTwoLargest) {
   EXPECT_TRUE(is_close({1.0F, -5.0F, 1.00005F}));
   EXPECT_TRUE(is_close({2.0F, 2.0F, 2.0F}));
   EXPECT_FALSE(is_close({1.0F, 1.0F, 1.0002F}));

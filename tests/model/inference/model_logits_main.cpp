@@ -5,7 +5,7 @@
 #include "tactile/model/training/open_classifier.hpp"
 
 /// model_logits BUNDLE HEATMAPS LOGITS: reads heatmaps as they lie in memory, uint8 [n, height, width], and writes what the model
-/// says of them, float32 [n, 3] of none, press, slip. For comparing with other software that runs the same model.
+/// gives for them, float32 [n, 3] of none, press, slip. For comparison with other software that runs the same model.
 int main(int argc, char** argv) {
   if (argc != 4) {
     std::fprintf(stderr, "model_logits: expected BUNDLE HEATMAPS LOGITS\n");

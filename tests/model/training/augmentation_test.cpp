@@ -17,7 +17,7 @@ std::vector<std::uint8_t> counted() {
   return cells;
 }
 
-TEST(Augment, NothingAskedForChangesNothingAndDrawsNothing) {
+TEST(Augment, WithoutOptionsChangesAndDrawsNothing) {
   auto cells = counted();
   Random random(1), untouched(1);
   augment(cells, size, {}, random);
@@ -56,7 +56,7 @@ TEST(Augment, ShiftsMoveAllCellsAlikeAndLetEmptyOnesIn) {
   for (int i = 0; i < 3000; ++i) {
     auto cells = original;
     augment(cells, size, {.shift = true}, random);
-    // The move is told by where the middle cell went to or came from; then every cell must agree with it.
+    // The middle cell shows the shift; every other cell must agree.
     bool explained = false;
     for (int dy = -4; dy <= 4 && !explained; ++dy) {
       for (int dx = -4; dx <= 4 && !explained; ++dx) {

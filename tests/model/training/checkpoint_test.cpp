@@ -68,7 +68,7 @@ TEST(CheckpointFolder, GivesBackEachStateToTheLastBit) {
   EXPECT_FALSE(fs::exists(folder / "mine.training"));
 }
 
-TEST(CheckpointFolder, IsOneProcesssAtATimeAndLeavesNothingEmptyBehind) {
+TEST(CheckpointFolder, BelongsToOneProcessAndIsRemovedIfEmpty) {
   const test::TemporaryFolder folder;
   {
     const CheckpointFolder first(folder / "mine.training");

@@ -111,8 +111,8 @@ TEST(FusedTraining, FullHeatmapsToo) {
                "full");
 }
 
-// Up to rounding: OpenBLAS multiplies the fully connected layers' matrices in another order for another number of threads, on some
-// processors.
+// Up to rounding: OpenBLAS multiplies the fully connected layers' matrices in another order for another number of threads, on
+// some processors.
 TEST(FusedTraining, GradientsDependNotOnTheThreads) {
   const auto samples = noise_heatmaps(31, {64, 48}, 6);
   expect_alike(gradients_of(LeNet(samples.size, 2), samples, fast, 3), gradients_of(LeNet(samples.size, 2), samples, fast, 1),
@@ -148,9 +148,9 @@ TEST(FusedConvolutions, AreTheSameOnEveryKindOfProcessor) {
   const auto layers = lenet_layers({45, 38});
   const auto samples = patches(1, layers.input, 11);
   Random random(12);
-  std::vector<float> values(6 * 25 + 6 + 16 * 150 + 16), slopes(layers.flat);
+  std::vector<float> values(6 * 25 + 6 + 16 * 150 + 16), gradients_in(layers.flat);
   for (float& value : values) value = static_cast<float>(random.below(2001)) / 5000.0F - 0.2F;
-  for (float& slope : slopes) slope = static_cast<float>(random.below(2001)) / 1000.0F - 1.0F;
+  for (float& value : gradients_in) value = static_cast<float>(random.below(2001)) / 1000.0F - 1.0F;
   FusedConvolutions passes(layers);
   std::vector<float> first_flat, first_gradients;
   int targets = 0;
@@ -163,7 +163,7 @@ TEST(FusedConvolutions, AreTheSameOnEveryKindOfProcessor) {
     FusedConvolutions::Gradients sums;
     std::vector<float> flat(layers.flat), gradients(values.size());
     passes.forward(samples.heatmaps, flat, kept, workspace);
-    passes.backward(samples.heatmaps, kept, slopes, sums, workspace);
+    passes.backward(samples.heatmaps, kept, gradients_in, sums, workspace);
     sums.write({gradients.data(), gradients.data() + 150, gradients.data() + 156, gradients.data() + 2556});
     if (first_flat.empty()) {
       first_flat = flat;
@@ -244,7 +244,7 @@ TEST(OptimizerSteps, StayWithLibtorchsOverManyBatches) {
       EXPECT_NEAR(result.loss, expected.loss, 1e-5) << name_of(kind);
       EXPECT_NEAR(result.gradient_norm, expected.gradient_norm, 1e-4 * expected.gradient_norm) << name_of(kind);
     }
-    // What one trainer has come to is what the other goes on with.
+    // The other trainer resumes from the state of the first.
     libtorch_trainer.restore(fast_trainer.state());
     EXPECT_EQ(libtorch_trainer.state(), fast_trainer.state());
   }
@@ -258,18 +258,18 @@ TEST(SumOfSquares, IsExactEnoughForMillions) {
   EXPECT_TRUE(std::isinf(sum_of_squares(values)));
 }
 
-/// A network that says the same of every heatmap.
-LeNet saying(SensorSize size, const std::array<float, touch_count>& logits) {
+/// A network with the same logits for every heatmap.
+LeNet constant_network(SensorSize size, const std::array<float, touch_count>& logits) {
   Weights weights = LeNet(size, 1).weights();
   for (float& value : weights[8].values) value = 0;  // fc3
   weights[9].values.assign(logits.begin(), logits.end());
   return {size, weights};
 }
 
-TEST(TrainingAtExtremes, LogitsOfTenThousandGiveAFiniteLossAndSlope) {
+TEST(TrainingAtExtremes, LogitsOfTenThousandGiveAFiniteLossAndGradient) {
   NoiseHeatmaps samples = noise_heatmaps(3, {24, 20}, 1);
   for (const TrainerOptions& options : {fast, libtorch}) {
-    LeNet network = saying(samples.size, {1e4F, -1e4F, 0});
+    LeNet network = constant_network(samples.size, {1e4F, -1e4F, 0});
     LeNetTrainer trainer(network, OptimizerKind::sgd, {1, 1, 1}, 1, options);
     const BatchResult result = trainer.learn(samples.heatmaps, samples.truth, 1e-9);
     EXPECT_DOUBLE_EQ(result.loss, (0 + 2e4 + 1e4) / 3);
@@ -281,7 +281,7 @@ TEST(TrainingAtExtremes, LogitsOfTenThousandGiveAFiniteLossAndSlope) {
   }
 }
 
-TEST(TrainingAtExtremes, GradientsBehindLogitsOfTenThousandAreThoseOfFloat64) {
+TEST(TrainingAtExtremes, GradientsWithLogitsOfTenThousandAreThoseOfFloat64) {
   const auto samples = patches(9, {48, 40}, 4);
   Weights weights = LeNet(samples.size, 7).weights();
   const auto largest_of = [&] {

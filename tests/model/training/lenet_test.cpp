@@ -159,7 +159,7 @@ TEST(LeNet, RefusesLogitsThatLeaveFloat32) {
   }
 }
 
-TEST(LeNet, TellsHeatmapsApartThoughLogitsAreTiny) {
+TEST(LeNet, DistinguishesHeatmapsWithTinyLogits) {
   // Only the last layer is small: nothing underflows, and the verdicts are those of before.
   constexpr SensorSize size{32, 24};
   const auto noise = test::noise_heatmaps(8, size, 1);
@@ -172,7 +172,7 @@ TEST(LeNet, TellsHeatmapsApartThoughLogitsAreTiny) {
   for (std::size_t i = 0; i < tiny.size(); ++i) {
     EXPECT_EQ(verdict_of(tiny[i]), verdict_of(before[i]));
     EXPECT_LT(std::abs(tiny[i][0]), 1e-28F);
-    for (const float p : probabilities_of(tiny[i])) EXPECT_NEAR(p, 1.0F / 3, 1e-6F) << "and nobody is sure of them";
+    for (const float p : probabilities_of(tiny[i])) EXPECT_NEAR(p, 1.0F / 3, 1e-6F) << "and all are uncertain";
   }
 }
 

@@ -33,7 +33,7 @@ class RemarksOnASplit : public testing::Test {
   std::uint64_t seed = 0;
 };
 
-TEST_F(RemarksOnASplit, AreNoneWhereAllIsAsAskedFor) {
+TEST_F(RemarksOnASplit, AreNoneForTheRequestedSplit) {
   for (const char* run : {"01", "02"}) make("mug", run);
   const SplitRemarks none = remarks(dataset());
   EXPECT_TRUE(none.substitutes.empty());
@@ -67,7 +67,7 @@ TEST_F(RemarksOnASplit, NameTheRunThatIsTrainedOnAndWhatIsWrongWithTheOther) {
   EXPECT_TRUE(remarks(made, unseen).untested.empty());
 }
 
-TEST_F(RemarksOnASplit, NameObjectsWithoutAnyWholeRunInTheDatasetOrBesideIt) {
+TEST_F(RemarksOnASplit, NameObjectsWithoutAnyWholeRunInTheDatasetOrItsFolder) {
   for (const char* run : {"01", "02"}) {
     make("fan", run);
     make("jar", run, on_run);

@@ -47,7 +47,7 @@ TEST(TrainCommand, MakesAMissingDatasetAndAWholeBundle) {
   EXPECT_NO_THROW(Classifier(folder.path() / json.at("model").get<std::string>(), 1));
 }
 
-TEST(TrainCommand, TellsHowLongItTakesOnceAnEpochHasShownIt) {
+TEST(TrainCommand, PrintsTheExpectedTimeAfterAnEpoch) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto result = run_tactile("train --json --epochs 3 --batch 8 --threads 1", folder.path());
@@ -59,7 +59,7 @@ TEST(TrainCommand, TellsHowLongItTakesOnceAnEpochHasShownIt) {
   EXPECT_EQ(result.err.find("epoch 3 of 3 is done"), std::string::npos) << "nothing is left then\n" << result.err;
 }
 
-TEST(TrainCommand, LeavesAnUnchangedModelAndWantsForceOrANameForAChangedOne) {
+TEST(TrainCommand, KeepsAnUnchangedModelAndRequiresForceOrANameForAChangedOne) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto first = trained("--name mine", folder.path());
@@ -131,7 +131,7 @@ TEST(TrainModel, IsTheSameFromStoredHeatmapsAndFromRenderedOnes) {
   EXPECT_EQ(state_of({folder / "missing"}, dataset, settings), BundleState::missing);
 }
 
-TEST(TrainCommand, GoesOnFromAnotherModelsWeights) {
+TEST(TrainCommand, StartsFromAnotherModelsWeights) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto first = trained("--name first", folder.path());
@@ -171,7 +171,7 @@ TEST(TrainCommand, TakesEveryOptionAndItsModelAnswersByThem) {
   EXPECT_EQ(model.settings.training.class_weights.given, (std::array{1.0, 2.0, 1.0}));
   EXPECT_EQ(trained(options, folder.path()).at("outcome"), "unchanged");
 
-  // What the bundle says of its network is heeded where it is used.
+  // The options of the network in the bundle are used.
   const Dataset dataset(folder / "data/dataset.h5");
   const std::vector<std::uint32_t> samples{0, 1, 2, 3};
   const auto heatmaps = sample_heatmaps(dataset, model.settings.rendering, samples, 1);
@@ -198,7 +198,7 @@ TEST(TrainCommand, EitherEnginesModelsAreNamedApartAndUsedByAll) {
   EXPECT_EQ(gone_on.at("outcome"), "trained");
 }
 
-TEST(TrainCommand, MistakenOptionsAreToldInWords) {
+TEST(TrainCommand, ReportsWrongOptions) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan"}, 2);
   for (const auto& [arguments, word] :
@@ -244,18 +244,18 @@ TEST(TrainModel, KeepsTheLastGoodStateOfATrainingThatDiverges) {
   ASSERT_TRUE(state);
   EXPECT_EQ(state->epoch, 2U) << "the end of the first";
   EXPECT_EQ(state->history.size(), 1U);
-  // The same again says the same again, and nothing is lost by it.
+  // A repetition gives the same output, and nothing is lost.
   EXPECT_THROW(train_model(dataset, settings, bundle, {.threads = 1, .resume = true}), Error);
   EXPECT_TRUE(CheckpointFolder::holds_state(kept));
 }
 
-TEST(TrainCommand, SaysWhereALearningRateDivergesOrTeachesNothing) {
+TEST(TrainCommand, ReportsALearningRateThatDivergesOrIsTooLow) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto diverges = run_tactile("train --lr 10 --epochs 2 --name far", folder.path());
   EXPECT_EQ(diverges.exit_code, 1);
   EXPECT_NE(diverges.err.find("training: the "), std::string::npos) << diverges.err;
-  EXPECT_NE(diverges.err.find("in epoch 1, behind "), std::string::npos) << diverges.err;
+  EXPECT_NE(diverges.err.find("in epoch 1, after "), std::string::npos) << diverges.err;
   EXPECT_NE(diverges.err.find("(try a smaller --lr than 10)"), std::string::npos) << diverges.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "models/far"));
   const auto nothing = run_tactile("train --lr 1e-12 --epochs 1 --name still", folder.path());

@@ -81,7 +81,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
       if (attempt % 3 != 1) std::this_thread::sleep_for(share(random) * lasted);
     }
     if (fs::exists(folder / "models/mine")) {
-      // It came to its end first: begin anew, for the kills are what is tested.
+      // It finished first: start again, because the kills are the test.
       ASSERT_EQ(contents_of(folder / "models/mine"), contents_of(folder / "models/whole"));
       fs::remove_all(folder / "models/mine");
       continue;
@@ -102,7 +102,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
   EXPECT_FALSE(fs::exists(kept));
 }
 
-TEST(TrainCommand, BrokenOffTrainingWantsResumeOrForce) {
+TEST(TrainCommand, AnInterruptedTrainingRequiresResumeOrForce) {
   const test::TemporaryFolder folder;
   test::make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
@@ -119,7 +119,7 @@ TEST(TrainCommand, BrokenOffTrainingWantsResumeOrForce) {
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.err.find("other settings"), std::string::npos) << other.err;
   EXPECT_NE(other.err.find("seed: 1 before, 2 now"), std::string::npos) << other.err;
-  EXPECT_EQ(other.err.find("going on"), std::string::npos) << other.err;
+  EXPECT_EQ(other.err.find("resuming"), std::string::npos) << other.err;
   EXPECT_TRUE(CheckpointFolder::holds_state(kept));
   const auto resumed = test::run_tactile(arguments + std::string("--name mine --resume --threads 2"), folder.path());
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;

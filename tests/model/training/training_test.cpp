@@ -69,7 +69,7 @@ TEST(Training, FirstLossIsThatOfTheFirstWeights) {
 }
 
 TEST(Training, FirstStepOfAdamIsTheLearningRate) {
-  // Adam's first step moves each weight by the learning rate against the sign of its slope, whatever its size.
+  // Adam's first step moves each weight by the learning rate against the sign of its gradient, of any size.
   const auto samples = noise_heatmaps(6, {32, 24}, 3);
   const auto before = LeNet(samples.size, 4).weights();
   const auto after = trained_on(samples, {.seed = 4, .epochs = 1, .learning_rate = 0.01}, 1).network.weights();
@@ -78,15 +78,15 @@ TEST(Training, FirstStepOfAdamIsTheLearningRate) {
   for (std::size_t i = 0; i < bias_before.size(); ++i) EXPECT_NEAR(std::abs(bias_after[i] - bias_before[i]), 0.01, 1e-5);
 }
 
-TEST(Training, TellsProgressUpToItsEnd) {
+TEST(Training, ReportsProgressUpToItsEnd) {
   const auto samples = noise_heatmaps(10, {32, 24}, 3);
-  std::vector<Progress> told;
-  trained_on(samples, {.epochs = 2, .batch = 4}, 1, {.progress = [&](const Progress& p) { told.push_back(p); }});
-  ASSERT_EQ(told.size(), 6U);  // batches of 4, 4, 2, twice
-  EXPECT_EQ(told[0].done, 4U);
-  EXPECT_EQ(told[5].done, 20U);
-  EXPECT_EQ(told[5].total, 20U);
-  EXPECT_NE(told[5].what.find("epoch 2/2"), std::string::npos);
+  std::vector<Progress> reported;
+  trained_on(samples, {.epochs = 2, .batch = 4}, 1, {.progress = [&](const Progress& p) { reported.push_back(p); }});
+  ASSERT_EQ(reported.size(), 6U);  // batches of 4, 4, 2, twice
+  EXPECT_EQ(reported[0].done, 4U);
+  EXPECT_EQ(reported[5].done, 20U);
+  EXPECT_EQ(reported[5].total, 20U);
+  EXPECT_NE(reported[5].what.find("epoch 2/2"), std::string::npos);
 }
 
 TEST(Training, EndsInWordsWhereTheLossIsNoLongerFinite) {
@@ -123,7 +123,7 @@ std::string history_of(TrainingSummary summary) {
 
 struct BrokenOff {};
 
-/// Trains and is broken off behind each of its batches, going on from the state kept each time.
+/// Trains, interrupted after each batch, and resumes from the saved state each time.
 TrainedNetwork trained_in_pieces(const TrainingTask& task) {
   std::optional<TrainingState> state;
   for (;;) {
@@ -179,7 +179,7 @@ TEST(Training, StateOfAnotherTrainingIsRefused) {
 }
 
 TEST(Training, StopsEarlyAndUsesTheBestWeights) {
-  // What is learned by heart says nothing of other noise: the validation loss soon rises.
+  // Memorised noise does not generalise: the validation loss soon rises.
   const auto samples = noise_heatmaps(24, {32, 24}, 8);
   const auto judges = noise_heatmaps(24, {32, 24}, 9);
   TrainingTask task{.size = samples.size,
@@ -194,14 +194,14 @@ TEST(Training, StopsEarlyAndUsesTheBestWeights) {
   ASSERT_EQ(history.size(), best + 3);
   for (const EpochResult& epoch : history) EXPECT_GE(*epoch.validation_loss, *history[best - 1].validation_loss);
 
-  // The weights are those that a training of so many epochs ends with, and those of the last are kept beside them.
+  // The weights are those that a training of so many epochs ends with, and those of the last are kept too.
   task.options = {.epochs = best, .batch = 8};
   EXPECT_TRUE(stopped.network.weights() == train_lenet(task).network.weights());
   task.options.epochs = best + 3;
   EXPECT_EQ(stopped.other, train_lenet(task).network.weights());
 }
 
-TEST(Training, GoesOnFromOtherWeights) {
+TEST(Training, StartsFromOtherWeights) {
   const auto samples = noise_heatmaps(6, {32, 24}, 3);
   const Weights first = LeNet(samples.size, 77).weights();
   const TrainingTask task{.size = samples.size,
@@ -215,8 +215,8 @@ TEST(Training, GoesOnFromOtherWeights) {
   }
 }
 
-TEST(Training, EndsInWordsWhereTheSlopeExplodes) {
-  // Weights this large leave the loss finite and its slope far beyond what a step could use.
+TEST(Training, EndsWithAnErrorIfTheGradientExplodes) {
+  // Weights this large leave the loss finite and its gradient far beyond what a step could use.
   const auto samples = noise_heatmaps(6, {32, 24}, 3);
   Weights huge = LeNet(samples.size, 4).weights();
   for (float& value : huge[6].values) value *= 1e9F;  // fc2

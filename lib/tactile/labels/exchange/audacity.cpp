@@ -20,7 +20,7 @@ std::string_view next_word(std::string_view& text) {
   return word;
 }
 
-/// "# fan/01 from video, zero -1.203344 s, drift 12.5 ppm"; what is not so is a remark of somebody's.
+/// "# fan/01 from video, zero -1.203344 s, drift 12.5 ppm"; any other label of this kind is a comment.
 void read_statement(std::string_view text, ImportedLabels& labels) {
   text.remove_prefix(1);
   const std::string_view run = next_word(text);
@@ -54,7 +54,7 @@ std::string audacity_text(const LabelsToExport& labels) {
   std::string statement = fmt::format("# {} from {}", labels.run, name_of(labels.times.origin));
   if (labels.times.origin == TimeOrigin::video)
     statement += fmt::format(", zero {} s, drift {} ppm", seconds_text(labels.times.zero_us), labels.times.drift_ppm);
-  // In camera time 0 lies decades ahead, where nobody would find it.
+  // With camera time, 0 is decades before the labels, so nobody would see this label.
   const std::int64_t begin = labels.times.origin == TimeOrigin::camera ? us_of(labels.first_event) : 0;
   std::string text = line(begin, begin, statement);
   for (const LabelledInterval& interval : labels.labels.intervals) {
@@ -82,12 +82,12 @@ ImportedLabels read_audacity(const std::filesystem::path& file) {
     const std::string where = fmt::format("{}, line {}", file.string(), number);
     const std::size_t first = line.find('\t'), second = first == line.npos ? line.npos : line.find('\t', first + 1);
     if (second == line.npos) {
-      throw Error(fmt::format("{}: {} is no label; expected 'start TAB end TAB text', as Audacity exports labels", where,
+      throw Error(fmt::format("{}: {} is not a label; expected 'start TAB end TAB text', as Audacity exports labels", where,
                               shown_text(line)));
     }
     const auto seconds = [&](std::string_view value) {
       const std::optional<ReadSeconds> read = seconds_in(value);
-      if (!read) throw Error(fmt::format("{}: {} is no time; expected seconds, such as 1.250000", where, shown_text(value)));
+      if (!read) throw Error(fmt::format("{}: {} is not a time; expected seconds, such as 1.250000", where, shown_text(value)));
       return *read;
     };
     const ReadSeconds start = seconds(line.substr(0, first)), stop = seconds(line.substr(first + 1, second - first - 1));
@@ -105,7 +105,7 @@ ImportedLabels read_audacity(const std::filesystem::path& file) {
     labels.intervals.push_back(std::move(interval));
     check_count(labels.intervals.size(), most_imported_intervals, "labels", file);
   }
-  if (is_empty) throw Error(file.string() + ": holds no label; expected a label track of Audacity");
+  if (is_empty) throw Error(file.string() + ": has no label; expected a label track of Audacity");
   return labels;
 }
 

@@ -46,7 +46,7 @@ std::string date_text(std::int64_t unix_s) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}+00:00", fmt::gmtime(static_cast<std::time_t>(unix_s)));
 }
 
-/// Rounded apart, so that none is of no length; none may begin before 0 or overlap the one before it.
+/// Rounds so that every annotation has a length. None may begin before 0 or overlap the one before it.
 std::vector<Annotation> touches_of(const LabelsToExport& labels) {
   const ClockRelation clock = labels.times.to_camera(labels.first_event);
   std::vector<Annotation> annotations;
@@ -61,7 +61,7 @@ std::vector<Annotation> touches_of(const LabelsToExport& labels) {
       annotation.end_ms = std::max(floor_ms(saturating_add(end_us, 999)), saturating_add(annotation.start_ms, 1));
     }
     if (annotation.start_ms < 0) {
-      throw Error(fmt::format("{}: {} begins {} s before {}, which ELAN cannot hold; expected another --origin", labels.run,
+      throw Error(fmt::format("{}: {} begins {} s before {}, which ELAN cannot represent; expected another --origin", labels.run,
                               interval.id, seconds_text(saturating_subtract(0, start_us)),
                               labels.times.origin == TimeOrigin::video ? "the film" : "time 0"));
     }
@@ -75,7 +75,7 @@ std::vector<Annotation> touches_of(const LabelsToExport& labels) {
   return annotations;
 }
 
-/// What each onset's 95 % interval spans, where it can be shown without overlap.
+/// The 95 % interval of each onset, if it can be shown without overlap.
 std::vector<Annotation> onsets_of(const LabelsToExport& labels) {
   const ClockRelation clock = labels.times.to_camera(labels.first_event);
   std::vector<Annotation> annotations;
@@ -106,7 +106,7 @@ struct Tier {
   std::vector<Annotation> annotations;
 };
 
-/// The time slots of all tiers, which stand ahead of them in order of time; each annotation has two of its own.
+/// The time slots of all tiers, in order of time, before the tiers. Each annotation has two.
 void append_tiers(pugi::xml_node& document, const std::vector<Tier>& tiers) {
   std::multimap<std::int64_t, std::string*> ends;
   std::vector<std::vector<std::pair<std::string, std::string>>> slots(tiers.size());
@@ -135,7 +135,7 @@ void append_tiers(pugi::xml_node& document, const std::vector<Tier>& tiers) {
   }
 }
 
-/// ELAN plays a film from `TIME_ORIGIN` on where its own time is 0; a film that begins later it cannot put in step.
+/// ELAN plays a film from `TIME_ORIGIN` on at its time 0. It cannot synchronise a film that begins later.
 void append_film(pugi::xml_node& header, const LabelsToExport& labels, const fs::path& file) {
   if (labels.film.empty() || !labels.film_begins_us || *labels.film_begins_us > 500) return;
   const fs::path film = fs::absolute(labels.film).lexically_normal();
@@ -179,7 +179,7 @@ std::optional<FileTimes> times_in(const pugi::xml_node& header, const std::strin
   const std::optional<double> drift = number_in(drift_text.empty() ? "0" : drift_text);
   if (!origin || !zero || !drift || !(std::abs(*drift) < 1e5)) {
     throw Error(
-        fmt::format("{}: its properties do not say what its times count from ({}, {}, {}); expected tactile-origin, "
+        fmt::format("{}: its properties do not give the origin of its times ({}, {}, {}); expected tactile-origin, "
                     "tactile-zero-s and tactile-drift-ppm as they were exported",
                     where, shown_text(name), shown_text(zero_text), shown_text(drift_text)));
   }
@@ -190,7 +190,7 @@ std::map<std::string, std::int64_t> slots_in(const pugi::xml_node& document, con
   std::map<std::string, std::int64_t> slots;
   for (const pugi::xml_node slot : document.child("TIME_ORDER").children("TIME_SLOT")) {
     const std::string value = slot.attribute("TIME_VALUE").value();
-    if (value.empty()) continue;  // a time that ELAN has still to find
+    if (value.empty()) continue;  // a time that ELAN has not determined yet
     const std::optional<std::int64_t> ms = whole_number_in(value);
     constexpr std::int64_t most_ms = std::int64_t{1} << 52;
     if (!ms || *ms < 0 || *ms > most_ms) {
@@ -253,10 +253,10 @@ ImportedLabels read_elan(const fs::path& path) {
     throw Error(file + ": declares a document type or entities; expected an annotation document as ELAN saves it");
   pugi::xml_document xml;
   if (const auto parsed = xml.load_buffer(text.data(), text.size()); !parsed)
-    throw Error(fmt::format("{}: no XML ({}); expected an annotation document of ELAN", file, parsed.description()));
+    throw Error(fmt::format("{}: is not XML ({}); expected an annotation document of ELAN", file, parsed.description()));
   const pugi::xml_node document = xml.child("ANNOTATION_DOCUMENT");
   const pugi::xml_node header = document.child("HEADER");
-  if (!document) throw Error(file + ": no annotation document; expected ELAN's <ANNOTATION_DOCUMENT>");
+  if (!document) throw Error(file + ": is not an annotation document; expected ELAN's <ANNOTATION_DOCUMENT>");
   if (const std::string units = header.attribute("TIME_UNITS").as_string("milliseconds"); units != "milliseconds")
     throw Error(fmt::format("{}: its times are in {}; expected milliseconds", file, shown_text(units)));
   ImportedLabels labels{.where = file, .times = times_in(header, file)};
@@ -276,7 +276,7 @@ ImportedLabels read_elan(const fs::path& path) {
     const auto time_of = [&](const char* reference) {
       const auto slot = slots.find(annotation.attribute(reference).value());
       if (slot == slots.end()) {
-        throw Error(fmt::format("{} has no time ({}); expected one that begins and ends at times of its own", interval.where,
+        throw Error(fmt::format("{} has no time ({}); expected an annotation with its own begin and end", interval.where,
                                 shown_text(annotation.attribute(reference).value())));
       }
       return slot->second * us_per_ms;

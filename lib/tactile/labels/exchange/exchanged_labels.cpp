@@ -34,7 +34,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// press or slip, however it is written.
+/// press or slip, in upper or lower case.
 std::optional<Touch> touch_in(std::string_view word) {
   for (const Touch touch : {Touch::press, Touch::slip}) {
     if (lower(word) == name_of(touch)) return touch;
@@ -97,15 +97,14 @@ ClockRelation FileTimes::to_camera(CameraTime first_event) const {
 }
 
 void check_count(std::size_t count, std::size_t most, std::string_view of_what, const std::filesystem::path& file) {
-  if (count > most)
-    throw Error(fmt::format("{}: holds more than {} {}; expected those of some runs", file.string(), most, of_what));
+  if (count > most) throw Error(fmt::format("{}: has more than {} {}; expected fewer", file.string(), most, of_what));
 }
 
 void check_ids(const LabelsToExport& labels) {
   for (const LabelledInterval& interval : labels.labels.intervals) {
     if (is_plain_id(interval.id)) continue;
     throw Error(
-        fmt::format("{}: the id {} would be lost in other tools; expected a letter, then at most 63 letters, digits, '-', '_' "
+        fmt::format("{}: the id {} does not survive in other tools; expected a letter, then at most 63 letters, digits, '-', '_' "
                     "and '.', and no class's name",
                     labels.run, shown_text(interval.id)));
   }
@@ -148,7 +147,7 @@ std::optional<ReadSeconds> seconds_in(std::string_view text) {
   }
   if (decimals.size() > 6 && decimals[6] >= '5') us = saturating_add(us, is_negative ? -1 : 1);
   constexpr std::array<std::int64_t, 6> roundings{500, 500, 500,
-                                                  500, 50,  5};  // few decimals: a tool that drops zeros, no coarse one
+                                                  500, 50,  5};  // few decimals mean dropped zeros, not a low resolution
   return ReadSeconds{.us = us, .rounding_us = decimals.size() < roundings.size() ? roundings[decimals.size()] : 1};
 }
 

@@ -12,7 +12,7 @@
 
 namespace tactile {
 
-/// What other tools read and write. All four keep the intervals' ids, so that an edited file finds its way back.
+/// The formats of other tools. All four keep the ids of intervals, so that an edited file can be imported.
 enum class ExchangeFormat : std::uint8_t { audacity, elan, label_studio, csv };
 
 std::string_view name_of(ExchangeFormat format);    ///< "audacity", "elan", "label-studio", "csv"
@@ -21,15 +21,14 @@ bool holds_many_runs(ExchangeFormat format);        ///< in one file: Label Stud
 std::optional<ExchangeFormat> exchange_format_named(std::string_view name);
 std::optional<ExchangeFormat> exchange_format_by_ending(const std::filesystem::path& file);
 
-/// What times in a file count from: a run's first event, nothing (camera time itself), or the film's first frame, in the film's
-/// own time.
+/// The origin of the times in a file: a run's first event, none (camera time itself), or the film's first frame, in video time.
 enum class TimeOrigin : std::uint8_t { first_event, camera, video };
 
 std::string_view name_of(TimeOrigin origin);  ///< "first-event", "camera", "video"
 std::optional<TimeOrigin> time_origin_named(std::string_view name);
 
-/// A file's time axis, as the file itself says it: time 0 lies `zero_us` after the run's first event (before it, if negative),
-/// and drifts against the camera's clock as a film may. Of the origin `camera` both mean nothing.
+/// A file's time axis, as the file declares it: time 0 is `zero_us` after the run's first event (before it, if negative), and the
+/// axis drifts against the camera's clock. With the origin `camera` both are meaningless.
 struct FileTimes {
   TimeOrigin origin = TimeOrigin::first_event;
   std::int64_t zero_us = 0;
@@ -39,30 +38,30 @@ struct FileTimes {
   ClockRelation to_camera(CameraTime first_event) const;
 };
 
-/// What Label Studio draws above the labels: a time axis in the file's seconds, and curves on it, each as long.
+/// The curves that Label Studio shows above the labels, with their time axis in the file's seconds; all of the same length.
 struct LabelSignals {
   std::vector<double> time_s = {};
   std::vector<std::pair<std::string, std::vector<double>>> curves = {};  ///< by name
 };
 
-/// One run's labels on their way to another tool.
+/// One run's labels for another tool.
 struct LabelsToExport {
   std::string run;  ///< "fan/01"
   Labels labels;
   FileTimes times;
   CameraTime first_event{}, last_event{};
   std::filesystem::path film = {};                  ///< empty if the run has none
-  std::optional<std::int64_t> film_begins_us = {};  ///< its first frame after the file's time 0; nothing without a video clock
-  std::int64_t written_s = 0;                       ///< when the labels were, in Unix time
-  LabelSignals signals = {};                        ///< empty but for Label Studio
+  std::optional<std::int64_t> film_begins_us = {};  ///< time of its first frame on the file's axis; nothing without a video clock
+  std::int64_t written_s = 0;                       ///< Unix time at which the labels were written
+  LabelSignals signals = {};                        ///< only for Label Studio
 };
 
-/// An interval as it stands in another tool's file.
+/// An interval in another tool's file.
 struct ImportedInterval {
-  std::string id = {};  ///< empty where the tool has none
+  std::string id = {};  ///< empty if the tool has none
   Touch touch = Touch::none;
   std::int64_t start_us = 0, end_us = 0;                    ///< on the file's axis
-  std::int64_t start_rounding_us = 1, end_rounding_us = 1;  ///< as near as the file can tell, > 0
+  std::int64_t start_rounding_us = 1, end_rounding_us = 1;  ///< resolution of the file, > 0
   bool confirmed = false;
   std::string where;  ///< for errors: "labels.txt, line 3"
 };
@@ -70,23 +69,24 @@ struct ImportedInterval {
 /// One run's part of another tool's file.
 struct ImportedLabels {
   std::string where;                    ///< the file
-  std::optional<std::string> run = {};  ///< "fan/01", if the file says
-  std::optional<FileTimes> times = {};  ///< if the file says
-  bool looked_at = true;                ///< false: nobody has answered for this run yet, so nothing follows from it
+  std::optional<std::string> run = {};  ///< "fan/01", if the file names it
+  std::optional<FileTimes> times = {};  ///< if the file declares them
+  bool looked_at = true;                ///< false: nobody has annotated this run yet, so it is not changed
   std::vector<ImportedInterval> intervals = {};
 };
 
-/// No file holds so many of either: what hostile bytes cost stays bounded.
+/// Limits that no real file reaches. They bound the cost of malicious files.
 inline constexpr std::size_t most_imported_intervals = 100'000, most_imported_runs = 10'000;
 
 /// @throws Error  that names the file, if `count` is more than `most`
 void check_count(std::size_t count, std::size_t most, std::string_view of_what, const std::filesystem::path& file);
 
-/// @throws Error  if an id would be lost in another tool: expected a letter, then at most 63 letters, digits, '-', '_' and '.',
-/// and no class's name
+/// @throws Error  if an id does not survive in another tool: allowed are a letter, then at most 63 letters, digits, '-', '_' and
+/// '.',
+///                but no name of a class
 void check_ids(const LabelsToExport& labels);
 
-/// The flags that stand, in words, "; " between: those of one interval, or of the whole run.
+/// The reasons of the unconfirmed flags, separated by "; ": those of one interval, or of the whole run.
 std::string doubts_of(const Labels& labels, std::optional<std::size_t> interval_index);
 
 /// Seconds with six decimals, exact for any microsecond: "-0.000250".
@@ -97,14 +97,14 @@ struct ReadSeconds {
   std::int64_t rounding_us = 1;  ///< half a unit of the last decimal, 1 to 500
 };
 
-/// Digits with a decimal point or comma or neither; nothing if `text` is anything else, or beyond int64 in microseconds.
+/// Digits, with or without a decimal point or comma; nothing if `text` is anything else, or exceeds int64 in microseconds.
 std::optional<ReadSeconds> seconds_in(std::string_view text);
 
-/// "press-1 press 95% ±1.0 ms ok": an id or none, a class, whatever else, and "ok" at the end once confirmed. Fills in id, class
-/// and mark. @throws Error  that names `where` if no class is there
+/// "press-1 press 95% ±1.0 ms ok": an optional id, a class, any text, and "ok" at the end if confirmed. Sets id, class and
+/// confirmation. @throws Error  that names `where` if there is no class
 void read_words(std::string_view text, const std::string& where, ImportedInterval& interval);
 
-/// For errors: what stands there, at most 40 characters, none that could upset a terminal.
+/// The text for an error: at most 40 characters, without control characters.
 std::string shown_text(std::string_view text);
 
 }  // namespace tactile

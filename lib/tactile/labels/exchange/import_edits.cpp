@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <span>
 
 #include "tactile/core/error.hpp"
 
@@ -19,7 +20,7 @@ bool differs(std::int64_t a, std::int64_t b, std::int64_t most) {
 
 bool overlap(const TouchInterval& a, const TouchInterval& b) { return std::max(a.start, b.start) < std::min(a.end, b.end); }
 
-/// An interval on its way into the labels.
+/// An imported interval that will be a label.
 struct Placed {
   LabelledInterval interval = {};
   std::size_t old_index = nothing;
@@ -43,7 +44,7 @@ class Edits {
         claimed_(old_.size(), false),
         old_of_(imported_.size(), nothing) {}
 
-  /// For each imported interval which one it was, or `nothing`.
+  /// For each imported interval its former index, or `nothing`.
   const std::vector<std::size_t>& match() {
     std::map<std::string, std::size_t> by_id;
     for (std::size_t i = 0; i < old_.size(); ++i) by_id.emplace(old_[i].id, i);
@@ -51,8 +52,7 @@ class Edits {
       const auto found = by_id.find(imported_[i].id);
       if (found == by_id.end()) continue;
       if (claimed_[found->second])
-        throw Error(
-            fmt::format("{}: stands there twice; expected an id of its own for each, or none", name_in_file(imported_[i])));
+        throw Error(fmt::format("{}: occurs twice; expected a different id for each, or none", name_in_file(imported_[i])));
       claim(i, found->second);
     }
     match_others([&](const ImportedInterval& imported, const LabelledInterval& old) {
@@ -116,11 +116,11 @@ class Edits {
 
   static void check_length(const ImportedInterval& imported) {
     if (imported.end_us == imported.start_us) {
-      throw Error(fmt::format("{} at {} s is a mere point; expected a start and an end behind it", name_in_file(imported),
+      throw Error(fmt::format("{} at {} s has no length; expected an end after its start", name_in_file(imported),
                               seconds_text(imported.start_us)));
     }
     if (imported.end_us < imported.start_us) {
-      throw Error(fmt::format("{} starts at {} s and ends at {} s; expected its end behind its start", name_in_file(imported),
+      throw Error(fmt::format("{} starts at {} s and ends at {} s; expected its end after its start", name_in_file(imported),
                               seconds_text(imported.start_us), seconds_text(imported.end_us)));
     }
   }
@@ -129,7 +129,7 @@ class Edits {
     const CameraTime t = clock_.camera_from(us);
     const microseconds rounding{rounding_us};
     if (t < before(first_, rounding) || t > after(last_, rounding)) {
-      throw Error(fmt::format("{} {} at {} s, outside of the recording; expected {} s to {} s", name_in_file(imported), what,
+      throw Error(fmt::format("{} {} at {} s, outside the recording; expected {} s to {} s", name_in_file(imported), what,
                               seconds_text(us), seconds_text(clock_.clock_us_from(first_)),
                               seconds_text(clock_.clock_us_from(last_))));
     }
@@ -147,7 +147,7 @@ class Edits {
 
 void put_at(UncertainTime& time, CameraTime t) { time = {t, std::min(time.low, t), std::max(time.high, t)}; }
 
-/// Neighbours that overlap by no more than the tool rounds meet: the end that was moved gives way to the one that is exact.
+/// Closes overlaps of neighbours that are due to the tool's rounding: the edited end is moved to the exact one.
 void make_neighbours_meet(std::vector<Placed>& placed, const std::string& file) {
   for (std::size_t i = 0; i + 1 < placed.size(); ++i) {
     Placed& one = placed[i];
@@ -158,7 +158,7 @@ void make_neighbours_meet(std::vector<Placed>& placed, const std::string& file) 
     const bool can_meet = is_rounding && (one.end_moved ? one.interval.start.at < next.interval.start.at
                                                         : next.start_moved && one.interval.end.at < next.interval.end.at);
     if (!can_meet) {
-      throw Error(fmt::format("{}: {} and {} overlap by {} s; expected intervals one behind the other", file,
+      throw Error(fmt::format("{}: {} and {} overlap by {} s; expected intervals without overlap", file,
                               one.interval.id.empty() ? "a new " + std::string(name_of(one.interval.touch)) : one.interval.id,
                               next.interval.id.empty() ? "a new " + std::string(name_of(next.interval.touch)) : next.interval.id,
                               seconds_text(excess.count())));
@@ -169,6 +169,39 @@ void make_neighbours_meet(std::vector<Placed>& placed, const std::string& file) 
       put_at(next.interval.start, one.interval.end.at);
     }
   }
+}
+
+/// The rejected intervals, with those that the edits removed, and without those that overlap a present one of the same class.
+std::vector<TouchInterval> rejected_with(const Labels& labels, const Edits& edits, std::span<const LabelledInterval> intervals,
+                                         EditCounts& counts) {
+  std::vector<TouchInterval> rejected = labels.rejected;
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+    if (!edits.is_gone(i)) continue;
+    ++counts.rejected;
+    rejected.push_back(labels.intervals[i].interval());
+  }
+  std::erase_if(rejected, [&](const TouchInterval& one) {
+    return std::any_of(intervals.begin(), intervals.end(), [&](const LabelledInterval& interval) {
+      return interval.touch == one.touch && overlap(interval.interval(), one);
+    });
+  });
+  return rejected;
+}
+
+/// The flags of the intervals that remain, with their new indexes.
+std::vector<LabelFlag> moved_flags(std::vector<LabelFlag> old, std::span<const std::size_t> new_index,
+                                   std::span<const LabelledInterval> intervals) {
+  std::vector<LabelFlag> flags;
+  for (LabelFlag& flag : old) {
+    if (flag.interval_index) {
+      const std::size_t index = new_index[*flag.interval_index];
+      if (index == nothing) continue;
+      flag.interval_index = index;
+      flag.confirmed = flag.confirmed || intervals[index].confirmed;
+    }
+    flags.push_back(std::move(flag));
+  }
+  return flags;
 }
 
 }  // namespace
@@ -208,31 +241,9 @@ Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes
   }
   name_intervals(intervals);
 
-  std::vector<TouchInterval> rejected = labels.rejected;
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-    if (!edits.is_gone(i)) continue;
-    ++counts.rejected;
-    rejected.push_back(labels.intervals[i].interval());
-  }
-  std::erase_if(rejected, [&](const TouchInterval& one) {
-    return std::any_of(intervals.begin(), intervals.end(), [&](const LabelledInterval& interval) {
-      return interval.touch == one.touch && overlap(interval.interval(), one);
-    });
-  });
-
-  std::vector<LabelFlag> flags;
-  for (LabelFlag& flag : labels.flags) {
-    if (flag.interval_index) {
-      const std::size_t index = new_index[*flag.interval_index];
-      if (index == nothing) continue;
-      flag.interval_index = index;
-      flag.confirmed = flag.confirmed || intervals[index].confirmed;
-    }
-    flags.push_back(std::move(flag));
-  }
+  labels.rejected = rejected_with(labels, edits, intervals, counts);
+  labels.flags = moved_flags(std::move(labels.flags), new_index, intervals);
   labels.intervals = std::move(intervals);
-  labels.flags = std::move(flags);
-  labels.rejected = std::move(rejected);
   return labels;
 }
 

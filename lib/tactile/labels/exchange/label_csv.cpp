@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -18,19 +19,12 @@ constexpr std::string_view header =
     "run,id,class,start_s,end_s,confirmed,source,start_low_s,start_high_s,end_low_s,end_high_s,events_s,robot_s,video_s,imu_s,"
     "flags,origin,zero_s,drift_ppm\n";
 
-std::string csv_cell(std::string_view text) {
-  if (text.find_first_of(",;\t\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
-}
-
-/// The rows of a file one after the other; a quoted cell may hold separators and line ends.
+/// Reads a file row by row. A quoted cell may contain separators and line ends.
 class Rows {
  public:
   Rows(std::string_view text, char separator, std::string file) : rest_(text), separator_(separator), file_(std::move(file)) {}
 
-  /// The next row's cells; none once the file has ended. @throws Error if there are more than 1000
+  /// The cells of the next row; empty at the end of the file. @throws Error if there are more than 1000
   std::vector<std::string> next() {
     std::vector<std::string> cells;
     if (rest_.empty()) return cells;
@@ -66,7 +60,7 @@ class Rows {
     return cells;
   }
 
-  std::size_t number() const { return number_; }  ///< of the line that the last row began on, from 1
+  std::size_t number() const { return number_; }  ///< of the first line of the last row, from 1
 
  private:
   std::string_view rest_;
@@ -100,7 +94,7 @@ bool is_confirmed(std::string_view cell, const std::string& where) {
   throw Error(fmt::format("{}, column 'confirmed' holds {}; expected true or false", where, shown_text(cell)));
 }
 
-/// A file's header row, and a row's cells by its names.
+/// The header row of a file, which gives access to cells by name.
 class Columns {
  public:
   Columns(std::vector<std::string> names, std::string file) : names_(std::move(names)), file_(std::move(file)) {
@@ -114,7 +108,7 @@ class Columns {
 
   std::size_t count() const { return names_.size(); }
 
-  /// Empty where there is no such column.
+  /// Empty if there is no such column.
   std::string_view cell(const std::vector<std::string>& cells, std::string_view name) const {
     const std::optional<std::size_t> index = index_of(name);
     if (!index) return {};
@@ -217,14 +211,14 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
     }
     ImportedLabels& labels = runs[found->second];
     if (times && labels.times && !same(*times, *labels.times))
-      throw Error(fmt::format("{}: times of {} count from elsewhere than in the rows before; expected one origin for a run",
+      throw Error(fmt::format("{}: the times of {} have another origin than in the rows before; expected one origin per run",
                               where, shown_text(run)));
     if (times) labels.times = times;
     const std::string touch = trimmed_lower(columns.cell(cells, "class"));
     if (touch == name_of(Touch::none)) continue;
     ImportedInterval interval{.id = std::string(columns.cell(cells, "id")), .where = where};
     if (touch != name_of(Touch::press) && touch != name_of(Touch::slip)) {
-      throw Error(fmt::format("{}, column 'class' holds {}; expected press, slip, or none for what is to go", where,
+      throw Error(fmt::format("{}, column 'class' holds {}; expected press, slip, or none to remove it", where,
                               shown_text(columns.cell(cells, "class"))));
     }
     interval.touch = touch_named(touch);
@@ -238,7 +232,7 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
     labels.intervals.push_back(std::move(interval));
     check_count(++intervals, most_imported_intervals, "intervals", file);
   }
-  if (runs.empty()) throw Error(file.string() + ": holds no row; expected intervals, as --export writes them");
+  if (runs.empty()) throw Error(file.string() + ": has no row; expected intervals, as --export writes them");
   return runs;
 }
 

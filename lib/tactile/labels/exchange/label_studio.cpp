@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <pugixml.hpp>
 #include <optional>
+#include <pugixml.hpp>
 #include <set>
 #include <sstream>
 
@@ -69,7 +69,7 @@ json task_of(const LabelsToExport& labels) {
   return object;
 }
 
-/// Only what is read is kept of a file: the signals, which are most of it, are passed over as they come.
+/// Keeps only the needed parts of a file: the signals, which are most of it, are skipped while parsing.
 json read_tasks(const std::filesystem::path& file) {
   static const std::set<std::string> kept{"data",        "run",           "origin", "zero_s",  "drift_ppm",
                                           "annotations", "was_cancelled", "result", "id",      "type",
@@ -90,7 +90,7 @@ json read_tasks(const std::filesystem::path& file) {
   try {
     return json::parse(text, keep);
   } catch (const json::exception& e) {
-    throw Error(fmt::format("{}: no JSON ({}); expected Label Studio's export as JSON", file.string(), e.what()));
+    throw Error(fmt::format("{}: is not JSON ({}); expected Label Studio's export as JSON", file.string(), e.what()));
   }
 }
 
@@ -101,7 +101,7 @@ struct ReadNumber {
 ReadNumber us_in(const json& value, const char* key, const std::string& where) {
   const auto found = value.find(key);
   if (found == value.end() || !found->is_number()) {
-    throw Error(fmt::format("{}: '{}' is no number; expected seconds, as without timeFormat", where, key));
+    throw Error(fmt::format("{}: '{}' is not a number; expected seconds; timeFormat must not be set", where, key));
   }
   const double seconds = found->get<double>();
   if (!(std::abs(seconds) < 9.2e12)) throw Error(fmt::format("{}: '{}' is {}; expected seconds", where, key, seconds));
@@ -126,11 +126,11 @@ ImportedInterval interval_in(const json& result, const std::string& where) {
   ImportedInterval interval;
   if (const auto id = result.find("id"); id != result.end() && id->is_string()) {
     interval.id = id->get<std::string>();
-    interval.id.resize(std::min(interval.id.find('#'), interval.id.size()));  // behind it Label Studio names the annotation
+    interval.id.resize(std::min(interval.id.find('#'), interval.id.size()));  // after it Label Studio appends the annotation
   }
   interval.where = fmt::format("{}, result {}", where, shown_text(interval.id));
   const auto value = member<json>(result, "value", interval.where);
-  if (!value.is_object()) throw Error(interval.where + ": 'value' is no object; expected start, end and timeserieslabels");
+  if (!value.is_object()) throw Error(interval.where + ": 'value' is not an object; expected start, end and timeserieslabels");
   const ReadNumber start = us_in(value, "start", interval.where), end = us_in(value, "end", interval.where);
   interval.start_us = start.us;
   interval.start_rounding_us = start.rounding_us;
@@ -138,10 +138,10 @@ ImportedInterval interval_in(const json& result, const std::string& where) {
   interval.end_rounding_us = end.rounding_us;
   const auto names = member<json>(value, result_type, interval.where);
   if (!names.is_array() || names.size() != 1 || !names[0].is_string())
-    throw Error(fmt::format("{}: '{}' has not one class; expected [\"press\"] or [\"slip\"]", interval.where, result_type));
+    throw Error(fmt::format("{}: '{}' must have one class; expected [\"press\"] or [\"slip\"]", interval.where, result_type));
   const auto name = names[0].get<std::string>();
   if (name != name_of(Touch::press) && name != name_of(Touch::slip))
-    throw Error(fmt::format("{}: {} is no class; expected press or slip", interval.where, shown_text(name)));
+    throw Error(fmt::format("{}: {} is not a class; expected press or slip", interval.where, shown_text(name)));
   interval.touch = touch_named(name);
   interval.confirmed = true;
   return interval;
@@ -150,7 +150,7 @@ ImportedInterval interval_in(const json& result, const std::string& where) {
 ImportedLabels task_in(const json& task, const std::filesystem::path& file, std::size_t number) {
   const std::string nameless = fmt::format("{}, task {}", file.string(), number);
   if (!task.is_object() || !task.contains("data") || !task["data"].is_object())
-    throw Error(nameless + ": no task; expected Label Studio's export as JSON, not as JSON-MIN or CSV");
+    throw Error(nameless + ": is not a task; expected Label Studio's export as JSON, not as JSON-MIN or CSV");
   const json& data = task["data"];
   ImportedLabels labels{.where = file.string(), .looked_at = false};
   if (data.contains("run")) labels.run = member<std::string>(data, "run", nameless);
@@ -158,22 +158,21 @@ ImportedLabels task_in(const json& task, const std::filesystem::path& file, std:
   labels.times = times_in(data, where);
   const auto annotations = task.find("annotations");
   if (annotations == task.end()) return labels;
-  if (!annotations->is_array()) throw Error(where + ": 'annotations' is no list; expected Label Studio's export as JSON");
+  if (!annotations->is_array()) throw Error(where + ": 'annotations' is not a list; expected Label Studio's export as JSON");
   const json* chosen = nullptr;
   for (const json& annotation : *annotations) {
-    if (!annotation.is_object()) throw Error(where + ": an annotation is no object; expected Label Studio's export as JSON");
+    if (!annotation.is_object()) throw Error(where + ": an annotation is not an object; expected Label Studio's export as JSON");
     const auto cancelled = annotation.find("was_cancelled");
     if (cancelled != annotation.end() && cancelled->is_boolean() && cancelled->get<bool>()) continue;
-    if (chosen != nullptr)
-      throw Error(where + ": has several annotations, and which one counts is not said; expected one, the others deleted");
+    if (chosen != nullptr) throw Error(where + ": has several annotations; expected one, delete the others");
     chosen = &annotation;
   }
   if (chosen == nullptr) return labels;
   labels.looked_at = true;
   const auto results = member<json>(*chosen, "result", where);
-  if (!results.is_array()) throw Error(where + ": 'result' is no list; expected an annotation's results");
+  if (!results.is_array()) throw Error(where + ": 'result' is not a list; expected an annotation's results");
   for (const json& result : results) {
-    if (!result.is_object()) throw Error(where + ": a result is no object; expected an annotation's results");
+    if (!result.is_object()) throw Error(where + ": a result is not an object; expected an annotation's results");
     if (result.value("type", json()) != result_type) continue;
     labels.intervals.push_back(interval_in(result, where));
     check_count(labels.intervals.size(), most_imported_intervals, "results", file);
@@ -228,7 +227,7 @@ std::vector<ImportedLabels> read_label_studio(const std::filesystem::path& file)
     return runs;
   }
   if (!tasks.is_array() || tasks.empty())
-    throw Error(file.string() + ": holds no task; expected Label Studio's export as JSON, a list of tasks");
+    throw Error(file.string() + ": has no task; expected Label Studio's export as JSON, a list of tasks");
   check_count(tasks.size(), most_imported_runs, "tasks", file);
   for (std::size_t i = 0; i < tasks.size(); ++i) runs.push_back(task_in(tasks[i], file, i + 1));
   return runs;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
+#include "tactile/alignment/event_rate.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/event_rate.hpp"
 #include "tactile/labels/exchange/audacity.hpp"
 #include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
@@ -27,7 +27,7 @@ std::int64_t written_s(const fs::path& file) {
   return ::stat(file.c_str(), &status) == 0 ? static_cast<std::int64_t>(status.st_mtime) : 0;
 }
 
-/// Where the film's first frame lies in camera time, and how the film drifts from there: a player's zero is its first frame.
+/// The film's first frame in camera time, and the film's drift. A player's time 0 is the first frame.
 std::optional<ClockRelation> film_clock(const RunFolder& run, const Labels& labels) {
   if (!labels.video_clock || !fs::exists(run.video_times())) return std::nullopt;
   const std::vector<VideoTime> frames = read_video_times(run.video_times());
@@ -40,7 +40,7 @@ std::vector<ImportedLabels> read_imported(const fs::path& file, std::optional<Ex
   const std::optional<ExchangeFormat> known = format ? format : exchange_format_by_ending(file);
   if (!known) {
     throw Error(file.string() +
-                ": its ending says no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, or "
+                ": its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, or "
                 "--format");
   }
   switch (*known) {
@@ -63,7 +63,7 @@ std::string list_of(std::span<const RunFolder> runs) {
   return text + (runs.size() > most ? fmt::format(" and {} more", runs.size() - most) : "");
 }
 
-/// Which of `runs` the labels are of.
+/// The run that the labels belong to.
 const RunFolder& run_of(const ImportedLabels& labels, std::span<const RunFolder> runs) {
   const std::string stem = fs::path(labels.where).stem().string();
   const auto found = std::find_if(runs.begin(), runs.end(), [&](const RunFolder& run) {
@@ -71,11 +71,10 @@ const RunFolder& run_of(const ImportedLabels& labels, std::span<const RunFolder>
   });
   if (found != runs.end()) return *found;
   if (labels.run)
-    throw Error(
-        fmt::format("{}: holds labels of {}; expected those of {}", labels.where, shown_text(*labels.run), list_of(runs)));
+    throw Error(fmt::format("{}: has labels of {}; expected labels of {}", labels.where, shown_text(*labels.run), list_of(runs)));
   if (runs.size() != 1) {
-    throw Error(fmt::format("{}: does not say which run it is of; expected a name such as {}{}, or one run to import into",
-                            labels.where, runs.empty() ? std::string("fan-01") : file_stem_of(runs.front()),
+    throw Error(fmt::format("{}: names no run; expected a file name such as {}{}, or a single run to import into", labels.where,
+                            runs.empty() ? std::string("fan-01") : file_stem_of(runs.front()),
                             fs::path(labels.where).extension().string()));
   }
   return runs.front();
@@ -85,13 +84,12 @@ FileTimes times_of(TimeOrigin origin, const RunFolder& run, const Labels& labels
   if (origin != TimeOrigin::video) return {.origin = origin};
   const std::optional<ClockRelation> film = film_clock(run, labels);
   if (!film) {
-    throw Error(fmt::format(
-        "{}: how its film's clock relates to the camera's is unknown; expected --origin first-event or camera", run.name()));
+    throw Error(fmt::format("{}: its video clock is unknown; expected --origin first-event or camera", run.name()));
   }
   return {.origin = origin, .zero_us = saturating_subtract(film->offset_us, us_of(first_event)), .drift_ppm = film->drift_ppm};
 }
 
-/// A curve through the samples, held at its ends.
+/// A curve through the samples, constant beyond its ends.
 class Curve {
  public:
   void add(CameraTime t, double value) {
@@ -124,7 +122,7 @@ RecordingSpan span_of_events(const RunFolder& run) {
   RecordingReader recording(run.events());
   const std::int32_t id = event_stream(recording).id;
   RecordingSpan span{CameraTime::max(), CameraTime::min()};
-  // The table's times are only a hint: what counts are the events themselves, of the outermost packets that have any.
+  // The table's times are only a hint. The events of the outermost non-empty packets count.
   std::vector<PacketRecord> packets;
   for (const PacketRecord& packet : recording.packets()) {
     if (packet.stream_id == id && packet.elements > 0) packets.push_back(packet);
@@ -137,7 +135,7 @@ RecordingSpan span_of_events(const RunFolder& run) {
   std::stable_sort(packets.begin(), packets.end(),
                    [](const PacketRecord& a, const PacketRecord& b) { return a.first < b.first; });
   if (std::none_of(packets.begin(), packets.end(), widen))
-    throw Error(run.events().string() + ": holds no event; expected a recording");
+    throw Error(run.events().string() + ": has no event; expected a recording with events");
   std::stable_sort(packets.begin(), packets.end(), [](const PacketRecord& a, const PacketRecord& b) { return a.last > b.last; });
   static_cast<void>(std::any_of(packets.begin(), packets.end(), widen));
   return span;
@@ -210,10 +208,9 @@ std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::option
       const RunFolder& run = run_of(imported, runs);
       if (const auto [before, is_new] = file_of.try_emplace(run.folder.string(), file.string()); !is_new)
         throw Error(
-            fmt::format("{}: holds labels of {}, as {} does; expected each run once", file.string(), run.name(), before->second));
+            fmt::format("{}: has labels of {}, as {}; expected each run once", file.string(), run.name(), before->second));
       if (!fs::exists(run.labels())) {
-        throw Error(fmt::format("{}: {} has no labels yet; expected those that were exported, 'tactile label' makes them",
-                                file.string(), run.name()));
+        throw Error(fmt::format("{}: {} has no labels; 'tactile label' makes them", file.string(), run.name()));
       }
       Labels labels = read_labels(run.labels());
       const RecordingSpan span = span_of_events(run);

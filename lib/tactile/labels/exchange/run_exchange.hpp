@@ -18,16 +18,17 @@ struct RecordingSpan {
 /// @throws Error  if the recording cannot be read or has no event
 RecordingSpan span_of_events(const RunFolder& run);
 
-/// The labels that a run has, on the axis of `origin`; without one on the film's where `prefer_film`, its clock is known and no
-/// label lies before it, else from the first event on.
-/// @throws Error  if there are none, they or the recording cannot be read, or the origin is the film and its clock is unknown
+/// The labels of a run, on the axis of `origin`. Without an origin: the film's axis if `prefer_film`, its clock is known and no
+/// label is before its begin; otherwise times from the first event.
+/// @throws Error  if the run has no labels, they or the recording cannot be read, or the origin is the film and its clock is
+/// unknown
 LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film);
 
-/// Events a second, and where a robot log's clock is known the TCP's height and speed, each millisecond (more for recordings of
-/// more than 20 s), on the labels' axis. @throws Error if recording or log cannot be read
+/// The event rate and, if the robot's clock is known, the TCP's height and speed, every millisecond (less often for recordings
+/// above 20 s), on the labels' axis. @throws Error  if recording or log cannot be read
 LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels);
 
-/// What an import does to one run.
+/// The effect of an import on one run.
 struct ImportedRun {
   RunFolder run;
   std::string file;
@@ -36,15 +37,15 @@ struct ImportedRun {
   bool looked_at = true;
 };
 
-/// Reads files of other tools, `format` or what their endings say, and works out what they do to the labels of `runs`; writes
-/// nothing. Which run a file is of it says itself, else its name does (`fan-01.txt`), else there must be but one run. What its
-/// times count from it says itself too, else `origin`, else the first event.
-/// @throws Error  if a file is of no run or of none of `runs`, two are of one, a run has no labels, or anything in them cannot be
-/// used
+/// Reads files of other tools and computes the edited labels of `runs`; writes nothing. The format is `format`, otherwise given
+/// by the file's ending. The run is named in the file, otherwise by its name (`fan-01.txt`), otherwise there must be only one
+/// run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event.
+/// @throws Error  if a file belongs to none of `runs`, two files belong to the same run, a run has no labels, or a file is
+/// invalid
 std::vector<ImportedRun> read_edits(std::span<const std::filesystem::path> files, std::optional<ExchangeFormat> format,
                                     std::optional<TimeOrigin> origin, std::span<const RunFolder> runs);
 
-/// "fan-01" of "fan/01": the name of its file in a folder of exports.
+/// "fan-01" for "fan/01": the name of a run's file in a folder of exports.
 std::string file_stem_of(const RunFolder& run);
 
 }  // namespace tactile

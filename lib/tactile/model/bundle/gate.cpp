@@ -1,10 +1,10 @@
 #include "tactile/model/bundle/gate.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile {
 
@@ -19,14 +19,12 @@ void from_json(const nlohmann::json& json, Gate& gate) {
   gate.ticks = member<std::uint64_t>(json, "ticks", where);
 }
 
-Gate calibrated_gate(std::vector<std::uint64_t> counts, double share) {
+Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {
   if (!(share >= 0 && share < 1)) throw Error("gate: a share of " + std::to_string(share) + "; expected 0 to below 1");
   Gate gate{.limit = 0, .share = share, .ticks = counts.size()};
   if (counts.empty()) return gate;
   const auto index = static_cast<std::size_t>(std::floor(share * static_cast<double>(counts.size())));
-  const auto place = counts.begin() + static_cast<std::ptrdiff_t>(index);
-  std::nth_element(counts.begin(), place, counts.end());
-  gate.limit = *place;
+  gate.limit = value_of_rank<std::uint64_t>(counts, index);
   return gate;
 }
 

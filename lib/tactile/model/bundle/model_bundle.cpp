@@ -89,7 +89,7 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
 
 namespace {
 
-/// What its settings must keep to, whoever wrote the file: else a network gets heatmaps that never were, or none.
+/// Checks the ranges of the settings, because anyone may have edited the file.
 void check_description(const ModelDescription& description) {
   constexpr int longest_side = 32'767;  // [px]
   constexpr std::chrono::seconds longest_history{100};
@@ -153,7 +153,7 @@ bool learned_from(const ModelDescription& model, const std::string& events_sha25
 
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
   const nlohmann::json rendering = description.settings.rendering;
-  return {{"format", "pt"},  // how PyTorch orders a tensor's values
+  return {{"format", "pt"},  // PyTorch's order of a tensor's values
           {"classes", class_names().dump()},
           {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
                                    {"type", "float32"},
@@ -183,11 +183,10 @@ ModelDescription read_description(const ModelBundle& bundle) {
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description) {
   const LeNetLayers layers = lenet_layers(description.input);
   if (!fs::is_regular_file(bundle.weights())) {
-    throw Error(bundle.weights().string() + ": missing; expected the weights of the model beside its model.json");
+    throw Error(bundle.weights().string() + ": missing; expected the weights in the folder of model.json");
   }
   if (sha256_of_file(bundle.weights()) != description.weights_sha256) {
-    throw Error(bundle.weights().string() +
-                ": not the weights that model.json names by their hash; expected the bundle as it was written");
+    throw Error(bundle.weights().string() + ": its hash differs from model.json; expected the bundle as it was written");
   }
   return read_weights(bundle.weights(), layers.parameters());
 }
@@ -217,7 +216,7 @@ std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::func
       newest = bundle;
       trained_at = description.trained_at;
     } catch (const Error&) {
-      // Someone else's folder, or one that is damaged: whoever names it is told so.
+      // Not a model, or damaged. An explicit use of it reports the error.
     }
   }
   return newest;

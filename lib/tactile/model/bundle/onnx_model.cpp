@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "raw_data holds values least byte first");
 
-/// Protobuf's limit is 2 GiB; the rest of the model takes no more than the difference.
+/// Protobuf's limit is 2 GiB; the difference is enough for the rest of the model.
 constexpr std::uint64_t most_weight_bytes = (std::uint64_t{2} << 30) - (std::uint64_t{1} << 20);
 
 constexpr const char* batch = "n";
@@ -52,7 +52,7 @@ void describe(onnx::ValueInfoProto& value, const std::string& name, const std::s
   for (const std::int64_t size : sizes) type.mutable_shape()->add_dim()->set_dim_value(size);
 }
 
-/// A graph's nodes, each taking what the one before gives.
+/// The nodes of a graph. The input of each is the output of the one before.
 class Chain {
  public:
   Chain(onnx::GraphProto& graph, std::string input) : graph_(graph), last_(std::move(input)) {}

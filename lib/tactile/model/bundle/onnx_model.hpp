@@ -8,8 +8,8 @@
 
 namespace tactile {
 
-/// What an ONNX model is written for: ONNX 1.8 (November 2020), which onnxruntime from 1.6, TensorRT from 8, OpenVINO, and
-/// OpenCV's dnn read. The network needs nothing newer, and what is newer shuts older runtimes out. Source:
+/// The version of the operators: ONNX 1.8 (November 2020), supported by onnxruntime from 1.6, TensorRT from 8, OpenVINO and
+/// OpenCV's dnn. The network needs nothing newer, and older runtimes do not support newer versions. Source:
 /// https://github.com/onnx/onnx/blob/main/docs/Versioning.md, "Released Versions".
 inline constexpr int onnx_opset = 13, onnx_ir_version = 7;
 
@@ -19,9 +19,9 @@ inline constexpr int onnx_opset = 13, onnx_ir_version = 7;
 ///
 /// for any n >= 1; the weights under their own names.
 ///
-/// @param name      of the model, for people
+/// @param name      of the model, for display
 /// @param metadata  becomes the model's metadata_props
-/// @throws Error    if the weights are not those of the layers, or take more than the 2 GiB that such a file may
+/// @throws Error    if the weights do not fit the layers, or exceed the limit of 2 GiB
 /// Source: https://github.com/onnx/onnx/blob/main/docs/IR.md and Operators.md.
 std::string onnx_model(const LeNetLayers& layers, const LeNetOptions& options, const Weights& weights, const std::string& name,
                        const std::map<std::string, std::string>& metadata);

@@ -2,8 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <sstream>
+#include <string_view>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
@@ -25,16 +26,15 @@ std::optional<double> optional_number(const nlohmann::json& json, const char* ke
   return value.is_null() ? std::nullopt : std::optional(member<double>(json, key, "epoch"));
 }
 
-/// A row's cells as numbers, the two of validation perhaps empty; nothing if it is no such row.
-std::optional<std::vector<std::optional<double>>> cells_of(const std::string& line) {
-  std::vector<std::optional<double>> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    cells.push_back(number_in(cell));
-    const bool may_be_empty = cells.size() == 4 || cells.size() == 5;
-    if (!cells.back() && !(cell.empty() && may_be_empty)) return std::nullopt;
+/// The cells of a row as numbers; the two of the validation may be empty. Nothing if the row is invalid.
+std::optional<std::vector<std::optional<double>>> numbers_in(const std::vector<std::string_view>& cells) {
+  std::vector<std::optional<double>> numbers;
+  for (const std::string_view cell : cells) {
+    numbers.push_back(number_in(cell));
+    const bool may_be_empty = numbers.size() == 4 || numbers.size() == 5;
+    if (!numbers.back() && !(cell.empty() && may_be_empty)) return std::nullopt;
   }
-  return cells.size() == columns ? std::optional(cells) : std::nullopt;
+  return numbers.size() == columns ? std::optional(numbers) : std::nullopt;
 }
 
 }  // namespace
@@ -51,15 +51,15 @@ std::string history_csv(const std::vector<EpochResult>& history) {
 }
 
 std::vector<EpochResult> read_history(const std::filesystem::path& file) {
-  std::istringstream lines(read_text(file));
-  std::string line;
-  if (!std::getline(lines, line) || line != header)
-    throw Error(fmt::format("{}: its columns are '{}'; expected '{}'", file.string(), line.substr(0, 80), header));
+  const std::string text = read_text(file);
+  CsvRows rows(text);
+  if (rows.row() != header)
+    throw Error(fmt::format("{}: its columns are '{}'; expected '{}'", file.string(), rows.row().substr(0, 80), header));
   std::vector<EpochResult> history;
-  while (std::getline(lines, line)) {
-    const auto cells = cells_of(line);
+  while (rows.next()) {
+    const auto cells = numbers_in(rows.cells());
     if (!cells || *cells->front() < 0 || *cells->front() > 1e9)
-      throw Error(fmt::format("{}: line {} is no epoch; expected {} numbers", file.string(), history.size() + 2, columns));
+      throw Error(fmt::format("{}: line {} is not an epoch; expected {} numbers", file.string(), rows.line(), columns));
     history.push_back({.epoch = static_cast<unsigned>(*(*cells)[0]),
                        .loss = *(*cells)[1],
                        .accuracy = *(*cells)[2],

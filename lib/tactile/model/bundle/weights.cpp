@@ -23,7 +23,7 @@ constexpr std::size_t longest_header = std::size_t{16} << 20;
 
 std::string sizes_in_words(const std::vector<std::int64_t>& sizes) { return nlohmann::json(sizes).dump(); }
 
-/// The header's length as the first bytes give it. @throws Error  if the file ends before the header does
+/// The length of the header, from the first bytes. @throws Error  if the file ends inside the header
 std::size_t header_length(const std::string& text, std::uint64_t bytes, const std::string& where) {
   std::uint64_t length = 0;
   if (text.size() < length_bytes) throw Error(where + ": cut off; expected a safetensors file");
@@ -37,7 +37,7 @@ nlohmann::json parsed_header(std::string_view text, const std::string& where) {
   try {
     return nlohmann::json::parse(text.begin(), text.end());
   } catch (const nlohmann::json::exception&) {
-    throw Error(where + ": its header is no JSON; expected a safetensors file");
+    throw Error(where + ": its header is not JSON; expected a safetensors file");
   }
 }
 
@@ -54,7 +54,7 @@ void write_weights(const std::filesystem::path& file, const Weights& weights,
     offset = end;
   }
   std::string header_text = json_text(header);
-  header_text.append((length_bytes - header_text.size() % length_bytes) % length_bytes, ' ');  // values begin aligned
+  header_text.append((length_bytes - header_text.size() % length_bytes) % length_bytes, ' ');  // to align the values
   const std::uint64_t length = header_text.size();
   std::string text(length_bytes, '\0');
   std::memcpy(text.data(), &length, length_bytes);
@@ -94,7 +94,7 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
     const std::size_t bytes = shape.count() * sizeof(float);
     if (offsets.size() != 2 || offsets[0] > value_bytes || offsets[1] > value_bytes || offsets[1] < offsets[0] ||
         offsets[1] - offsets[0] != bytes) {
-      throw Error(parameter + ": its values do not lie in the file; expected " + std::to_string(bytes) + " bytes of them");
+      throw Error(parameter + ": its values lie outside the file; expected " + std::to_string(bytes) + " bytes of them");
     }
     Parameter read{shape, std::vector<float>(shape.count())};
     std::memcpy(read.values.data(), text.data() + values_at + offsets[0], bytes);

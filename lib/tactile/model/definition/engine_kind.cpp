@@ -1,18 +1,16 @@
 #include "tactile/model/definition/engine_kind.hpp"
 
-#include <string>
+#include <array>
 
-#include "tactile/core/error.hpp"
+#include "tactile/core/enum_names.hpp"
 
 namespace tactile {
 
-std::string_view name_of(EngineKind engine) { return engine == EngineKind::fast ? "fast" : "libtorch"; }
+namespace {
+constexpr std::array<std::string_view, 2> names{"fast", "libtorch"};
+}  // namespace
 
-EngineKind engine_named(std::string_view name) {
-  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
-    if (name == name_of(engine)) return engine;
-  }
-  throw Error("engine '" + std::string(name) + "' is unknown; expected fast or libtorch");
-}
+std::string_view name_of(EngineKind engine) { return names.at(static_cast<std::size_t>(engine)); }
+EngineKind engine_named(std::string_view name) { return enumerator_named<EngineKind>(name, names, "engine"); }
 
 }  // namespace tactile

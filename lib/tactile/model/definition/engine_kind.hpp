@@ -5,10 +5,10 @@
 
 namespace tactile {
 
-/// What a model is run with.
+/// The inference engine.
 enum class EngineKind : std::uint8_t {
-  fast,      ///< our own (tactile/model/inference/lenet_engine.hpp)
-  libtorch,  ///< knows every network that can be trained
+  fast,      ///< the built-in engine (tactile/model/inference/lenet_engine.hpp)
+  libtorch,  ///< supports every network that can be trained
 };
 
 std::string_view name_of(EngineKind engine);     ///< "fast", "libtorch"

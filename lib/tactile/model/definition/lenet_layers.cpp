@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/touch.hpp"
@@ -13,8 +14,8 @@ constexpr int kernel = 5, first_channels = 6, second_channels = 16;
 constexpr std::int64_t first_hidden = 120, second_hidden = 84;
 constexpr int smallest_side = 16, largest_side = 4096;
 
-constexpr std::array activation_names{"relu", "tanh", "sigmoid"};
-constexpr std::array pooling_names{"max", "average"};
+constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
+constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
 
 SensorSize pooled(SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
 
@@ -23,19 +24,8 @@ SensorSize pooled(SensorSize size) { return {(size.width - kernel + 1) / 2, (siz
 std::string_view name_of(Activation activation) { return activation_names.at(static_cast<std::size_t>(activation)); }
 std::string_view name_of(Pooling pooling) { return pooling_names.at(static_cast<std::size_t>(pooling)); }
 
-Activation activation_named(std::string_view name) {
-  for (const Activation activation : {Activation::relu, Activation::tanh, Activation::sigmoid}) {
-    if (name == name_of(activation)) return activation;
-  }
-  throw Error("activation '" + std::string(name) + "' is unknown; expected relu, tanh or sigmoid");
-}
-
-Pooling pooling_named(std::string_view name) {
-  for (const Pooling pooling : {Pooling::max, Pooling::average}) {
-    if (name == name_of(pooling)) return pooling;
-  }
-  throw Error("pooling '" + std::string(name) + "' is unknown; expected max or average");
-}
+Activation activation_named(std::string_view name) { return enumerator_named<Activation>(name, activation_names, "activation"); }
+Pooling pooling_named(std::string_view name) { return enumerator_named<Pooling>(name, pooling_names, "pooling"); }
 
 void to_json(nlohmann::json& json, const LeNetOptions& options) {
   json = {{"activation", name_of(options.activation)}, {"pool", name_of(options.pooling)}};

@@ -12,22 +12,22 @@
 
 namespace tactile {
 
-/// A parameter of the network: its name as the weights file has it, and its sizes, outermost first.
+/// A parameter of the network: its name in the weights file, and its sizes, outermost first.
 struct ParameterShape {
   std::string name;
   std::vector<std::int64_t> sizes;
 
-  std::size_t count() const;  ///< values
+  std::size_t count() const;  ///< number of values
 
   friend bool operator==(const ParameterShape&, const ParameterShape&) = default;
 };
 
-/// What follows each layer but the last.
+/// The function after each layer except the last.
 enum class Activation : std::uint8_t { relu, tanh, sigmoid };
-/// How 2 x 2 values become one.
+/// The reduction of 2 x 2 values to one.
 enum class Pooling : std::uint8_t { max, average };
 
-/// What may be chosen of the network; the defaults are the paper's.
+/// Options of the network; the defaults are the paper's.
 struct LeNetOptions {
   Activation activation = Activation::relu;
   Pooling pooling = Pooling::max;
@@ -44,10 +44,10 @@ void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws
 
 /// LeNet-5 for heatmaps of one size:
 ///
-///   conv 6@5x5 (stride 1, no padding), ReLU, max-pool 2 (floor), conv 16@5x5 likewise, ReLU, max-pool 2, flatten channel first,
+///   conv 6@5x5 (stride 1, no padding), ReLU, max-pool 2 (floor), conv 16@5x5, ReLU, max-pool 2, flatten channel first,
 ///   fully connected 120, ReLU, 84, ReLU, then one logit for each touch
 ///
-/// with another activation or pooling where LeNetOptions say so; the shapes stay.
+/// LeNetOptions may select another activation or pooling; the shapes stay.
 ///
 /// Source: LeCun et al., 1998, as Faris et al., arXiv:2403.10120, use it.
 struct LeNetLayers {
@@ -58,16 +58,16 @@ struct LeNetLayers {
 
   /// In the order of the layers, weight before bias: "conv1.weight" [6, 1, 5, 5], "conv1.bias" [6], ... "fc3.bias" [3].
   std::vector<ParameterShape> parameters() const;
-  std::size_t parameter_count() const;  ///< values of all of them
+  std::size_t parameter_count() const;  ///< number of all values
 };
 
-/// @throws Error  if the heatmap is too small for the layers (16 cells each way at the least) or larger than 4096 cells a side
+/// @throws Error  if the heatmap is too small for the layers (at least 16 x 16 cells) or larger than 4096 cells in a direction
 LeNetLayers lenet_layers(SensorSize input);
 
-/// How many heatmaps of this size lie one after the other. @throws Error  if it is not a whole number
+/// The number of consecutive heatmaps of this size. @throws Error  if it is not a whole number
 std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size);
 
-/// The layers in words and numbers, with the options, for a bundle's model.json.
+/// A description of the layers and options for a bundle's model.json.
 nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options);
 
 }  // namespace tactile

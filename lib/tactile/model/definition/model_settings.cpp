@@ -40,7 +40,7 @@ void from_json(const nlohmann::json& json, ModelSettings& settings) {
 bool same_settings(const ModelSettings& a, const ModelSettings& b) { return nlohmann::json(a) == nlohmann::json(b); }
 
 std::string default_name(const ModelSettings& settings) {
-  // What the name itself says is off no default.
+  // Settings that are part of the name do not count.
   ModelSettings plain;
   plain.split.kind = settings.split.kind;
   plain.split.train_run = settings.split.train_run;

@@ -11,14 +11,14 @@
 
 namespace tactile {
 
-/// The model whose weights a training goes on from.
+/// The model whose weights a training starts from.
 struct StartingPoint {
   std::string name;
   std::string weights_sha256;
 };
 
-/// All that decides, with the dataset, what a model becomes. The number of threads does not belong to it: it moves no more than
-/// the last bits.
+/// Everything that, with the dataset, determines a trained model. The number of threads is not included: it affects only the last
+/// bits.
 struct ModelSettings {
   HeatmapOptions rendering;
   SplitOptions split;
@@ -32,11 +32,11 @@ struct ModelSettings {
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 
-/// Whether the two make the same model of the same dataset.
+/// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);
 
-/// "th040-single-run-01-s1": history, split, training run, seed. Settings off their default append "-" and the first 8 of their
-/// hash.
+/// "th040-single-run-01-s1": history, split, training run, seed. With other settings than the defaults, "-" and the first 8
+/// characters of their hash follow.
 std::string default_name(const ModelSettings& settings);
 
 }  // namespace tactile

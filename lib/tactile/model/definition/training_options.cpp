@@ -7,6 +7,7 @@
 #include <sstream>
 #include <vector>
 
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
@@ -14,8 +15,8 @@
 namespace tactile {
 namespace {
 
-constexpr std::array optimizer_names{"adam", "adamw", "sgd"};
-constexpr std::array schedule_names{"constant", "cosine", "step"};
+constexpr std::array<std::string_view, 3> optimizer_names{"adam", "adamw", "sgd"};
+constexpr std::array<std::string_view, 3> schedule_names{"constant", "cosine", "step"};
 constexpr double largest_share = 0.5;
 
 std::vector<std::string> parts_of(std::string_view text) {
@@ -31,18 +32,9 @@ std::string_view name_of(OptimizerKind optimizer) { return optimizer_names.at(st
 std::string_view name_of(Schedule schedule) { return schedule_names.at(static_cast<std::size_t>(schedule)); }
 
 OptimizerKind optimizer_named(std::string_view name) {
-  for (const OptimizerKind kind : {OptimizerKind::adam, OptimizerKind::adamw, OptimizerKind::sgd}) {
-    if (name == name_of(kind)) return kind;
-  }
-  throw Error(fmt::format("optimizer '{}' is unknown; expected adam, adamw or sgd", name));
+  return enumerator_named<OptimizerKind>(name, optimizer_names, "optimizer");
 }
-
-Schedule schedule_named(std::string_view name) {
-  for (const Schedule schedule : {Schedule::constant, Schedule::cosine, Schedule::step}) {
-    if (name == name_of(schedule)) return schedule;
-  }
-  throw Error(fmt::format("schedule '{}' is unknown; expected constant, cosine or step", name));
-}
+Schedule schedule_named(std::string_view name) { return enumerator_named<Schedule>(name, schedule_names, "schedule"); }
 
 Augmentation augmentation_named(std::string_view names) {
   Augmentation augmentation;
@@ -129,7 +121,7 @@ void check(const TrainingOptions& options) {
     throw Error(fmt::format("training: a validation part of {}; expected 0 to {}", options.validation_share, largest_share));
   }
   if (options.early_stop > 0 && options.validation_share == 0)
-    throw Error("training: an early stop without a validation part to judge by; expected a share above 0");
+    throw Error("training: early stop needs a validation part; expected a share above 0");
 }
 
 double learning_rate_at(const TrainingOptions& options, std::uint64_t step, std::uint64_t steps) {

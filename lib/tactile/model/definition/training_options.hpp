@@ -12,45 +12,46 @@
 
 namespace tactile {
 
-/// What moves the weights: Adam (betas 0.9 and 0.999, epsilon 1e-8), AdamW (the same with a weight decay of 0.01), or stochastic
+/// The optimizer: Adam (betas 0.9 and 0.999, epsilon 1e-8), AdamW (the same with a weight decay of 0.01), or stochastic
 /// gradient descent with a momentum of 0.9.
 enum class OptimizerKind : std::uint8_t { adam, adamw, sgd };
 
-/// How the learning rate goes over a training's steps: as it is; down a half cosine to 0; or a tenth of it from half of the
-/// epochs on and a hundredth from three quarters on.
+/// The learning rate over the steps of a training: constant; along a half cosine down to 0; or a tenth from half of the epochs on
+/// and a hundredth from three quarters on.
 enum class Schedule : std::uint8_t { constant, cosine, step };
 
-/// What is done at random to each heatmap each time it is learned from.
+/// Random changes of each heatmap, each time it is used for training.
 struct Augmentation {
-  bool flip = false;   ///< mirrored left to right, and top to bottom, half of the times each
-  bool shift = false;  ///< moved by up to 4 cells each way; what comes in is empty
+  bool flip = false;   ///< mirrored horizontally and vertically, each with probability 1/2
+  bool shift = false;  ///< moved by up to 4 cells in each direction; new cells are empty
 
   friend bool operator==(const Augmentation&, const Augmentation&) = default;
 };
 
-/// How much a sample of a class counts in the loss.
+/// The weight of the samples of each class in the loss.
 struct ClassWeights {
-  bool balanced = false;                                 ///< each class alike: samples / (classes * samples of the class)
-  std::array<double, touch_count> given{1.0, 1.0, 1.0};  ///< else these, > 0
+  bool balanced = false;  ///< equal weight for all classes: samples / (classes * samples of the class)
+  std::array<double, touch_count> given{1.0, 1.0, 1.0};  ///< otherwise these, > 0
 
   friend bool operator==(const ClassWeights&, const ClassWeights&) = default;
 };
 
 struct TrainingOptions {
-  std::uint64_t seed = 1;       ///< of the first weights, of the order of samples and of what is done to them
+  std::uint64_t seed = 1;       ///< of the initial weights, the order of samples and the augmentation
   unsigned epochs = 10;         ///< passes over all samples, > 0
-  unsigned batch = 32;          ///< samples to a step, > 0; the last of an epoch may be smaller
+  unsigned batch = 32;          ///< samples per step, > 0; the last batch of an epoch may be smaller
   double learning_rate = 1e-3;  ///< > 0
   OptimizerKind optimizer = OptimizerKind::adam;
   Schedule schedule = Schedule::constant;
   Augmentation augmentation{};
   ClassWeights class_weights{};
 
-  /// What works out a step, with results that agree but for rounding. fast: convolution, ReLU and max-pool in one pass and the
-  /// optimizer's step in one, other layers being libtorch's; libtorch: its layers and optimizers one by one.
+  /// The engine that computes a step; the results agree except for rounding. fast: convolution, ReLU and max-pool in one pass,
+  /// the optimizer's step in one, other layers by libtorch. libtorch: its layers and optimizers one by one.
   EngineKind engine = EngineKind::fast;
-  double validation_share = 0;  ///< of the training runs' samples, the last of each class in time; in [0, 0.5]
-  unsigned early_stop = 0;      ///< epochs without a smaller validation loss that end it; 0: never, else validation_share > 0
+  double validation_share = 0;  ///< share of the training runs' samples, the last of each class in time; in [0, 0.5]
+  unsigned early_stop =
+      0;  ///< epochs without a smaller validation loss that end the training; 0: never; needs validation_share > 0
 
   friend bool operator==(const TrainingOptions&, const TrainingOptions&) = default;
 };
@@ -60,19 +61,19 @@ std::string_view name_of(Schedule schedule);              ///< "constant", "cosi
 OptimizerKind optimizer_named(std::string_view name);     ///< @throws Error
 Schedule schedule_named(std::string_view name);           ///< @throws Error
 Augmentation augmentation_named(std::string_view names);  ///< "none", "flip", "shift" or "flip,shift". @throws Error
-ClassWeights class_weights_named(std::string_view text);  ///< "none", "balanced", or a weight each: "1,2,1". @throws Error
+ClassWeights class_weights_named(std::string_view text);  ///< "none", "balanced", or three weights: "1,2,1". @throws Error
 std::string text_of(const Augmentation& augmentation);    ///< as `augmentation_named` reads it
 std::string text_of(const ClassWeights& weights);         ///< as `class_weights_named` reads it
 
 void to_json(nlohmann::json& json, const TrainingOptions& options);
-/// Settings without an engine are older than the fast one: libtorch's. @throws Error
+/// Settings without an engine are from older versions: libtorch. @throws Error
 void from_json(const nlohmann::json& json, TrainingOptions& options);
 
 /// @throws Error  if an option is out of its range
 void check(const TrainingOptions& options);
 
-/// The learning rate of a step, by its schedule.
-/// @param step  from 0, of the `steps` that all epochs have together
+/// The learning rate of a step according to the schedule.
+/// @param step  from 0, below `steps`, the number in all epochs
 double learning_rate_at(const TrainingOptions& options, std::uint64_t step, std::uint64_t steps);
 
 }  // namespace tactile

@@ -14,13 +14,13 @@ namespace tactile {
 
 namespace {
 
-/// Engines for as many threads as come at once: each takes one and gives it back.
+/// Engines for concurrent threads: each thread takes one and returns it.
 class Engines {
  public:
   explicit Engines(LeNetEngine first) { idle_.push_back(std::move(first)); }
 
   std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, SensorSize size, unsigned threads) {
-    constexpr std::size_t share = 32;  // heatmaps that a thread takes at once
+    constexpr std::size_t share = 32;  // heatmaps per piece of work
     std::vector<Logits> logits(heatmap_count(heatmaps, size));
     const std::size_t cells = logits.empty() ? 0 : heatmaps.size() / logits.size();
     parallel_for((logits.size() + share - 1) / share, threads, [&](std::size_t i) {
@@ -33,7 +33,7 @@ class Engines {
   }
 
  private:
-  /// The last idle one is copied, not taken: there is always one to copy.
+  /// Copies the last idle engine instead of taking it, so there is always one to copy.
   LeNetEngine take() {
     const std::scoped_lock lock(guard_);
     if (idle_.size() == 1) return idle_.front();

@@ -16,41 +16,42 @@
 
 namespace tactile {
 
-/// The logits of heatmaps that lie one after the other. May be called from several threads at once.
+/// The logits of consecutive heatmaps. Must be thread-safe.
 using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::uint8_t> heatmaps, unsigned threads)>;
 
-/// A trained LeNet with the settings it was trained under.
+/// A trained LeNet with the settings of its training.
 class Classifier {
  public:
   /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
-  /// @param threads  0: as many as the machine has cores; the logits do not depend on it
-  /// @throws Error   if it is missing, incomplete or damaged: another format, weights that are not those of its hash, of the
-  ///                 network's sizes, or finite; if the fast engine does not know its layers
+  /// @param threads  0: one per core; the logits do not depend on it
+  /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
+  ///                 that are not finite; if the fast engine does not support its layers
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
 
   /// The same with another engine.
-  /// @param make_network  makes it of the bundle's description and weights
+  /// @param make_network  makes the network from the bundle's description and weights
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
              const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network);
 
   const std::filesystem::path& bundle() const { return bundle_.folder; }
   const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json
-  const ModelDescription& model() const { return description_; }  ///< the same, read
+  const ModelDescription& model() const { return description_; }  ///< the same as a struct
   const HeatmapOptions& rendering() const { return description_.settings.rendering; }
   SensorSize input_size() const { return description_.input; }
   EngineKind engine() const { return engine_; }
 
-  /// @param heatmaps  [n, height, width] of `input_size()`, one after the other
-  /// @return n times the logits of none, press, slip. May be called from several threads at once
-  /// @throws Error  if the heatmaps are no whole number of this network's input
+  /// Thread-safe.
+  /// @param heatmaps  [n, height, width] of `input_size()`
+  /// @return  n times the logits of none, press, slip
+  /// @throws Error  if the size is not a whole number of heatmaps
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
-  /// The verdicts of the same. May be called from several threads at once.
+  /// The verdicts for heatmaps, with the same parameters. Thread-safe.
   std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps) const;
   std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
-  /// The probabilities of the same. May be called from several threads at once.
+  /// The probabilities for heatmaps, with the same parameters. Thread-safe.
   std::vector<Probabilities> probabilities(std::span<const std::uint8_t> heatmaps) const;
 
  private:

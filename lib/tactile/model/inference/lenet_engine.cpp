@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/model/inference/lenet_kernel.hpp"
 
@@ -18,7 +19,7 @@ constexpr std::size_t rounded_up(std::size_t value, std::size_t step) { return (
 
 std::size_t side(int cells) { return static_cast<std::size_t>(cells); }
 
-/// What a layer's outputs cannot exceed, if its inputs do not exceed `input`.
+/// An upper limit for a layer's outputs, if its inputs do not exceed `input`.
 double largest_output(const Parameter& weight, const Parameter& bias, double input) {
   const std::size_t inputs = weight.values.size() / bias.values.size();
   double largest = 0;
@@ -30,15 +31,15 @@ double largest_output(const Parameter& weight, const Parameter& bias, double inp
   return largest;
 }
 
-/// Where no sum can leave float32, none can become infinite, or NaN by infinities that meet.
+/// If no sum can exceed float32, no value becomes infinite or NaN.
 void check_range(const Weights& weights) {
-  constexpr double margin = 64;  // differences, rounding, and the points that the second convolution takes
+  constexpr double margin = 64;  // for differences, rounding, and the points of the second convolution
   double input = 1;
   for (std::size_t i = 0; i < weights.size(); i += 2) {
     input = largest_output(weights[i], weights[i + 1], input);
     if (input * margin > static_cast<double>(std::numeric_limits<float>::max())) {
       throw Error("weights: up to " + weights[i].shape.name +
-                  " they are so large that sums may leave float32; expected smaller ones, or --engine libtorch");
+                  " they are so large that sums may exceed float32; expected smaller ones, or --engine libtorch");
     }
   }
 }
@@ -88,7 +89,7 @@ void set_convolutions(LeNetPlan& plan, const Weights& weights) {
   for (std::size_t c = 0; c < in_channels; ++c) plan.first_empty[c] = std::max(plan.first_bias[c], 0.0F);
 }
 
-/// A layer's weights as [input][outputs, rounded up], its bias likewise.
+/// A layer's weights as [input][outputs, rounded up], and its bias in the same layout.
 void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Parameter& weight, const Parameter& bias_in,
                std::size_t row) {
   const std::size_t outputs = bias_in.values.size(), inputs = weight.values.size() / outputs;
@@ -100,7 +101,7 @@ void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Par
   }
 }
 
-/// The first fully connected layer, its inputs taken channel last.
+/// The first fully connected layer, with its inputs in channel-last order.
 void set_hidden(LeNetPlan& plan, const Parameter& weight, Precision precision) {
   const std::size_t pixels = plan.layers.flat / out_channels;
   plan.hidden_weights.assign(plan.layers.flat * Sizes::hidden_row, 0.0F);
@@ -126,7 +127,7 @@ void set_hidden(LeNetPlan& plan, const Parameter& weight, Precision precision) {
   }
 }
 
-/// The sums of the first fully connected layer for an empty heatmap, by the weights that the sums of others are made with.
+/// The sums of the first fully connected layer for an empty heatmap, with the same weights as for others.
 void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
   plan.hidden_empty.assign(Sizes::hidden_row, 0.0F);
   for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
@@ -141,6 +142,8 @@ void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
   }
 }
 
+constexpr std::array<std::string_view, 2> precision_names{"fp32", "int8"};
+
 LeNetKernel kernel_named(const std::string& name) {
   if (name.empty()) return best_kernel();
   std::string known;
@@ -148,19 +151,13 @@ LeNetKernel kernel_named(const std::string& name) {
     if (name == kernel.name) return kernel;
     known += (known.empty() ? "" : ", ") + std::string(kernel.name);
   }
-  throw Error("vector instructions '" + name + "': not to be had here; expected one of " + known);
+  throw Error("vector instructions '" + name + "': not available here; expected one of " + known);
 }
 
 }  // namespace
 
-std::string_view name_of(Precision precision) { return precision == Precision::fp32 ? "fp32" : "int8"; }
-
-Precision precision_named(std::string_view name) {
-  for (const Precision precision : {Precision::fp32, Precision::int8}) {
-    if (name == name_of(precision)) return precision;
-  }
-  throw Error("precision '" + std::string(name) + "' is unknown; expected fp32 or int8");
-}
+std::string_view name_of(Precision precision) { return precision_names.at(static_cast<std::size_t>(precision)); }
+Precision precision_named(std::string_view name) { return enumerator_named<Precision>(name, precision_names, "precision"); }
 
 struct LeNetEngine::State {
   std::shared_ptr<const LeNetPlan> plan;
@@ -172,7 +169,7 @@ struct LeNetEngine::State {
 LeNetEngine::LeNetEngine(SensorSize input, const Weights& weights, const LeNetOptions& layers, const EngineOptions& options) {
   if (layers != LeNetOptions{}) {
     throw Error("network with " + std::string(name_of(layers.activation)) + " and " + std::string(name_of(layers.pooling)) +
-                "-pooling: the fast engine does not know it; expected relu and max-pooling, or --engine libtorch");
+                "-pooling: the fast engine does not support it; expected relu and max-pooling, or --engine libtorch");
   }
   auto plan = std::make_shared<LeNetPlan>();
   plan->layers = lenet_layers(input);
@@ -185,7 +182,7 @@ LeNetEngine::LeNetEngine(SensorSize input, const Weights& weights, const LeNetOp
   set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], Sizes::hidden_row);
   set_dense(plan->last_weights, plan->last_bias, weights[8], weights[9], Sizes::lanes);
 
-  // What an empty heatmap gives is asked of the kernel itself, so that the difference to it is exactly 0.
+  // The kernel itself computes the empty heatmap, so that the differences are exactly 0.
   const LeNetKernel kernel = kernel_named(options.target);
   LeNetMemory memory = memory_for(*plan);
   const std::vector<std::uint8_t> empty(side(input.width) * side(input.height));

@@ -14,10 +14,10 @@
 
 namespace tactile {
 
-/// What the first fully connected layer's weights, nine tenths of all, are kept in.
+/// The number format of the first fully connected layer's weights, which are nine tenths of all.
 enum class Precision : std::uint8_t {
   fp32,
-  int8,  ///< whole numbers of -127 to 127 times a float32 for each output; sums stay float32
+  int8,  ///< integers from -127 to 127 with a float32 scale per output; sums are float32
 };
 
 std::string_view name_of(Precision precision);     ///< "fp32", "int8"
@@ -25,21 +25,21 @@ Precision precision_named(std::string_view name);  ///< @throws Error
 
 struct EngineOptions {
   Precision precision = Precision::fp32;
-  bool skip_empty = true;  ///< false: all is computed, whatever the heatmap; the logits are the same to the last bit
+  bool skip_empty = true;  ///< false: empty cells are computed too; the logits are identical to the last bit
   std::string target{};    ///< of `LeNetEngine::targets()`; the fastest if empty
 };
 
 /// LeNet's forward pass for one heatmap at a time, without libtorch.
 ///
-/// Where no cell under an output's receptive field is lit, the output is what an empty heatmap gives, and is not computed; the
-/// first fully connected layer adds to an empty heatmap's sums what the differences make. In float32 the logits are libtorch's
-/// within 1e-5 of the largest; they depend on the processor's vector instructions, within the same.
+/// If no cell in an output's receptive field is lit, the output is that of an empty heatmap and is not computed. The first fully
+/// connected layer adds the differences to the sums of an empty heatmap. In float32 the logits differ from libtorch's by at most
+/// 1e-5 of the largest. They depend on the processor's vector instructions within the same limit.
 ///
-/// Keeps its own working memory: each thread wants a copy, which shares the weights.
+/// Has its own working memory: each thread needs a copy. Copies share the weights.
 class LeNetEngine {
  public:
-  /// @throws Error  if the layers are others than ReLU and max-pooling, or as `lenet_layers`; if the weights are not of the
-  ///                network's shapes, not finite, or so large that a heatmap's sums may leave float32
+  /// @throws Error  if the layers are not ReLU and max-pooling, or as `lenet_layers`; if the weights have other shapes, are not
+  ///                finite, or are so large that sums may exceed float32
   LeNetEngine(SensorSize input, const Weights& weights, const LeNetOptions& layers = {}, const EngineOptions& options = {});
   ~LeNetEngine();
   LeNetEngine(const LeNetEngine& other);
@@ -50,12 +50,12 @@ class LeNetEngine {
   const LeNetLayers& layers() const;
   std::string_view target() const;  ///< the vector instructions in use, "AVX2"
 
-  /// The vector instructions that this was built for and the processor has, the fastest first.
+  /// The vector instructions of this build that the processor supports, the fastest first.
   static std::vector<std::string> targets();
 
-  /// The logits of none, press, slip; allocates nothing.
-  /// @param heatmap  [height, width] of the input's size; the network sees it as H / 255
-  /// @throws Error   if it is of another size
+  /// The logits of none, press, slip. Does not allocate memory.
+  /// @param heatmap  [height, width] of the input's size; the network's input is H / 255
+  /// @throws Error   if it has another size
   Logits classify(std::span<const std::uint8_t> heatmap);
 
  private:

@@ -1,7 +1,7 @@
 // Compiled once for each set of vector instructions: foreach_target.h reads this file again for each.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tactile/model/inference/lenet_kernel.cpp"
-// Vectors whose length is not known when compiling do not stand in arrays, as they do here.
+// Vectors of unknown length cannot be in arrays, as here.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include "tactile/model/inference/lenet_kernel.hpp"
 //
@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace tactile::HWY_NAMESPACE {
 namespace {
 
-/// Appends the differences that are not 0, or all.
+/// Appends the nonzero differences, or all.
 HWY_INLINE std::size_t append(Vector difference, std::size_t row, bool skip_empty, float* differences, std::uint32_t* rows) {
   const hn::RebindToUnsigned<Floats> numbers;
   const auto own_rows = hn::Iota(numbers, static_cast<std::uint32_t>(row));
@@ -63,8 +63,8 @@ HWY_ATTR void add_hidden(const LeNetPlan& plan, const float* values, const std::
   }
 }
 
-/// The second convolution, and beside it what its outputs add to the first fully connected layer: while some are worked out, the
-/// weights of those before are on their way to the cache.
+/// The second convolution, interleaved with the contributions of its outputs to the first fully connected layer: while outputs
+/// are computed, the weights of earlier ones are loaded into the cache.
 HWY_ATTR void second_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_empty, float* second) {
   const auto rows = static_cast<std::size_t>(plan.layers.second_pooled.height);
   const auto columns = static_cast<std::size_t>(plan.layers.second_pooled.width);
@@ -117,7 +117,7 @@ HWY_ATTR void second_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip
   end_row();
 }
 
-/// What remains: the sums of the first fully connected layer to the logits.
+/// The rest: from the sums of the first fully connected layer to the logits.
 HWY_ATTR void last_layers(const LeNetPlan& plan, LeNetMemory& memory, float* logits) {
   const Vector zero = hn::Zero(floats);
   for (std::size_t i = 0; i < hidden_row; i += lanes) {
@@ -136,7 +136,7 @@ HWY_ATTR void last_layers(const LeNetPlan& plan, LeNetMemory& memory, float* log
     }
     each<wide>([&](auto i) HWY_ATTR { hn::Store(hn::Max(sum[i], zero), floats, &memory.inner[first + i * lanes]); });
   }
-  constexpr std::size_t chains = 4;  // of sums that wait for one another
+  constexpr std::size_t chains = 4;  // independent chains of sums
   for (std::size_t part = 0; part < Sizes::lanes; part += lanes) {
     Vector sum[chains];
     each<chains>([&](auto i) HWY_ATTR { sum[i] = i == 0 ? hn::Load(floats, &plan.last_bias[part]) : zero; });

@@ -28,7 +28,7 @@ struct LeNetPlan {
   LeNetLayers layers;
   std::size_t input_rows = 0, input_pairs = 0;  ///< of the heatmap: rows, and pairs of columns, that any output depends on
   std::size_t pair_stride = 0;                  ///< of a row of pairs [values]
-  std::size_t pair_chunks = 0;                  ///< of 16 pairs in a row, the one behind the last included
+  std::size_t pair_chunks = 0;                  ///< of 16 pairs in a row, including the one after the last
   std::size_t pooled_stride = 0;                ///< of a row of the first pooled layer's channel [values]
   std::size_t blocks = 0;                       ///< of columns of the second pooled layer
 

@@ -6,20 +6,20 @@
 
 namespace tactile {
 
-/// What the network says of a heatmap, one number for each of none, press, slip.
+/// The output of the network for a heatmap: one number for each of none, press, slip.
 using Logits = std::array<float, touch_count>;
 
-/// How likely each of none, press, slip is, by the network; in [0, 1], their sum is 1 but for rounding.
+/// The probabilities of none, press, slip; in [0, 1], with the sum 1 except for rounding.
 using Probabilities = std::array<float, touch_count>;
 
-/// The touch with the largest logit; the earlier one of equals.
+/// The touch with the largest logit; the first one if several are equal.
 Touch verdict_of(const Logits& logits);
 
-/// Whether the two largest logits differ by under 1e-4: so little that another engine, which adds up in another order, may give
-/// another verdict.
+/// Whether the two largest logits differ by less than 1e-4. Then another engine, which sums in another order, may give another
+/// verdict.
 bool is_close(const Logits& logits);
 
-/// exp(logit) / sum of exp(logits), right for logits of any finite size.
+/// exp(logit) / sum of exp(logits), valid for all finite logits.
 Probabilities probabilities_of(const Logits& logits);
 
 }  // namespace tactile

@@ -7,9 +7,9 @@
 namespace tactile {
 namespace {
 
-constexpr int farthest = 4;  // cells a heatmap is moved at the most
+constexpr int farthest = 4;  // largest shift of a heatmap [cells]
 
-/// Moves the cells by `by` towards higher indexes (lower ones if negative); what comes in is 0.
+/// Moves the cells by `by` towards higher indexes (lower ones if negative); new cells are 0.
 void move_cells(std::span<std::uint8_t> cells, std::ptrdiff_t by) {
   const auto gap = std::min(static_cast<std::ptrdiff_t>(cells.size()), std::abs(by));
   if (by > 0) {

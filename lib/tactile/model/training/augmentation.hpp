@@ -11,7 +11,7 @@ namespace tactile {
 
 /// Changes a heatmap at random, in place.
 /// @param heatmap  [height, width] of `size`, row by row
-/// @param random   drawn from only for what the augmentation asks for
+/// @param random   used only for the selected augmentation
 void augment(std::span<std::uint8_t> heatmap, SensorSize size, const Augmentation& augmentation, Random& random);
 
 }  // namespace tactile

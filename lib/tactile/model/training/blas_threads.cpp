@@ -12,7 +12,7 @@
 namespace tactile {
 namespace {
 
-/// False where another library is the BLAS.
+/// False with another BLAS library.
 bool keep_blas_to_one_thread() {
   using SetThreads = void (*)(int);
   static const bool kept = [] {
@@ -23,8 +23,8 @@ bool keep_blas_to_one_thread() {
   return kept;
 }
 
-/// OpenBLAS takes 128 MB for each thread that calls it, and asks without end where it does not get them: there is room for these
-/// and as much again for the rest, or the work does not begin. @throws Error  if there is not
+/// OpenBLAS allocates 128 MB for each calling thread, and tries forever if that fails. Therefore this checks that twice this
+/// memory is available. @throws Error  if it is not
 void check_room_for_blas(unsigned threads) {
   static std::mutex guard;
   static unsigned checked = 0;

@@ -2,8 +2,8 @@
 
 namespace tactile {
 
-/// Keeps OpenBLAS, which has threads of its own, to the one that calls it. Nothing where another library is the BLAS.
-/// @param threads  that will call it
+/// Limits OpenBLAS to the calling thread. Has no effect with another BLAS library.
+/// @param threads  number of threads that will call it
 /// @throws Error   if there is no memory for that many
 void prepare_blas(unsigned threads);
 

@@ -58,11 +58,11 @@ nlohmann::json parsed(const std::map<std::string, std::string>& metadata, const 
   const auto found = metadata.find(key);
   const auto format = metadata.find("format");
   if (format == metadata.end() || format->second != format_name || found == metadata.end())
-    throw Error(where + ": no state of a training; expected one as 'tactile train' keeps it, remove the folder to begin anew");
+    throw Error(where + ": is not the state of a training; remove the folder to start again");
   try {
     return nlohmann::json::parse(found->second);
   } catch (const nlohmann::json::exception&) {
-    throw Error(where + ": its " + key + " is no JSON; expected a state as 'tactile train' keeps it");
+    throw Error(where + ": its " + key + " is not JSON; expected a state saved by 'tactile train'");
   }
 }
 
@@ -71,16 +71,16 @@ nlohmann::json parsed(const std::map<std::string, std::string>& metadata, const 
 CheckpointFolder::CheckpointFolder(fs::path folder) : folder_(std::move(folder)) {
   make_folders(folder_);
   lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Some network disks lock no folders: then nobody can tell whether another process works here.
+  // Some network disks cannot lock folders. Then another process cannot be detected.
   const bool is_taken = lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (!is_taken) return;
   ::close(lock_);
-  throw Error(folder_.string() + ": another process is training this model; expected to wait for its end, or another --name");
+  throw Error(folder_.string() + ": another process is training this model; wait for its end, or use another --name");
 }
 
 CheckpointFolder::~CheckpointFolder() {
   std::error_code ignored;
-  fs::remove(folder_, ignored);  // where nothing was kept
+  fs::remove(folder_, ignored);  // if nothing was saved
   if (lock_ >= 0) ::close(lock_);
 }
 
@@ -113,8 +113,8 @@ std::optional<TrainingState> CheckpointFolder::load(const nlohmann::json& task, 
   const auto metadata = read_metadata(file);
   if (const nlohmann::json begun = parsed(metadata, "task", where); begun != task) {
     throw Error(
-        fmt::format("{}: holds a training with other settings or of another dataset ({}); expected those that it began "
-                    "with, or --force to begin anew",
+        fmt::format("{}: belongs to a training with other settings or another dataset ({}); expected the same ones, "
+                    "or --force to start again",
                     folder_.string(), differences(begun, task)));
   }
   const nlohmann::json json = parsed(metadata, "state", where);
@@ -137,7 +137,7 @@ std::optional<TrainingState> CheckpointFolder::load(const nlohmann::json& task, 
 
 void CheckpointFolder::clear() {
   std::error_code failed;
-  fs::remove(last_file(folder_), failed);  // first: without it the rest tells of nothing
+  fs::remove(last_file(folder_), failed);  // first: the other files depend on it
   for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), failed);
 }
 

@@ -8,15 +8,15 @@
 
 namespace tactile {
 
-/// What a training has come to, kept beside the place of its bundle until that is whole: the folder `models/<name>.training/`.
+/// The saved state of a training, beside its bundle until that is complete: the folder `models/<name>.training/`.
 ///
 ///   last.safetensors       weights, the optimizer's moments ("optimizer.…"), and the state in the metadata
 ///   best-0003.safetensors  the weights of the best epoch so far
 ///
-/// Each is written whole or not at all, the best before the last that tells of it, so a kill leaves a state to go on from.
+/// Each file is replaced in one step, and the best before the last, which refers to it. So a killed training can be resumed.
 class CheckpointFolder {
  public:
-  /// Takes the folder for this process, until it goes. @throws Error  if another process has it, or it cannot be made
+  /// Locks the folder for this process. @throws Error  if another process has locked it, or it cannot be made
   explicit CheckpointFolder(std::filesystem::path folder);
   ~CheckpointFolder();
   CheckpointFolder(const CheckpointFolder&) = delete;
@@ -25,22 +25,22 @@ class CheckpointFolder {
   static std::filesystem::path beside(const std::filesystem::path& bundle);  ///< "models/mine" -> "models/mine.training"
   static bool holds_state(const std::filesystem::path& folder);
 
-  /// @param task  what tells this training from others; a state is only given back to the same
+  /// @param task  identifies the training; a state is only loaded by the same training
   void save(const nlohmann::json& task, const TrainingState& state);
 
-  /// What was saved last; nothing if nothing was.
-  /// @throws Error  if it is of another task, or damaged
+  /// The last saved state; nothing if there is none.
+  /// @throws Error  if it belongs to another task, or is damaged
   std::optional<TrainingState> load(const nlohmann::json& task, const LeNetLayers& layers, OptimizerKind optimizer) const;
 
-  void clear();   ///< forgets what was saved
-  void remove();  ///< with all that lies in it
+  void clear();   ///< removes the saved state
+  void remove();  ///< removes the folder
 
  private:
   std::filesystem::path folder_;
   int lock_ = -1;
 };
 
-/// The task of the state that a folder holds, as `save` was given it; nothing if it holds none. @throws Error  if it is damaged
+/// The task of a saved state; nothing if there is none. @throws Error  if it is damaged
 std::optional<nlohmann::json> task_of_checkpoint(const std::filesystem::path& folder);
 
 }  // namespace tactile

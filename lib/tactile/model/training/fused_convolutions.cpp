@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-// Highway compiles what follows once for each kind of processor and takes the best of them at run time. Vectors without a fixed
-// size, of which no arrays can be made, are left out.
+// Highway compiles the following once for each kind of processor and selects the best at run time. Vectors of unknown size are
+// not supported, because arrays of them are impossible.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tactile/model/training/fused_convolutions.cpp"
@@ -22,11 +22,12 @@ HWY_EXPORT(forward);
 HWY_EXPORT(backward);
 HWY_EXPORT(answer_empty);
 
-constexpr std::size_t channels_1 = 6, channels_2 = 16, side = 5, beyond = 64;  // floats that a vector may read or write too many
+constexpr std::size_t channels_1 = 6, channels_2 = 16, side = 5,
+                      beyond = 64;  // floats that a vector may read or write beyond the end
 
 std::size_t cells_of(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
 
-/// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its place in the passes' layout and
+/// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its index in the layout of the passes and in
 /// libtorch's.
 template <class First, class Second>
 void for_weights(const First& first, const Second& second) {
@@ -67,7 +68,7 @@ FusedConvolutions::Workspace FusedConvolutions::make_workspace() const {
   const std::size_t cells = cells_of(layers_.input), tiles = cells_of(layers_.second_pooled);
   Workspace work;
   work.row_begin.resize(static_cast<std::size_t>(layers_.input.height) + 1);
-  work.cell_x.resize(cells + 1);  // one is written on trial
+  work.cell_x.resize(cells + 1);  // one extra is written
   work.cell_value.resize(cells + 1);
   work.strip.resize(2 * (static_cast<std::size_t>(layers_.input.width) + 4) * 8);
   work.pooled_gradient.resize(cells_of(layers_.first_pooled) * channels_1 + beyond);

@@ -17,10 +17,10 @@
 namespace tactile {
 namespace {
 
-/// What one call of the network works on at once: enough to keep it busy, and always the same, so that the logits are too.
+/// Heatmaps per call of the network: enough for full speed, and constant, so that the logits do not change.
 constexpr std::size_t chunk = 32;
 
-/// Sums that leave float32 become infinite, and NaN where infinities meet: no verdict lies in these.
+/// Sums beyond float32 become infinite or NaN, which give no verdict.
 void check_finite(std::span<const Logits> logits) {
   for (std::size_t i = 0; i < logits.size(); ++i) {
     if (std::all_of(logits[i].begin(), logits[i].end(), [](float logit) { return std::isfinite(logit); })) continue;
@@ -56,7 +56,7 @@ void copy_into(torch::Tensor& tensor, const std::vector<float>& values) {
   tensor.copy_(source);
 }
 
-/// The moments an optimizer keeps, by the names that its papers and libtorch give them.
+/// The moments of an optimizer, with the names in its papers and libtorch.
 std::vector<std::string> moment_names(OptimizerKind optimizer) {
   if (optimizer == OptimizerKind::sgd) return {"momentum_buffer"};
   return {"exp_avg", "exp_avg_sq"};
@@ -75,7 +75,7 @@ std::unique_ptr<torch::optim::Optimizer> make_optimizer(OptimizerKind kind, cons
   return std::make_unique<torch::optim::Adam>(parameters, torch::optim::AdamOptions(set_with_each_step));
 }
 
-/// Under what an optimizer keeps its state of a parameter: its address, as a text in libtorch before 2.0.
+/// The key of a parameter's state in an optimizer: its address, as a text in libtorch before 2.0.
 template <class StateMap>
 typename StateMap::key_type key_of(const torch::Tensor& parameter) {
   using Key = typename StateMap::key_type;
@@ -185,7 +185,7 @@ struct LeNetTrainer::State {
     if (!all_alike) loss_options.weight(tensor);
   }
 
-  /// The fast engine's moments, as they are before the first step.
+  /// The initial moments of the fast engine.
   void forget() {
     moments.clear();
     for (const torch::Tensor& parameter : parameters) {
@@ -201,11 +201,11 @@ struct LeNetTrainer::State {
     const torch::Tensor flat = FusedLayers::apply(trained->conv1->weight, trained->conv1->bias, trained->conv2->weight,
                                                   trained->conv2->bias, batch.get());
     if (threads == 1) return trained->connected(flat);
-    return trained->connected_behind(
+    return trained->connected_after_first(
         SharedLinear::apply(flat, trained->fc1->weight, trained->fc1->bias, static_cast<std::int64_t>(threads)));
   }
 
-  /// @return whether the slope is finite and no accident
+  /// @return  whether the gradient is finite and not too large
   bool measure_gradient(BatchResult& result) const {
     double squares = 0;
     for (const torch::Tensor& parameter : parameters) {
@@ -235,7 +235,7 @@ struct LeNetTrainer::State {
       for (std::size_t i = 0; i < parameters.size(); ++i) torch::Tensor(rounded[i]).copy_(parameters[i]);
       return;
     }
-    constexpr std::size_t piece = 65536;  // values that a thread takes at once
+    constexpr std::size_t piece = 65536;  // values per piece of work
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const auto count = static_cast<std::size_t>(parameters[i].numel()), pieces = (count + piece - 1) / piece;
       parallel_for(pieces, threads, [&](std::size_t k) {
@@ -279,12 +279,12 @@ struct LeNetTrainer::State {
   }
 
   LeNet& network;
-  std::shared_ptr<LeNetModule> trained;  ///< the network's own, or its like in float64
+  std::shared_ptr<LeNetModule> trained;  ///< the network's module, or a copy in float64
   OptimizerKind kind;
   bool fast;
   std::vector<torch::Tensor> parameters;               ///< of `trained`, in the order of the layers
-  std::unique_ptr<FusedBatch> batch;                   ///< null where the layers are libtorch's
-  std::unique_ptr<torch::optim::Optimizer> optimizer;  ///< null where the steps are ours, with
+  std::unique_ptr<FusedBatch> batch;                   ///< null with libtorch's layers
+  std::unique_ptr<torch::optim::Optimizer> optimizer;  ///< null if our steps are used, with
   std::vector<std::vector<torch::Tensor>> moments;     ///< these of each parameter
   std::array<double, touch_count> weights;
   torch::nn::functional::CrossEntropyFuncOptions loss_options;
@@ -308,7 +308,7 @@ BatchResult LeNetTrainer::learn(std::span<const std::uint8_t> heatmaps, std::spa
   const torch::Tensor targets = torch::empty({static_cast<std::int64_t>(count)}, torch::kInt64);
   std::transform(truth.begin(), truth.end(), targets.data_ptr<std::int64_t>(),
                  [](Touch touch) { return static_cast<std::int64_t>(touch); });
-  for (torch::Tensor& parameter : state_->parameters) parameter.mutable_grad().reset();  // zeros would be added to
+  for (torch::Tensor& parameter : state_->parameters) parameter.mutable_grad().reset();  // otherwise gradients are added to zeros
   const torch::Tensor logits = state_->logits_of(heatmaps);
   torch::Tensor loss = torch::nn::functional::cross_entropy(logits, targets, state_->loss_options);
   loss.backward();

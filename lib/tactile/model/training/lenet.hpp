@@ -14,13 +14,13 @@
 
 namespace tactile {
 
-/// The network itself, on libtorch.
+/// The network, with libtorch.
 class LeNet {
  public:
-  /// libtorch's default initialisation after its generator was seeded. @throws Error as `lenet_layers`
+  /// With libtorch's default initialisation for this seed. @throws Error  as `lenet_layers`
   LeNet(SensorSize input, std::uint64_t seed, const LeNetOptions& options = {});
 
-  /// @throws Error  if the weights are not of this network's shapes, or as `lenet_layers`
+  /// @throws Error  if the weights have other shapes, or as `lenet_layers`
   LeNet(SensorSize input, const Weights& weights, const LeNetOptions& options = {});
   ~LeNet();
   LeNet(LeNet&&) noexcept;
@@ -29,11 +29,10 @@ class LeNet {
   const LeNetLayers& layers() const;
   Weights weights() const;
 
-  /// @param heatmaps  [n, height, width], one after the other; the network sees them as H / 255
+  /// @param heatmaps  [n, height, width]; the network's input is H / 255
   /// @param threads   > 0; the logits do not depend on it
   /// @return n times the logits of none, press, slip
-  /// @throws Error  if the heatmaps are no whole number of this network's input, or the weights are so large that a logit leaves
-  ///                float32
+  /// @throws Error  if the size is not a whole number of heatmaps, or a logit exceeds float32
   std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
  private:
@@ -42,23 +41,24 @@ class LeNet {
   std::unique_ptr<State> state_;
 };
 
-/// What one training step found before it moved the weights.
+/// The result of one training step, before the weights change.
 struct BatchResult {
   double loss = 0;           ///< cross-entropy of the batch, each sample weighted by its class
   double weight = 0;         ///< of the batch's samples together
   std::size_t correct = 0;   ///< of the batch
   double gradient_norm = 0;  ///< Euclidean, over all weights
 
-  /// Whether the weights were moved: not by a loss or a slope that is not finite, or a slope above `largest_gradient_norm`.
+  /// Whether the weights were changed. They are not if the loss or the gradient is not finite, or its norm exceeds
+  /// `largest_gradient_norm`.
   bool moved = false;
 };
 
-/// Above it a slope is an accident: cross-entropy on heatmaps in [0, 1] gives a few units.
+/// A larger gradient is an error: cross-entropy on heatmaps in [0, 1] gives a few units.
 inline constexpr double largest_gradient_norm = 1e6;
 
-/// What an optimizer remembers: for each weight a moment or two, named "optimizer.exp_avg.conv1.weight" and so on.
+/// The state of an optimizer: one or two moments for each weight, named "optimizer.exp_avg.conv1.weight" etc.
 struct OptimizerState {
-  std::int64_t step = 0;  ///< batches learned from
+  std::int64_t step = 0;  ///< number of steps
   Weights moments;
 
   friend bool operator==(const OptimizerState&, const OptimizerState&) = default;
@@ -68,19 +68,19 @@ struct OptimizerState {
 std::vector<ParameterShape> moment_shapes(OptimizerKind optimizer, const std::vector<ParameterShape>& parameters);
 
 struct TrainerOptions {
-  EngineKind engine = EngineKind::fast;  ///< which takes libtorch's layers where they are not the paper's
+  EngineKind engine = EngineKind::fast;  ///< uses libtorch's layers if they are not the paper's
 
-  /// Works in float64 with libtorch's layers, several times slower: what float32 costs is measured by it. The network's weights
-  /// and the state are rounded.
+  /// Computes in float64 with libtorch's layers, several times slower, to measure the error of float32. The network's weights and
+  /// the state are rounded.
   bool float64 = false;
 };
 
-/// Moves a network's weights down the slope of the cross-entropy.
+/// Changes a network's weights against the gradient of the cross-entropy.
 class LeNetTrainer {
  public:
   /// @param network        trained in place; must outlive this
-  /// @param class_weights  how much a sample of each class counts, > 0
-  /// @param threads        it works on, > 0
+  /// @param class_weights  weight of the samples of each class, > 0
+  /// @param threads        number of threads, > 0
   LeNetTrainer(LeNet& network, OptimizerKind optimizer, const std::array<double, touch_count>& class_weights, unsigned threads,
                const TrainerOptions& options = {});
   ~LeNetTrainer();
@@ -88,10 +88,10 @@ class LeNetTrainer {
   /// One step on one batch. @throws Error  if there is not one heatmap for each touch
   BatchResult learn(std::span<const std::uint8_t> heatmaps, std::span<const Touch> truth, double learning_rate);
 
-  /// What the next step depends on beside the weights; to be asked for behind a step.
+  /// The state, besides the weights, that the next step depends on. Call it after a step.
   OptimizerState state() const;
 
-  /// Goes on as the trainer did that gave `state`. @throws Error  if it is none of this optimizer and network
+  /// Resumes from `state`. @throws Error  if it does not fit this optimizer and network
   void restore(const OptimizerState& state);
 
  private:

@@ -6,8 +6,8 @@
 
 namespace tactile {
 
-/// Opens a model bundle with either engine; verdicts of both are the same except where the logits are `is_close`.
-/// @param threads  0: as many as the machine has cores
+/// Opens a model bundle with either engine. Their verdicts are the same unless the logits are `is_close`.
+/// @param threads  0: one per core
 /// @param options  of the fast engine
 /// @throws Error   as Classifier
 Classifier open_classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,

@@ -7,7 +7,7 @@
 
 namespace tactile {
 
-/// A step of an optimizer, as libtorch takes it, its roundings apart:
+/// A step of an optimizer, equal to libtorch's except for rounding:
 ///
 ///   sgd:    m = 0.9 m + g,   w = w - rate * m
 ///   adam:   m = 0.9 m + 0.1 g,   v = 0.999 v + 0.001 g^2,
@@ -19,7 +19,7 @@ struct OptimizerStep {
   std::int64_t step = 1;  ///< this one, > 0
 };
 
-/// Some weights, their gradients and what the optimizer remembers of them; all alike in size.
+/// Some weights, their gradients and moments; all of the same size.
 struct WeightSlice {
   std::span<float> weights;
   std::span<const float> gradients;
@@ -27,7 +27,7 @@ struct WeightSlice {
   std::span<float> second_moment;  ///< v; empty for sgd
 };
 
-/// Takes the step in one pass: each weight by itself, so that slices give what the whole gives.
+/// Takes the step in one pass, each weight by itself. So slices give the same result as the whole.
 void take_step(const OptimizerStep& step, const WeightSlice& slice);
 
 /// Summed in float32 over up to 4096 values and in float64 over these.

@@ -11,7 +11,7 @@
 
 namespace tactile {
 
-/// In what a split is not the one asked for, a sentence each, by object.
+/// The deviations of a split from the requested one, a sentence each, by object.
 struct SplitRemarks {
   std::vector<std::string> substitutes;  ///< "mug: trained on run 02 in place of 01, whose slip-1 is flagged"
   std::vector<std::string> left_out;     ///< "jar: left out, none of its runs has samples: slip-1 is flagged in jar/01, jar/02"
@@ -19,10 +19,10 @@ struct SplitRemarks {
   std::optional<RunFolder> flagged;      ///< a run whose flags are a reason
 };
 
-/// The reasons are those of the labels beside the dataset, where they are there.
+/// The reasons come from the labels of the runs, if they exist.
 SplitRemarks remarks_on(const Dataset& dataset, const SplitOptions& options, const Split& split);
 
-/// Objects that have samples in some of `runs` and none in `others`, by name.
+/// Objects with samples in `runs` but not in `others`, by name.
 std::vector<std::string> objects_only_in(const Dataset& dataset, std::span<const std::uint32_t> runs,
                                          std::span<const std::uint32_t> others);
 

@@ -13,7 +13,7 @@
 
 namespace tactile {
 
-/// A batch on its way through the fused layers and back, and the memory for it, which later batches use again.
+/// A batch in the fused layers, forward and backward, with memory that later batches reuse.
 class FusedBatch {
  public:
   FusedBatch(const LeNetLayers& layers, unsigned threads)
@@ -24,7 +24,7 @@ class FusedBatch {
 
   unsigned threads() const { return static_cast<unsigned>(workspaces_.size()); }
 
-  /// What the next pass is of; must outlive it.
+  /// Sets the batch of the next pass, which it must outlive.
   void set_heatmaps(std::span<const std::uint8_t> heatmaps) { heatmaps_ = heatmaps; }
 
   torch::Tensor forward(const ConvolutionValues<const float>& weights) {
@@ -50,13 +50,13 @@ class FusedBatch {
   }
 
  private:
-  static constexpr std::size_t slice_size = 4;  ///< heatmaps whose gradients are summed first, whatever the threads
+  static constexpr std::size_t slice_size = 4;  ///< heatmaps per partial sum of gradients, independent of the threads
 
   std::size_t count() const { return heatmaps_.size() / cells_; }
   std::size_t slices() const { return (count() + slice_size - 1) / slice_size; }
   std::span<const std::uint8_t> heatmap(std::size_t i) const { return heatmaps_.subspan(i * cells_, cells_); }
 
-  /// Each slice on whichever thread is free: what it comes to does not depend on that.
+  /// Each slice runs on any free thread; the result does not depend on it.
   template <class Work>
   void for_slices(const Work& work) {
     std::atomic<std::size_t> next{0};
@@ -77,7 +77,7 @@ class FusedBatch {
   std::vector<FusedConvolutions::Gradients> sums_;        ///< of each slice
 };
 
-/// The convolution layers of a batch as libtorch sees them.
+/// The convolution layers of a batch as a libtorch function.
 class FusedLayers : public torch::autograd::Function<FusedLayers> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& first_weight,
@@ -99,8 +99,8 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
   }
 };
 
-/// A fully connected layer whose units are shared out among threads, as libtorch's layer gives it. OpenBLAS, which has one
-/// thread, is called by each.
+/// A fully connected layer whose units are divided among threads, with the same result as libtorch's layer. Each thread calls
+/// OpenBLAS, which uses one thread.
 class SharedLinear : public torch::autograd::Function<SharedLinear> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,

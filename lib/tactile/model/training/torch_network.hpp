@@ -1,14 +1,14 @@
 #pragma once
 
-#include <ATen/core/ivalue.h>  // clang 14 needs it ahead of torch.h, which uses a vector of these before they are defined
+#include <ATen/core/ivalue.h>  // clang 14 needs it before torch.h, which uses a vector of an incomplete type
 #include <torch/torch.h>
 
 #include "tactile/model/definition/lenet_layers.hpp"
 
 namespace tactile {
 
-/// The largest value of each 2 x 2 block and its gradient, as torch::max_pool2d(x, 2) gives both, to the last bit: that one looks
-/// at a value at a time and was a quarter of all work.
+/// The largest value of each 2 x 2 block and its gradient, bit-identical to torch::max_pool2d(x, 2), which processes one value at
+/// a time and took a quarter of the run time.
 class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input) {
@@ -34,7 +34,7 @@ class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
                                                  const torch::autograd::variable_list& gradients) {
     const torch::Tensor x = context->get_saved_variables()[0], gradient = gradients[0].contiguous();
     const Blocks blocks(x);
-    const bool leaves_some = x.size(2) % 2 != 0 || x.size(3) % 2 != 0;  // a row or column that no block holds
+    const bool leaves_some = x.size(2) % 2 != 0 || x.size(3) % 2 != 0;  // a row or column outside all blocks
     const torch::Tensor result = leaves_some ? torch::zeros_like(x) : torch::empty_like(x);
     for (std::int64_t row = 0; row < blocks.rows; ++row) {
       const float* upper = x.data_ptr<float>() + blocks.offset(row);
@@ -59,12 +59,12 @@ class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
   }
 
  private:
-  /// Whether a block that holds `best` takes `value` in its place: NaN stays, so that it is seen at the network's end.
+  /// Whether `value` replaces `best` in a block. NaN stays, so that it is detected in the output.
   static bool takes(float best, float value) {
     return static_cast<bool>(static_cast<int>(value > best) | static_cast<int>(value != value));
   }
 
-  /// Rows of blocks, over all pictures and channels.
+  /// Rows of blocks in all pictures and channels.
   struct Blocks {
     explicit Blocks(const torch::Tensor& x)
         : height(x.size(2) / 2), width(x.size(3) / 2), stride(x.size(3)), channel(x.size(2) * x.size(3)) {
@@ -76,7 +76,7 @@ class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
   };
 };
 
-/// The layers as libtorch runs them.
+/// The layers in libtorch.
 struct LeNetModule : torch::nn::Module {
   LeNetModule(const LeNetLayers& layers, const LeNetOptions& chosen)
       : options(chosen),
@@ -92,7 +92,7 @@ struct LeNetModule : torch::nn::Module {
                                                     : torch::sigmoid(x);
   }
 
-  /// An activation never falls, so the largest of activated values is the activated largest: a quarter of them is enough.
+  /// An activation is monotonic, so it may be applied after max-pooling, to a quarter of the values.
   torch::Tensor activated_and_pooled(const torch::Tensor& x) const {
     if (options.pooling == Pooling::average) return torch::avg_pool2d(activated(x), 2);
     return activated(x.scalar_type() == torch::kFloat32 ? LargestOfBlocks::apply(x) : torch::max_pool2d(x, 2));
@@ -102,10 +102,10 @@ struct LeNetModule : torch::nn::Module {
     return activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))).flatten(1);
   }
 
-  torch::Tensor connected(const torch::Tensor& x) { return connected_behind(fc1->forward(x)); }
+  torch::Tensor connected(const torch::Tensor& x) { return connected_after_first(fc1->forward(x)); }
 
-  /// Behind the first fully connected layer, which has all but all of the weights.
-  torch::Tensor connected_behind(const torch::Tensor& x) { return fc3->forward(activated(fc2->forward(activated(x)))); }
+  /// After the first fully connected layer, which has almost all weights.
+  torch::Tensor connected_after_first(const torch::Tensor& x) { return fc3->forward(activated(fc2->forward(activated(x)))); }
 
   torch::Tensor forward(const torch::Tensor& x) { return connected(convolved(x)); }
 

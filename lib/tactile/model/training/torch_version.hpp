@@ -4,7 +4,7 @@
 
 namespace tactile {
 
-/// The version of libtorch that this was built with, "1.13.1".
+/// The version of libtorch of this build, "1.13.1".
 std::string torch_version();
 
 }  // namespace tactile

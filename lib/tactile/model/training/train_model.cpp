@@ -33,7 +33,7 @@ std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::u
   return names;
 }
 
-/// Samples of the training runs, by their index in the dataset, and what they show.
+/// The samples of the training runs, by their index in the dataset, with their classes.
 struct CutSamples {
   std::vector<std::uint32_t> training, validation;
   std::vector<Touch> training_truth, validation_truth;
@@ -54,13 +54,13 @@ CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, st
   take(cut.training, result.training, result.training_truth);
   take(cut.validation, result.validation, result.validation_truth);
   if (settings.training.validation_share > 0 && result.validation.empty()) {
-    throw Error(fmt::format("validation part of {}: holds none of the {} training samples; expected a larger one",
+    throw Error(fmt::format("validation part of {}: contains none of the {} training samples; expected a larger part",
                             settings.training.validation_share, samples.size()));
   }
   return result;
 }
 
-/// Of presses and slips of these runs.
+/// The gate for the presses and slips of these runs.
 Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
   std::vector<std::uint64_t> counts;
   for (const std::uint32_t run : runs) {
@@ -69,7 +69,7 @@ Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, micros
     const auto of_run = event_counts(dataset, run, touches, history);
     counts.insert(counts.end(), of_run.begin(), of_run.end());
   }
-  return calibrated_gate(std::move(counts));
+  return calibrated_gate(counts);
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescr
   }
   std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
   if (samples_of_runs(dataset, runs).empty()) {
-    throw Error(fmt::format("{}: no run with samples is left to test on that the model did not learn from; expected one",
+    throw Error(fmt::format("{}: no run with samples remains for testing, the model learned from all others; expected one",
                             dataset.file().string()));
   }
   return runs;
@@ -138,11 +138,11 @@ StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, co
   read_bundle_weights(from, model);
   const std::string where = from.folder.string() + ": ";
   if (model.settings.rendering != settings.rendering) {
-    throw Error(fmt::format("{}learned from heatmaps of {}; expected a model of these: {}", where,
+    throw Error(fmt::format("{}learned from heatmaps with the settings {}; expected {}", where,
                             nlohmann::json(model.settings.rendering).dump(), nlohmann::json(settings.rendering).dump()));
   }
   if (model.settings.network != settings.network) {
-    throw Error(fmt::format("{}a network of {}; expected one of {}", where, nlohmann::json(model.settings.network).dump(),
+    throw Error(fmt::format("{}has the network {}; expected {}", where, nlohmann::json(model.settings.network).dump(),
                             nlohmann::json(settings.network).dump()));
   }
   if (const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
@@ -155,35 +155,57 @@ StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, co
       const auto& held_out = settings.split.held_out;
       if (std::find(held_out.begin(), held_out.end(), object) == held_out.end()) continue;
       throw Error(
-          fmt::format("{}learned from {}, and {} is to be held out; expected a model that never saw it, as one of --split "
-                      "unseen with the same --held-out",
-                      where, learned.run, object));
+          fmt::format("{}learned from {}, but {} is held out; expected a model of --split unseen with the same --held-out", where,
+                      learned.run, object));
     }
   }
   return {from.name(), model.weights_sha256};
 }
+
+namespace {
+
+/// Reads the weights to start from, if the settings name a model, and adds the runs that it learned from.
+std::optional<Weights> starting_weights(const ModelSettings& settings, const std::filesystem::path& from,
+                                        ModelDescription& description) {
+  if (!settings.from) return std::nullopt;
+  const ModelBundle start{from};
+  const ModelDescription begun = read_description(start);
+  std::optional<Weights> weights = read_bundle_weights(start, begun);
+  for (const LearnedRun& learned : begun.learned_from) {
+    if (std::find(description.learned_from.begin(), description.learned_from.end(), learned) == description.learned_from.end())
+      description.learned_from.push_back(learned);
+  }
+  return weights;
+}
+
+/// Completes the description of a trained model.
+void describe(ModelDescription& description, const Dataset& dataset, const Split& split,
+              std::span<const std::uint32_t> test_runs) {
+  description.dataset = dataset.file().string();
+  description.manifest = dataset.settings();
+  description.simulated = dataset.simulated();
+  description.train_runs = names_of(dataset, split.train_runs);
+  description.test_runs = names_of(dataset, test_runs);
+  description.gate = gate_of(dataset, split.train_runs, description.settings.rendering.history);
+  description.trained_at = now_utc();
+  description.version = version();
+  description.revision = revision();
+}
+
+}  // namespace
 
 TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options, const ProgressCallback& progress) {
   check(settings.training);
   const Split split = split_of(dataset, settings.split);
   const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor);
-  const LeNetLayers layers = lenet_layers(size);  // too small a heatmap is told before any is rendered
+  const LeNetLayers layers = lenet_layers(size);  // throws for a heatmap that is too small before any is rendered
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   ModelDescription description;
   description.settings = settings;
   for (const std::uint32_t run : split.train_runs)
     description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
-  std::optional<Weights> from;
-  if (settings.from) {
-    const ModelBundle start{options.from};
-    const ModelDescription begun = read_description(start);
-    from = read_bundle_weights(start, begun);
-    for (const LearnedRun& learned : begun.learned_from) {
-      if (std::find(description.learned_from.begin(), description.learned_from.end(), learned) == description.learned_from.end())
-        description.learned_from.push_back(learned);
-    }
-  }
+  const std::optional<Weights> from = starting_weights(settings, options.from, description);
   description.manifest_hash = dataset.manifest_hash();
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
 
@@ -192,7 +214,7 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   std::optional<TrainingState> resumed;
   if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {
-    threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // others would move the last bits
+    threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // another number would change the last bits
     task["threads"] = threads;
     resumed = kept.load(task, layers, settings.training.optimizer);
   }
@@ -218,17 +240,9 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
                                                   .resumed = resumed ? &*resumed : nullptr});
 
   description.input = size;
-  description.dataset = dataset.file().string();
-  description.manifest = dataset.settings();
-  description.simulated = dataset.simulated();
-  description.train_runs = names_of(dataset, split.train_runs);
-  description.test_runs = names_of(dataset, test_runs);
   description.samples = samples.training.size();
-  description.gate = gate_of(dataset, split.train_runs, settings.rendering.history);
   description.threads = threads;
-  description.trained_at = now_utc();
-  description.version = version();
-  description.revision = revision();
+  describe(description, dataset, split, test_runs);
   write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary, options.if_there);
   kept.remove();
   return trained.summary;

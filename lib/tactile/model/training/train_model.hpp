@@ -22,15 +22,15 @@ std::string name_of(const DatasetRun& run);
 /// The split of a dataset's runs. @throws Error as `split_runs`
 Split split_of(const Dataset& dataset, const SplitOptions& options);
 
-/// The runs that a model may be tested on: those of its split, in another dataset all (of the objects held out), but for those
-/// that it, or a model that it went on from, learned from. @throws Error  if none with samples is left
+/// The test runs of a model: those of its split; in another dataset all runs, or those of the held-out objects. Runs that the
+/// model, or its starting model, learned from are excluded. @throws Error  if none with samples remains
 std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model);
 
 /// The samples of these runs, by their index, in the dataset's order.
 std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes);
 
-/// Heatmaps of samples: read from the dataset where that rendering is stored, else rendered from its events; the bytes are the
-/// same.
+/// The heatmaps of samples, read from the dataset if that rendering is stored, otherwise rendered from its events. Both give the
+/// same bytes.
 /// @return  [sample_indexes, height, width]
 /// @throws Error as `render_samples`
 std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapOptions& options,
@@ -39,34 +39,33 @@ std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapO
 
 enum class BundleState : std::uint8_t {
   missing,
-  unchanged,  ///< made with these settings from this dataset, and whole
-  changed,    ///< made with others, or damaged
+  unchanged,  ///< made with these settings from this dataset, and intact
+  changed,    ///< made with other settings, or damaged
 };
 
-/// What lies under a bundle's name, against what `train_model` would put there.
+/// Compares an existing bundle with what `train_model` would write.
 BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
 
-/// The model to go on from, for settings that are otherwise as given.
-/// @throws Error  if it is no whole bundle, its rendering, its network or its heatmaps' size are others, or it learned from an
-/// object that is to be held out
+/// The model that training starts from, for these settings.
+/// @throws Error  if the bundle is damaged, its rendering, network or heatmap size differ, or it learned from a held-out object
 StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings);
 
 struct TrainModelOptions {
-  unsigned threads = 0;                          ///< 0: as many as the machine has cores, or as the state resumed was begun with
-  bool resume = false;                           ///< goes on from the state that a training of this name left, where it left one
-  std::chrono::duration<double> save_every{30};  ///< between two states that are kept, beside those at each epoch's end; >= 0
-  std::filesystem::path from{};                  ///< the bundle that `settings.from` names
-  IfThere if_there = IfThere::replace;           ///< what happens to a bundle that is there when the training ends
+  unsigned threads = 0;  ///< 0: one per core, or as in the resumed state
+  bool resume = false;   ///< resumes from the state that an interrupted training of this name left, if any
+  std::chrono::duration<double> save_every{30};  ///< between two saved states, in addition to those after each epoch; >= 0
+  std::filesystem::path from{};                  ///< the bundle of `settings.from`
+  IfThere if_there = IfThere::replace;           ///< what happens to an existing bundle when training ends
 
-  /// Told once the heatmaps are there, and whether there is a state to go on from: its epoch, from 1 on, and how much of that is
-  /// done, in [0, 1]; 1 and 0 where a training begins. May be empty.
+  /// Called when the heatmaps are ready, with the epoch (from 1) and the finished part of it in [0, 1]. A new training begins
+  /// with 1 and 0. May be empty.
   std::function<void(unsigned epoch, double done)> begins{};
 };
 
-/// Trains a model of a dataset and writes it to `bundle`, replacing what is there, if at all, only when the new one is whole.
-/// Until then what it has come to is kept in the bundle's CheckpointFolder, and stays there if it is ended, or if the bundle is
-/// refused.
-/// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; nothing is overwritten then
+/// Trains a model of a dataset and writes it to `bundle`. An existing bundle is replaced only when the new one is complete. Until
+/// then the state is saved in the bundle's CheckpointFolder. It stays there if training is interrupted or the bundle cannot be
+/// written.
+/// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; then nothing is replaced
 TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options = {}, const ProgressCallback& progress = {});
 

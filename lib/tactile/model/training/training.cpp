@@ -35,11 +35,12 @@ void check_samples(const TrainingTask& task) {
   }
   const LabelledHeatmaps& validation = task.validation;
   if (validation.heatmaps.size() != validation.truth.size() * cells) {
-    throw Error(fmt::format("training: {} bytes of heatmaps for {} samples to judge by; expected {} bytes for each",
+    throw Error(fmt::format("training: {} bytes of heatmaps for {} validation samples; expected {} bytes for each",
                             validation.heatmaps.size(), validation.truth.size(), cells));
   }
   if (task.options.early_stop > 0 && validation.truth.empty()) {
-    throw Error("training: no sample is left to judge an early stop by; expected a larger validation part, or no early stop");
+    throw Error(
+        "training: the validation part for early stop has no sample; expected a larger validation part, or no early stop");
   }
 }
 
@@ -58,7 +59,7 @@ LeNet first_network(const TrainingTask& task, const TrainingState* resumed) {
   return {task.size, task.options.seed, task.network};
 }
 
-/// A training under way.
+/// A running training.
 class Training {
  public:
   Training(const TrainingTask& task, const TrainingControl& control, unsigned threads)
@@ -92,7 +93,7 @@ class Training {
   void resume(const TrainingState& resumed) {
     if (resumed.epoch == 0 || resumed.epoch > task_.options.epochs + 1 || resumed.done >= samples() ||
         resumed.history.size() + 1 != resumed.epoch) {
-      throw Error("training: the state to go on from is not of this training; expected one that it kept itself");
+      throw Error("training: the state to resume belongs to another training; expected a state saved by this one");
     }
     state_ = resumed;
     if (resumed.optimizer.step > 0) trainer_.restore(resumed.optimizer);
@@ -138,7 +139,7 @@ class Training {
     state_.done += batch.size();
   }
 
-  std::string where() const { return fmt::format("in epoch {}, behind {} samples", state_.epoch, state_.done); }
+  std::string where() const { return fmt::format("in epoch {}, after {} samples", state_.epoch, state_.done); }
   std::string advice() const { return fmt::format("(try a smaller --lr than {})", task_.options.learning_rate); }
 
   [[noreturn]] void throw_diverged(const BatchResult& result) const {
@@ -148,7 +149,7 @@ class Training {
                             where(), largest_gradient_norm, advice()));
   }
 
-  /// What `work` gives, which fails on weights that a step moved too far.
+  /// The result of `work`, which throws if a step made the weights too large.
   template <class Work>
   auto unless_diverged(const Work& work) const {
     try {
@@ -189,7 +190,7 @@ class Training {
     state_.loss = state_.weight = state_.gradient_norm = state_.epoch_seconds = 0;
   }
 
-  /// The validation part, each sample weighted as in training, with the weights at the epoch's end.
+  /// Evaluates the validation part with the weights at the end of the epoch. Samples are weighted as in training.
   void judge(EpochResult& epoch) const {
     const auto logits = unless_diverged([this] { return network_.logits(task_.validation.heatmaps, threads_); });
     double loss = 0, weight = 0, correct = 0;
@@ -226,7 +227,7 @@ class Training {
     }
   }
 
-  /// What was saved before stays where the weights are no longer finite.
+  /// Keeps the last saved state if the weights are not finite.
   void save() {
     if (!control_.save) return;
     state_.weights = finite_weights();

@@ -6,7 +6,7 @@
 namespace tactile {
 namespace {
 
-/// Which samples of one run are to judge by: the last of each class.
+/// The validation samples of one run: the last of each class.
 std::vector<bool> last_of_each_class(std::span<const Sample> run, double share) {
   std::vector<bool> last(run.size(), false);
   for (const Touch touch : all_touches) {
@@ -29,7 +29,7 @@ ValidationCut cut_in_time(std::span<const Sample> samples, double share, microse
     while (end < samples.size() && samples[end].run_index == samples[begin].run_index) ++end;
     const auto run = samples.subspan(begin, end - begin);
     const auto judged = last_of_each_class(run, share);
-    std::vector<CameraTime> times;  // of the samples to judge by, ascending
+    std::vector<CameraTime> times;  // of the validation samples, ascending
     for (std::size_t i = 0; i < run.size(); ++i) {
       if (judged[i]) times.push_back(run[i].t);
     }

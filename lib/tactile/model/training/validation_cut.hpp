@@ -8,17 +8,17 @@
 
 namespace tactile {
 
-/// Samples to learn from and samples to judge by, as indexes into those given, ascending.
+/// Training and validation samples, as indexes of the given ones, ascending.
 struct ValidationCut {
   std::vector<std::uint32_t> training, validation;
 };
 
-/// Cuts samples in time: of each run and class the last `share` of the samples, rounded down, are to judge by. Those of the rest
-/// whose history shares time with one of these, of whatever class, are left out, for a tick's neighbours are all but the same
-/// picture.
+/// Divides samples by time: of each run and class the last `share` of the samples, rounded down, are for validation. Other
+/// samples whose history overlaps that of a validation sample, of any class, are omitted, because neighbouring ticks have almost
+/// the same heatmap.
 ///
-/// @param samples  by run, then time, as a dataset has them
-/// @param share    in [0, 1); 0 leaves all to learn from
+/// @param samples  sorted by run, then time, as in a dataset
+/// @param share    in [0, 1); 0: all samples are for training
 /// @param history  t_h: samples of a run closer than this share events
 ValidationCut cut_in_time(std::span<const Sample> samples, double share, microseconds history);
 

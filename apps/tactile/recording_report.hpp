@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "log_rows.hpp"
+#include "tactile/core/progress.hpp"
+#include "tactile/core/run_files.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/events/recording_health.hpp"
+
+namespace tactile {
+
+struct ReportOptions {
+  std::string stream;         ///< only this event stream, by id or source; empty: all
+  std::int64_t gap_ms = 100;  ///< report gaps without data longer than this [ms], > 0
+  bool check = false;         ///< compare checksums
+};
+
+/// A recording, or a run with its recording.
+struct RecordingPlace {
+  std::string name;  ///< as the user wrote it
+  std::filesystem::path file;
+  std::optional<RunFolder> run;
+};
+
+/// What `info` shows of a recording.
+struct RecordingReport {
+  RecordingPlace place;
+  RecordingHealth health;
+  std::optional<RunInfo> run;
+  RunFiles files;
+  std::optional<LogRows> robot, video;
+};
+
+/// @throws Error  if the recording cannot be read
+RecordingReport examine(const RecordingPlace& place, const ReportOptions& options, unsigned threads,
+                        const ProgressCallback& progress);
+
+nlohmann::json json_of(const RecordingReport& report, const ReportOptions& options);
+std::string text_of(const RecordingReport& report, const ReportOptions& options);
+
+/// State of the data table: "used", "missing" or "unusable".
+std::string table_state(const RecordingHealth& health);
+/// The first event stream, which names the camera; null if there is none.
+const StreamHealth* main_stream(const RecordingHealth& health);
+
+}  // namespace tactile

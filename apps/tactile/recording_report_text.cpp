@@ -1,0 +1,162 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "quantity_text.hpp"
+#include "recording_report.hpp"
+#include "tactile/events/simulated_recording.hpp"
+#include "text_table.hpp"
+
+namespace tactile {
+namespace {
+
+/// Lines of a label and a text; the labels form a column.
+class Lines {
+ public:
+  explicit Lines(std::string indent) : indent_(std::move(indent)) {}
+  void add(const std::string& label, const std::string& text) { text_ += fmt::format("{}{:<12}{}\n", indent_, label, text); }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string indent_, text_;
+};
+
+std::string text_of(const RunInfo& run) {
+  std::string text = fmt::format("{}/{}, {}, {}", run.object, run.run, run.simulated ? "simulated" : "real",
+                                 run.complete ? "complete" : "not completed");
+  if (!run.session.empty()) text += ", session " + run.session;
+  return text;
+}
+
+std::string files_text(const RunFiles& files, const ReportOptions& options) {
+  const std::size_t bad = files.missing.size() + files.changed.size();
+  std::string text = fmt::format("{} of {} as run.json lists them, by ", files.as_listed.size(), files.as_listed.size() + bad);
+  return text + (options.check ? "size and SHA-256" : "size only (--check: by SHA-256)");
+}
+
+std::string title_of(const Stream& stream) {
+  const std::string type(name_of(stream.type));
+  const std::string known = stream.type == StreamType::other ? type + " (" + stream.type_identifier + ")" : type;
+  return fmt::format("{}  {}{}", stream.id, known, stream.name.empty() || stream.name == type ? "" : " \"" + stream.name + "\"");
+}
+
+std::string stream_table(const RecordingHealth& health) {
+  const bool several_cameras = std::any_of(health.streams.begin(), health.streams.end(), [&](const StreamHealth& s) {
+    return s.stream.source != health.streams.front().stream.source;
+  });
+  std::vector<std::string> header{"Stream", "packets", "elements", "bytes", "mean rate", "from", "to"};
+  if (several_cameras) header.emplace_back("camera");
+  std::vector<std::vector<std::string>> rows;
+  for (const StreamHealth& stream : health.streams) {
+    const StampHealth& stamps = stream.stamps;
+    std::vector<std::string> row{title_of(stream.stream), std::to_string(stream.packets), std::to_string(stamps.elements),
+                                 std::to_string(stream.bytes)};
+    row.push_back(stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "-");
+    for (const CameraTime t : {stamps.first, stamps.last}) {
+      row.push_back(stamps.elements == 0
+                        ? "-"
+                        : fmt::format("{:.6f} s", std::chrono::duration<double>(between(*health.first(), t)).count()));
+    }
+    if (several_cameras) row.push_back(stream.stream.source);
+    rows.push_back(std::move(row));
+  }
+  std::string table = text_table(header, rows);
+  std::string indented = "  ";
+  for (const char c : table) {
+    indented += c;
+    if (c == '\n') indented += "  ";
+  }
+  indented.resize(indented.size() - 2);
+  return indented;
+}
+
+std::string gaps_text(const StampHealth& stamps, const ReportOptions& options) {
+  if (stamps.gaps == 0) return fmt::format("none longer than {} ms", options.gap_ms);
+  const auto longest = std::max_element(stamps.longest_gaps.begin(), stamps.longest_gaps.end(),
+                                        [](const Gap& a, const Gap& b) { return a.length() < b.length(); });
+  return fmt::format("{} longer than {} ms, {} in total; the longest {} from {:.6f} s on{}", stamps.gaps, options.gap_ms,
+                     duration_text(stamps.silent), duration_text(longest->length()),
+                     std::chrono::duration<double>(between(stamps.first, longest->begin)).count(),
+                     longest->imu_silent ? ", also without IMU samples" : "");
+}
+
+std::string hot_pixels_text(const EventHealth& events, std::uint64_t all) {
+  if (!events.pixels_counted) return "not searched";
+  if (events.hot_pixels == 0) return fmt::format("none among the {} that fired", events.pixels_fired);
+  std::string text = fmt::format("{} among the {} that fired, with {:.1f} % of the events:", events.hot_pixels,
+                                 events.pixels_fired, 100.0 * static_cast<double>(events.hot_events) / static_cast<double>(all));
+  constexpr std::size_t shown = 3;
+  for (std::size_t i = 0; i < std::min(shown, events.hottest.size()); ++i) {
+    text += fmt::format("{} ({}, {}) {}", i == 0 ? "" : ",", events.hottest[i].x, events.hottest[i].y,
+                        rate_text(events.hottest[i].rate_hz));
+  }
+  return text + (events.hot_pixels > shown ? " ..." : "");
+}
+
+std::string event_lines(const StreamHealth& stream, const ReportOptions& options) {
+  const EventHealth& events = *stream.events;
+  const StampHealth& stamps = stream.stamps;
+  Lines lines("    ");
+  lines.add("polarity",
+            fmt::format("{:.1f} % ON ({}), {:.1f} % OFF ({})",
+                        100.0 * static_cast<double>(events.on) / static_cast<double>(stamps.elements), events.on,
+                        100.0 * static_cast<double>(stamps.elements - events.on) / static_cast<double>(stamps.elements),
+                        stamps.elements - events.on));
+  lines.add("rate", wrapped(fmt::format("{} mean, {} in the fullest tick ({} in 2 ms)",
+                                        stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "no", rate_text(events.peak_rate_hz),
+                                        counted(events.peak_tick_events, "event")),
+                            16));
+  lines.add("read-out", !events.readout_period_us           ? "too few timestamps"
+                        : *events.readout_period_us <= 10.0 ? "no common period: events have individual times"
+                                                            : fmt::format("every {:.0f} us", *events.readout_period_us));
+  lines.add("silences", wrapped(gaps_text(stamps, options), 16));
+  lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
+  return lines.text();
+}
+
+std::string text_of(const LogRows& log, const std::string& thing) {
+  std::string text = counted(log.rows, thing);
+  if (log.rate_hz) text += ", " + rate_text(*log.rate_hz);
+  if (log.gaps > 0) text += ", " + counted(log.gaps, "gap");
+  return text;
+}
+
+}  // namespace
+
+std::string text_of(const RecordingReport& report, const ReportOptions& options) {
+  const RecordingHealth& health = report.health;
+  Lines head("  ");
+  if (report.run) head.add("run", text_of(*report.run));
+  if (report.run && report.files.told) head.add("files", files_text(report.files, options));
+  if (const StreamHealth* camera = main_stream(health)) {
+    const auto& size = camera->stream.size;
+    head.add("camera", fmt::format("{}, {}{}", camera->stream.source.empty() ? "not named" : camera->stream.source,
+                                   size ? fmt::format("{} x {} pixels", size->width, size->height) : "no size declared",
+                                   !report.run && is_simulated({&camera->stream, 1}) ? ", simulated" : ""));
+  }
+  if (health.first()) {
+    head.add("begin", moment_text(*health.first()));
+    head.add("duration", duration_text(health.duration()));
+  }
+  if (report.robot) head.add("robot", text_of(*report.robot, "row"));
+  if (report.video) head.add("video", text_of(*report.video, "frame"));
+  head.add("file", fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
+                               counted(health.packets(), "packet"), table_state(health)));
+  std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health);
+  for (const StreamHealth& stream : health.streams) {
+    if (!stream.events || stream.stamps.elements == 0) continue;
+    text += fmt::format("\n  Events of stream {}\n{}", stream.stream.id, event_lines(stream, options));
+  }
+  Lines verdict("  ");
+  verdict.add(health.healthy() ? "healthy" : "SICK", health.healthy() ? "" : health.reasons.front());
+  for (std::size_t i = 1; i < health.reasons.size(); ++i) verdict.add("", health.reasons[i]);
+  for (std::size_t i = 0; i < health.notes.size(); ++i) verdict.add(i == 0 ? "notes" : "", health.notes[i]);
+  std::string judged = verdict.text();
+  if (health.healthy()) judged.erase(judged.find_first_of(' ', 2), judged.find('\n') - judged.find_first_of(' ', 2));
+  return text + "\n" + judged;
+}
+
+}  // namespace tactile

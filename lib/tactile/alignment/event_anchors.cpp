@@ -1,0 +1,233 @@
+#include "tactile/alignment/event_anchors.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tactile/alignment/correlation.hpp"
+#include "tactile/alignment/lag_search.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double same_s = 0.12;  // shifts that are closer are one
+
+/// The activity of the skin on a grid of whole milliseconds: the root of the events above the quiet rate, 0 where they could be
+/// noise. The root limits the first shear and tips that spring back, which are far above the rest.
+std::vector<double> activity_on_grid(const Milliseconds& ms, microseconds grid) {
+  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, grid / 1ms));
+  std::vector<double> activity(ms.counts.size() / width);
+  const double mean = ms.quiet * static_cast<double>(width);
+  const double limit = 3.0 * std::sqrt(ms.dispersion * std::max(mean, 1.0));
+  for (std::size_t i = 0; i < activity.size(); ++i) {
+    double count = 0;
+    for (std::size_t j = 0; j < width; ++j) count += ms.counts[i * width + j];
+    activity[i] = count - mean > limit ? std::sqrt(count - mean) : 0.0;
+  }
+  return activity;
+}
+
+bool is_tap(const MotionPhase& motion) { return motion.kind == MotionKind::tap; }
+bool rises(const MotionPhase& motion) { return !is_tap(motion) && motion.height_change > 0.3 * length_of(motion.displacement); }
+
+/// Whether the motion lies whole in the log, and its profile explains the rows.
+bool is_fitted(const MotionPhase& motion) {
+  constexpr double most_misfit = 0.1;  // of the peak speed
+  return motion.profile && motion.is_whole() && motion.profile->speed_sigma < most_misfit * motion.peak_speed;
+}
+
+/// A start is seen between rows, even where the fit leaves it open.
+double start_sigma_s(const MotionPhase& motion) { return std::min(1e-6 * motion.start_sigma_us, 0.01); }
+
+/// The log knows the start to a standard deviation only, so that the expected first ramp is longer, about the same middle. A ramp
+/// of length L has the variance L^2 / 12.
+void expect_longer_ramp(MotionPhase& motion) {
+  std::vector<double>& knots_s = motion.profile->knots_s;
+  const double length_s = knots_s[1] - knots_s[0], sigma_s = start_sigma_s(motion);
+  const double longer_s = 0.5 * (std::sqrt(length_s * length_s + 12.0 * sigma_s * sigma_s) - length_s);
+  knots_s[0] -= longer_s;
+  knots_s[1] = std::min(knots_s[1] + longer_s, 0.5 * (knots_s[1] + knots_s[2]));
+}
+
+std::vector<MotionPhase> motions_in_skin(std::span<const MotionPhase> all) {
+  std::vector<MotionPhase> motions;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(motions), is_fitted);
+  for (MotionPhase& motion : motions) {
+    if (!is_tap(motion)) expect_longer_ramp(motion);
+  }
+  // Where nothing rises the base's z axis points elsewhere, and any direction may be the lift's.
+  if (std::any_of(motions.begin(), motions.end(), rises))
+    std::erase_if(motions, [](const MotionPhase& motion) { return !is_tap(motion) && !rises(motion); });
+  return motions;
+}
+
+}  // namespace
+
+/// A shift at which the log may lie on the events.
+struct EventAnchors::Candidate {
+  double shift_s = 0;
+  double score = 0;  ///< of the correlation
+  double worth = 0;  ///< with all that speaks for and against it
+};
+
+EventAnchors::EventAnchors(AnchorSearch& search)
+    : search_(search),
+      motions_(motions_in_skin(search.inputs.motions)),
+      ms_(milliseconds_of(search.inputs.rate, search.inputs.quiet)),
+      activity_(activity_on_grid(ms_, search.options.grid)),
+      commands_(stage_commands(search)),
+      starts_(activity_starts(search.inputs)),
+      length_s_(1e-3 * static_cast<double>(ms_.counts.size())) {}
+
+/// Where the skin should show the arm's motion if it touches something: 1 during a motion (of a tap only around its lowest
+/// point), less the mean over that and `flank_s` on either side, so that activity beyond a motion's ends counts against it.
+std::vector<double> EventAnchors::expected_activity() const {
+  constexpr double flank_s = 0.15, contact_share = 0.15;
+  const double grid_s = search_.grid_s(), log_s = search_.origins.seconds_of(search_.inputs.robot.states.back().t);
+  const auto points = static_cast<std::size_t>(log_s / grid_s) + 1;
+  std::vector<double> expected(points);
+  std::vector<bool> near(points);
+  const auto mark = [&](double from_s, double to_s, auto&& at) {
+    const double first = std::max(0.0, std::ceil(from_s / grid_s));
+    for (auto i = static_cast<std::size_t>(first); i < points && grid_s * static_cast<double>(i) <= to_s; ++i) at(i);
+  };
+  for (const MotionPhase& motion : motions_) {
+    double from_s = start_of(motion), to_s = end_of(motion);
+    if (is_tap(motion)) {
+      const double turn_s = search_.origins.seconds_of(*motion.turn), half_s = contact_share * (to_s - from_s);
+      from_s = turn_s - half_s;
+      to_s = turn_s + half_s;
+    }
+    mark(from_s, to_s, [&](std::size_t i) { expected[i] = 1.0; });
+    mark(from_s - flank_s, to_s + flank_s, [&](std::size_t i) { near[i] = true; });
+  }
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < points; ++i) {
+    sum += expected[i];
+    count += near[i] ? 1.0 : 0.0;
+  }
+  for (std::size_t i = 0; i < points; ++i) expected[i] -= near[i] ? sum / count : 0.0;
+  return expected;
+}
+
+/// The highest points of the correlation of motion and activity.
+std::vector<EventAnchors::Candidate> EventAnchors::candidates() const {
+  constexpr double least_share = 0.5;
+  constexpr std::size_t most = 12;
+  const double grid_s = search_.grid_s();
+  const std::vector<double> expected = expected_activity();
+  std::vector<double> seen = activity_;
+  keep_strongest(std::array{&seen}, static_cast<std::size_t>(searched_s / grid_s));
+  const double energy = energy_of(seen) * energy_of(expected);
+  if (!(energy > 0)) return {};
+  std::vector<double> scores = correlations(expected, seen);
+  for (double& score : scores) score /= std::sqrt(energy);
+  const Lags lags{.grid_s = grid_s, .zero = expected.size() - 1};
+  keep_within(scores, lags, search_);
+  std::vector<Candidate> found;
+  const auto apart = static_cast<std::size_t>(same_s / grid_s);
+  while (found.size() < most) {
+    const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+    const double score = scores[best];
+    if (!(score > 0) || (!found.empty() && score < least_share * found.front().score)) break;
+    found.push_back({.shift_s = lags.shift_of(static_cast<double>(best)), .score = score, .worth = score});
+    for (std::size_t i = best > apart ? best - apart : 0; i < std::min(scores.size(), best + apart + 1); ++i) scores[i] = 0;
+  }
+  return found;
+}
+
+/// Sets the candidate's worth, and its shift where the first lift's shear places it.
+void EventAnchors::judge(Candidate& candidate) const {
+  constexpr double rests_after_s = 0.3, command_fails = 0.6;
+  double likeness = 0, lifts = 0, last_s = -infinite;
+  for (const MotionPhase& motion : motions_) {
+    last_s = std::max(last_s, end_of(motion) + candidate.shift_s);
+    if (is_tap(motion)) continue;
+    ++lifts;
+    const auto placed = place_shear(ms_, motion, start_of(motion), candidate.shift_s, search_.options.most_slack_m);
+    if (!placed) continue;
+    likeness += placed->likeness;
+    if (lifts == 1 && placed->likeness > 0.5) candidate.shift_s = placed->shift_s;
+  }
+  candidate.worth = candidate.score * (lifts > 0 ? 0.75 + 0.25 * likeness / lifts : 1.0);
+  // After the last motion only a stage that opens causes activity.
+  double before = 0, after = 0;
+  for (std::size_t i = 0; i < activity_.size(); ++i)
+    (search_.grid_s() * static_cast<double>(i) > last_s + rests_after_s ? after : before) += activity_[i];
+  if (before + after > 0) candidate.worth *= 0.7 + 0.3 * before / (before + after);
+  for (const StageCommand& command : commands_) {
+    const double at_s = command.at_s + candidate.shift_s;
+    if (at_s < 0 || at_s + longest_travel_s > length_s_) continue;
+    const ActivityStart* start =
+        command.closes ? start_within(starts_, at_s, at_s + longest_travel_s) : start_within(starts_, at_s - 0.1, at_s + 0.2);
+    if (start == nullptr) candidate.worth *= command_fails;
+  }
+}
+
+std::optional<double> EventAnchors::match() {
+  constexpr double least_worth = 0.08;
+  std::vector<Candidate> all = candidates();
+  for (Candidate& candidate : all) judge(candidate);
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  if (all.empty() || all.front().worth < least_worth) {
+    search_.found.doubts.emplace_back("no activity of the skin matches the arm's motion");
+    return std::nullopt;
+  }
+  const Candidate& best = all.front();
+  const auto second = std::find_if(all.begin(), all.end(),
+                                   [&](const Candidate& other) { return std::abs(other.shift_s - best.shift_s) > same_s; });
+  const LagMatch match{.offset_us = search_.origins.offset_us(best.shift_s),
+                       .likeness = best.worth,
+                       .ratio = second != all.end() && second->worth > 0 ? best.worth / second->worth : infinite};
+  search_.found.events = match;
+  if (match.ratio >= search_.options.ambiguous_below) return best.shift_s;
+  search_.found.doubts.push_back(
+      fmt::format("the match of the arm's motion and the events is ambiguous: the best is only {:.2f} times as good as the "
+                  "second, {:.2f} s away; expected {:.2f}",
+                  match.ratio, std::abs(second->shift_s - best.shift_s), search_.options.ambiguous_below));
+  return std::nullopt;
+}
+
+void EventAnchors::add_lift(const MotionPhase& lift, const PlacedMotion& placed) {
+  constexpr double shear_common_s = 0.8e-3, ring_common_s = 2e-3;
+  // The ringing half a period later looks the same.
+  if (placed.sigma_s < 0.1 / std::max(1.0, lift.profile->ringing.hz)) {
+    if (const auto ring = place_ring_down(ms_, lift, start_of(lift), placed.shift_s))
+      search_.add(end_of(lift), ring->shift_s, ring->sigma_s, AnchorKind::ring_down, ring_common_s);
+  }
+  search_.add(start_of(lift), placed.shift_s, std::hypot(placed.sigma_s, start_sigma_s(lift)), AnchorKind::first_shear,
+              std::hypot(shear_common_s, placed.common_s));
+}
+
+void EventAnchors::add_tap(const MotionPhase& tap, const PlacedMotion& placed) {
+  constexpr double common_s = 0.4e-3;
+  search_.add(search_.origins.seconds_of(*tap.turn), placed.shift_s, std::hypot(placed.sigma_s, 1e-6 * tap.turn_sigma_us),
+              AnchorKind::sync_tap, common_s);
+}
+
+void EventAnchors::add_anchors(double shift_s) {
+  // From the middle of the recording outwards: a drift moves the later ones away.
+  std::vector<const MotionPhase*> motions;
+  for (const MotionPhase& motion : motions_) motions.push_back(&motion);
+  const auto distance = [&](const MotionPhase* motion) { return std::abs(start_of(*motion) - (0.5 * length_s_ - shift_s)); };
+  std::stable_sort(motions.begin(), motions.end(),
+                   [&](const MotionPhase* a, const MotionPhase* b) { return distance(a) < distance(b); });
+  KnownShifts known{.first_s = shift_s, .first_at_s = infinite};
+  for (const MotionPhase* motion : motions) {
+    const double start_s = start_of(*motion), expected_s = known.nearest(start_s).shift_s;
+    const std::optional<PlacedMotion> placed = is_tap(*motion)
+                                                   ? place_tap(ms_, *motion, start_s, expected_s)
+                                                   : place_shear(ms_, *motion, start_s, expected_s, search_.options.most_slack_m);
+    if (!placed) continue;
+    if (placed->likeness > 0.5) known.found.emplace_back(start_s, placed->shift_s);
+    is_tap(*motion) ? add_tap(*motion, *placed) : add_lift(*motion, *placed);
+  }
+  add_stage_anchors(search_, commands_, starts_, shift_s);
+}
+
+}  // namespace tactile

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+
+#include "tactile/alignment/video_clock.hpp"
+
+namespace tactile {
+
+/// A stretch in which the skin fires: a motion that touches or drags it.
+struct SeenBurst {
+  CameraTime start{}, end{};
+};
+
+/// Relates a film's clock to the camera's by the events alone, less accurately than by the arm. A motion in the film ends when a
+/// burst does, and starts with it or before it (a stage moves before it touches). The offset at which most do so, and best, is
+/// taken. Slack, ringing and slow ends shift a burst against the film's motion: each has a standard deviation of 15 ms besides
+/// the film's own, and all together one of 10 ms.
+VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts,
+                              const VideoClockOptions& options = {});
+
+}  // namespace tactile

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "tactile/core/clock_relation.hpp"
+
+namespace tactile {
+
+/// A time and its 95 % interval.
+struct UncertainTime {
+  CameraTime at{};
+  CameraTime low{};
+  CameraTime high{};
+};
+
+/// A clock as it was found, and how well.
+struct FittedClock {
+  ClockRelation relation;
+  double residual_us = 0;          ///< robust standard deviation at the anchors
+  std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`, in the run's middle
+  std::int64_t offset_high_us = 0;
+  int anchors = 0;
+  std::string method;
+  std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that restarts within the run
+
+  /// How far the offset may be off, to either side, >= 0.
+  microseconds uncertainty() const {
+    return microseconds{std::max({saturating_subtract(relation.offset_us, offset_low_us),
+                                  saturating_subtract(offset_high_us, relation.offset_us), std::int64_t{0}})};
+  }
+};
+
+}  // namespace tactile

@@ -1,0 +1,260 @@
+#include "tactile/alignment/imu_anchors.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "tactile/alignment/correlation.hpp"
+#include "tactile/alignment/imu_motion.hpp"
+#include "tactile/alignment/lag_search.hpp"
+#include "tactile/alignment/lowest_point.hpp"
+#include "tactile/core/robust_statistics.hpp"
+
+namespace tactile {
+namespace {
+
+using Axes = std::array<std::vector<double>, 3>;
+
+/// The IMU's velocity at any camera time within its samples, by straight lines.
+class ImuVelocity {
+ public:
+  ImuVelocity(const ImuMotion& imu, const ClockOrigins& origins) : imu_(imu) {
+    t_s_.reserve(imu.t.size());
+    for (const CameraTime t : imu.t) t_s_.push_back(origins.seconds_of(t));
+  }
+
+  double begin_s() const { return t_s_.front(); }
+  double end_s() const { return t_s_.back(); }
+  double usual_step_s() const { return (end_s() - begin_s()) / std::max<double>(1.0, static_cast<double>(t_s_.size() - 1)); }
+
+  /// Nothing outside the samples and within a gap.
+  std::optional<Vector3> at(double t) const {
+    constexpr double longest_gap_s = 0.02;
+    const auto above = std::upper_bound(t_s_.begin(), t_s_.end(), t);
+    if (above == t_s_.begin() || above == t_s_.end()) return std::nullopt;
+    const auto i = static_cast<std::size_t>(above - t_s_.begin());
+    if (t_s_[i] - t_s_[i - 1] > longest_gap_s) return std::nullopt;
+    const double share = (t - t_s_[i - 1]) / (t_s_[i] - t_s_[i - 1]);
+    Vector3 velocity{};
+    for (std::size_t k = 0; k < 3; ++k) velocity[k] = (1.0 - share) * imu_.velocity[i - 1][k] + share * imu_.velocity[i][k];
+    return velocity;
+  }
+
+ private:
+  const ImuMotion& imu_;
+  std::vector<double> t_s_;
+};
+
+/// The IMU's acceleration on the grid, each point the mean since the one before it; 0 where it could be noise.
+Axes imu_acceleration(const ImuMotion& imu, const ImuVelocity& velocity, double grid_s, std::size_t points) {
+  Axes grid;
+  for (auto& axis : grid) axis.resize(points);
+  const double limit = 4.0 * imu.noise_m_s2 * std::sqrt(std::min(1.0, velocity.usual_step_s() / grid_s));
+  std::optional<Vector3> last;
+  for (std::size_t i = 0; i <= points; ++i) {
+    const std::optional<Vector3> now = velocity.at(velocity.begin_s() + grid_s * static_cast<double>(i));
+    if (now && last) {
+      const Vector3 mean{((*now)[0] - (*last)[0]) / grid_s, ((*now)[1] - (*last)[1]) / grid_s, ((*now)[2] - (*last)[2]) / grid_s};
+      for (std::size_t k = 0; k < 3 && length_of(mean) >= limit; ++k) grid[k][i - 1] = mean[k];
+    }
+    last = now;
+  }
+  return grid;
+}
+
+/// The TCP's acceleration along each axis on the grid; 0 where it could be noise.
+Axes arm_acceleration(const ArmMotion& motion) {
+  std::vector<double> sizes;
+  sizes.reserve(motion.acceleration.size());
+  for (const Vector3& a : motion.acceleration) sizes.push_back(length_of(a));
+  const double limit = 3.0 * median(sizes);
+  Axes axes;
+  for (std::size_t k = 0; k < 3; ++k) {
+    axes[k].resize(sizes.size());
+    for (std::size_t i = 0; i < sizes.size(); ++i) axes[k][i] = sizes[i] > limit ? motion.acceleration[i][k] : 0.0;
+  }
+  return axes;
+}
+
+double energy_of_all(const Axes& axes) { return energy_of(axes[0]) + energy_of(axes[1]) + energy_of(axes[2]); }
+
+std::optional<CoarseMatch> match_imu(const AnchorSearch& search, const ArmMotion& motion, const ImuMotion& imu,
+                                     const ImuVelocity& velocity) {
+  constexpr double longest_s = 2 * 3600.0, least_share = 1e-3;
+  const double grid_s = search.grid_s(), length_s = velocity.end_s() - velocity.begin_s();
+  if (!(length_s < longest_s)) return std::nullopt;
+  Axes imu_axes = imu_acceleration(imu, velocity, grid_s, static_cast<std::size_t>(length_s / grid_s) + 1);
+  keep_strongest(std::array{&imu_axes[0], &imu_axes[1], &imu_axes[2]}, static_cast<std::size_t>(searched_s / grid_s));
+  const Axes arm_axes = arm_acceleration(motion);
+  const double imu_energy = energy_of_all(imu_axes), arm_energy = energy_of_all(arm_axes);
+  if (!(imu_energy > 0) || !(arm_energy > 0)) return std::nullopt;
+  // A rotation of the sensor against the arm's base mixes the axes; the sum of all squares does not change with it.
+  std::vector<double> scores;
+  for (const auto& arm : arm_axes) {
+    if (energy_of(arm) < least_share * arm_energy) continue;
+    for (const auto& axis : imu_axes) {
+      if (energy_of(axis) < least_share * imu_energy) continue;
+      const std::vector<double> products = correlations(arm, axis);
+      scores.resize(products.size());
+      for (std::size_t i = 0; i < products.size(); ++i) scores[i] += products[i] * products[i];
+    }
+  }
+  for (double& score : scores) score = std::sqrt(score / (imu_energy * arm_energy));
+  const Lags lags{.grid_s = grid_s, .zero = arm_axes.front().size() - 1, .begin_s = velocity.begin_s()};
+  keep_within(scores, lags, search);
+  const std::optional<Peak> peak = highest_peak(scores);
+  if (!peak) return std::nullopt;
+  const double shift_s = lags.shift_of(static_cast<double>(peak->index) + peak->offset);
+  return CoarseMatch{.match = {.offset_us = search.origins.offset_us(shift_s), .likeness = peak->value, .ratio = peak->ratio()},
+                     .shift_s = shift_s};
+}
+
+/// A stretch of the log with motion: the rows [begin, end).
+struct Window {
+  std::size_t begin = 0, end = 0;
+  double middle_s = 0;  ///< robot seconds
+};
+
+/// A motion and the rest beside it. Motions that are close are one window. None takes much more than ten seconds.
+std::vector<Window> windows_of(const AnchorInputs& inputs, const ClockOrigins& origins) {
+  constexpr double longest_s = 10.0, before_s = 0.08, after_s = 0.15, close_s = 0.25, longest_gap_s = 0.1;
+  constexpr std::size_t fewest_rows = 12;
+  std::vector<std::pair<double, double>> spans;
+  for (const MotionPhase& motion : inputs.motions) {
+    const double end_s = origins.seconds_of(motion.end);
+    for (double from_s = origins.seconds_of(motion.start); from_s < end_s; from_s += longest_s) {
+      const double to_s = std::min(end_s, from_s + longest_s);
+      if (!spans.empty() && from_s - spans.back().second < close_s && to_s - spans.back().first <= longest_s) {
+        spans.back().second = to_s;
+      } else {
+        spans.emplace_back(from_s, to_s);
+      }
+    }
+  }
+  const std::vector<RobotState>& states = inputs.robot.states;
+  const auto t = [&](std::size_t row) { return origins.seconds_of(states[row].t); };
+  const auto row_at = [&](double t_s) {
+    const auto row = std::partition_point(states.begin(), states.end(),
+                                          [&](const RobotState& state) { return origins.seconds_of(state.t) < t_s; });
+    return static_cast<std::size_t>(row - states.begin());
+  };
+  std::vector<Window> windows;
+  for (const auto& [from_s, to_s] : spans) {
+    const Window window{.begin = row_at(from_s - before_s),
+                        .end = row_at(to_s + after_s),
+                        .middle_s = 0.5 * (from_s - before_s + to_s + after_s)};
+    bool has_gap = false;
+    for (std::size_t i = window.begin + 1; i < window.end; ++i) has_gap = has_gap || t(i) - t(i - 1) > longest_gap_s;
+    if (!has_gap && window.end >= window.begin + fewest_rows) windows.push_back(window);
+  }
+  return windows;
+}
+
+struct TimedSpeed {
+  double t_s = 0, v = 0;
+};
+
+/// The rows' speeds along the direction of the fastest.
+std::vector<TimedSpeed> speeds_in(const Window& window, const RobotLog& log, const ClockOrigins& origins) {
+  const auto velocity = [&](std::size_t row) {
+    const auto& v = log.states[row].tcp_speed;
+    return Vector3{v[0], v[1], v[2]};
+  };
+  Vector3 direction{};
+  double fastest = 0;
+  for (std::size_t i = window.begin; i < window.end; ++i) {
+    const Vector3 v = velocity(i);
+    const double speed = length_of(v);
+    if (!(speed > fastest)) continue;
+    fastest = speed;
+    direction = {v[0] / speed, v[1] / speed, v[2] / speed};
+  }
+  std::vector<TimedSpeed> speeds;
+  for (std::size_t i = window.begin; i < window.end; ++i)
+    speeds.push_back({origins.seconds_of(log.states[i].t), dot(direction, velocity(i))});
+  return speeds;
+}
+
+/// The sum of squares that v = a + b t + c . IMU velocity leaves of v, as a share of what a + b t leaves; 1 where samples lack.
+double unexplained(const std::vector<TimedSpeed>& rows, const ImuVelocity& imu, double shift_s) {
+  constexpr int n = 5;  // 1, t, and three axes
+  Eigen::Matrix<double, n + 1, n + 1> sums;
+  sums.setZero();
+  const double middle_s = 0.5 * (rows.front().t_s + rows.back().t_s);
+  const std::optional<Vector3> origin = imu.at(rows.front().t_s + shift_s);
+  if (!origin) return 1.0;
+  for (const TimedSpeed& row : rows) {
+    const std::optional<Vector3> moved = imu.at(row.t_s + shift_s);
+    if (!moved) return 1.0;
+    const Eigen::Vector<double, n + 1> terms{
+        {1.0, row.t_s - middle_s, (*moved)[0] - (*origin)[0], (*moved)[1] - (*origin)[1], (*moved)[2] - (*origin)[2], row.v}};
+    sums += terms * terms.transpose();
+  }
+  const auto left_by = [&sums](int first) {  // by so many of the terms, of v
+    const auto products = sums.col(n).head(first);
+    return sums(n, n) - products.dot(sums.topLeftCorner(first, first).ldlt().solve(products));
+  };
+  const double without_imu = left_by(2);
+  return without_imu > 0 ? std::max(left_by(n), 0.0) / without_imu : 1.0;
+}
+
+/// Why a coarse match is refused; empty if it is not.
+std::string refusal_of(const std::optional<CoarseMatch>& coarse, const AnchorOptions& options) {
+  if (!coarse) return "the camera's IMU measured no motion, or the arm made none";
+  const LagMatch& match = coarse->match;
+  if (match.likeness < options.least_likeness) {
+    return fmt::format("the IMU's acceleration does not match the arm's: likeness {:.2f}, expected at least {:.2f}",
+                       match.likeness, options.least_likeness);
+  }
+  if (match.ratio < options.ambiguous_below) {
+    return fmt::format(
+        "the match of arm and IMU is ambiguous: the best lag is only {:.2f} times as good as the second, expected {:.2f}",
+        match.ratio, options.ambiguous_below);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& motion) {
+  const ImuMotion imu = imu_motion(search.inputs.imu);
+  if (imu.t.size() < 50) return std::nullopt;
+  const ImuVelocity velocity(imu, search.origins);
+  const std::optional<CoarseMatch> coarse = match_imu(search, motion, imu, velocity);
+  if (coarse) search.found.imu = coarse->match;
+  if (std::string reason = refusal_of(coarse, search.options); !reason.empty()) {
+    search.found.doubts.push_back(std::move(reason));
+    return std::nullopt;
+  }
+
+  // From the window nearest to the recording's middle outwards: a drift moves the later ones away.
+  std::vector<Window> windows = windows_of(search.inputs, search.origins);
+  KnownShifts known{.first_s = coarse->shift_s, .first_at_s = 0.5 * (velocity.begin_s() + velocity.end_s()) - coarse->shift_s};
+  std::sort(windows.begin(), windows.end(), [&](const Window& a, const Window& b) {
+    return std::abs(a.middle_s - known.first_at_s) < std::abs(b.middle_s - known.first_at_s);
+  });
+  constexpr double widest_drift = 200e-6, reach_s = 0.012, most_unexplained = 0.25, widest_s = 0.005;
+  constexpr double floor_s = 200e-6, common_s = 120e-6;  // a sample is stamped up to a quarter of a millisecond late
+  for (const Window& window : windows) {
+    const KnownShifts::Nearest near = known.nearest(window.middle_s);
+    const std::vector<TimedSpeed> rows = speeds_in(window, search.inputs.robot, search.origins);
+    const auto cost = [&](double shift_s) { return unexplained(rows, velocity, shift_s); };
+    const LowestPoint best = lowest_point(cost, near.shift_s, reach_s + widest_drift * near.distance_s, 1e-3);
+    if (!(best.value < most_unexplained) || !(best.curvature > 0)) continue;
+    // Twice the deviation of the least squares: their residual is the integral of noise, which wanders.
+    const double sigma_s =
+        std::hypot(floor_s, 2.0 * std::sqrt(2.0 * best.value / static_cast<double>(rows.size() - 6) / best.curvature));
+    if (sigma_s > widest_s) continue;
+    known.found.emplace_back(window.middle_s, best.at);
+    search.add(window.middle_s, best.at, sigma_s, AnchorKind::imu, common_s);
+  }
+  if (!known.found.empty()) return known.found.front().second;
+  search.found.doubts.emplace_back("no motion of the arm lies whole within the IMU's samples");
+  return std::nullopt;
+}
+
+}  // namespace tactile

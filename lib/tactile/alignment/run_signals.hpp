@@ -1,0 +1,67 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/alignment/activity.hpp"
+#include "tactile/alignment/clock_anchors.hpp"
+#include "tactile/alignment/event_rate.hpp"
+#include "tactile/alignment/motion_energy.hpp"
+#include "tactile/alignment/motion_phases.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/events/other_streams.hpp"
+#include "tactile/robot/robot_log.hpp"
+
+namespace tactile {
+
+struct RunSignalsOptions {
+  EventRateOptions rate{};
+  ActivityOptions activity{};
+  MotionEnergyOptions video{};
+  /// Reported if no pixel fires for so long, where the noise alone gives at least 30 events on average.
+  microseconds shortest_gap{5'000};
+};
+
+/// A stretch of camera time, half-open.
+struct CameraSpan {
+  CameraTime begin{}, end{};
+};
+
+/// A piece of the robot's log on one clock, and the motions of the arm in it.
+struct RobotPiece {
+  RobotLog log;
+  std::vector<MotionPhase> phases;
+};
+
+/// What `tactile label` reads of a run, each signal on its own clock.
+struct RunSignals {
+  RunFolder run;
+  RunInfo info;  ///< of a folder without run.json: only its names
+  std::int32_t event_stream = 0;
+  EventRate rate;
+  QuietRate quiet;
+  std::vector<Burst> bursts;
+  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;        ///< there is a log, perhaps an empty one
+  std::vector<RobotPiece> robot;
+  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;  ///< of the log
+  std::optional<ArmModel> arm;                              ///< whose kinematics gave poses from joints, if the log has no poses
+  std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where the host times of both devices are known
+  std::vector<CameraArrival> host_from_camera;              ///< of run.json: when the camera's data arrived at the host
+  std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none
+  std::optional<MotionEnergy> video;
+  std::vector<std::string> problems;  ///< of the files, in words: a person should check them
+  std::vector<std::string> remarks;   ///< what is missing or unusual, but does no harm
+};
+
+/// Reads events, IMU, robot log, film and run.json; not truth.json.
+/// @throws Error  if the events or the robot log cannot be read; a film that cannot be is a problem
+/// @throws OutsideFilm  if the region is not inside the film
+RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
+
+/// SHA-256 of each file that `read_run_signals` reads, by its name.
+nlohmann::json hashes_of_inputs(const RunFolder& run);
+
+}  // namespace tactile

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/alignment/clock_fit.hpp"
+#include "tactile/alignment/motion_energy.hpp"
+
+namespace tactile {
+
+struct VideoClockOptions {
+  std::optional<std::int64_t> coarse_offset_us = {};  ///< if known: camera time of the film's first frame less its own time
+  microseconds search{5'000'000};                     ///< to either side of that; else everywhere where the two overlap
+  double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed at the best offset
+  double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best offset
+  double most_disagreement_us = 60'000;               ///< refused if start and stop of a motion place the film further apart
+};
+
+/// The video's clock, or why it could not be found.
+struct VideoClockFit {
+  std::optional<FittedClock> clock;
+  std::string refused;               ///< a sentence, empty if there is a clock
+  double likeness = 0;               ///< at the best offset, -1 to 1
+  double ambiguity = 0;              ///< best likeness over the next best; 99 where there is no other
+  std::vector<ClockAnchor> anchors;  ///< the middle of each motion, or its start or end
+};
+
+/// Sets the ratio of the best to the second-best score. @return why it is refused; empty if it is not
+std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options);
+
+/// Fits the line through the anchors, `fit_clock`. One run's film allows no drift: it is 0, unless four motions over 60 s and
+/// more allow a line.
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
+
+}  // namespace tactile

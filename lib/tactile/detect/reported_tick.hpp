@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "tactile/detect/tick_clock.hpp"
+#include "tactile/detect/tick_detector.hpp"
+
+namespace tactile {
+
+/// A tick with its verdict.
+struct ReportedTick {
+  TickVerdict verdict;
+  DueTick due;
+  std::uint64_t number = 0;              ///< index among the reported ticks
+  std::uint32_t beginning = 0;           ///< restarts of the stream so far: no verdict has events from before and after a restart
+  bool incomplete = false;               ///< events of its history are known to be lost
+  HostTime begun{};                      ///< when its processing began
+  std::optional<HostTime> last_arrival;  ///< of any events
+};
+
+}  // namespace tactile

@@ -1,0 +1,209 @@
+#include "tactile/evaluation/run_result.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <mutex>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/evaluation/operating_curve.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+#include "tactile/model/training/train_model.hpp"
+
+namespace tactile {
+namespace {
+
+std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std::uint64_t seed, const std::string& run) {
+  if (detector < 2) return std::vector<Touch>(count, detector == 0 ? Touch::press : Touch::slip);
+  std::vector<Touch> verdicts(count);
+  Random random(seed_for(seed, {"random detector", run}));
+  for (Touch& verdict : verdicts) verdict = all_touches[random.below(touch_count)];
+  return verdicts;
+}
+
+/// The samples that the dataset would have of this run by another guard; by its own, those that it has.
+std::vector<Sample> samples_by_guard(const Dataset& dataset, std::uint32_t run, const RunTruth& truth, const TickRange& ticks,
+                                     microseconds history, microseconds guard) {
+  if (guard == dataset.sampling().guard) return samples_in(dataset, run);
+  if (ticks.count == 0) return {};
+  SamplingOptions options = dataset.sampling();
+  options.guard = guard;
+  const DatasetRun& names = dataset.runs()[run];
+  return balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
+                          seed_for(options.seed, {"windows", names.object, names.run}), options);
+}
+
+RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
+                  std::span<const TouchInterval> all, std::span<const TouchInterval> unlabelled, microseconds guard,
+                  const DelayOptions& options) {
+  RunScore score;
+  score.detections = detections_of(ticks, verdicts, to_detect, options);
+  score.false_alarms = false_alarms_of(ticks, verdicts, all, unlabelled, score.detections, guard);
+  return score;
+}
+
+/// A run with what the model predicts, and what is true.
+struct ClassifiedRun {
+  std::uint32_t index = 0;  ///< in the dataset
+  std::string name;
+  std::vector<Sample> samples;         ///< balanced, ascending in time
+  FullRun full{};                      ///< none where the gate is closed
+  std::vector<Touch> verdicts{};       ///< confirmed
+  std::vector<Touch> open_verdicts{};  ///< without the gate, where it is on
+  RunTruth truth{};
+
+  std::size_t tick_of(const Sample& sample) const { return place_of(sample, full.ticks, name); }
+};
+
+void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
+  for (const Sample& sample : run.samples) {
+    const std::size_t k = run.tick_of(sample);
+    result.confusion.add(sample.touch, run.verdicts[k]);
+    if (scoring.gate) result.open_confusion.add(sample.touch, run.open_verdicts[k]);
+    if (run.truth.has_truth) result.true_confusion.add(touch_at(sample.t, run.truth.true_ones), run.verdicts[k]);
+  }
+  const microseconds history = scoring.classifier.rendering().history;
+  for (const microseconds guard : scoring.sampling_guards) {
+    Confusion confusion;
+    for (const Sample& sample : samples_by_guard(scoring.dataset, run.index, run.truth, run.full.ticks, history, guard))
+      confusion.add(sample.touch, run.verdicts[run.tick_of(sample)]);
+    result.by_guard.push_back(confusion);
+  }
+}
+
+void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
+  const EvaluationOptions& options = scoring.options;
+  const std::vector<TouchInterval> labelled = run.truth.used(), all = run.truth.all_labelled();
+  const auto score = [&](std::span<const Touch> verdicts) {
+    return score_of(run.full.ticks, verdicts, labelled, all, run.truth.unlabelled, scoring.guard, options.delay);
+  };
+  result.network = score(run.verdicts);
+  if (scoring.gate) result.open = score(run.open_verdicts);
+  for (std::size_t i = 0; i < trivial_count; ++i)
+    result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name));
+  for (const double threshold : default_thresholds())
+    result.by_threshold.push_back(score(confirmed(verdicts_above(run.full.probabilities, threshold), options.confirmation)));
+  std::vector<TouchInterval> elsewhere = all;
+  elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
+  result.over_time = over_time_of(run.full.ticks, run.verdicts, labelled, options.over_time, elsewhere);
+}
+
+void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
+  const RunTruth& truth = run.truth;
+  result.against_truth = score_of(run.full.ticks, run.verdicts, truth.true_ones, truth.true_ones, truth.unlabelled, scoring.guard,
+                                  scoring.options.delay);
+  for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
+    if (truth.gross[i]) result.gross.push_back(counted_from(result.against_truth.detections[i], *truth.gross[i], run.full.ticks));
+  }
+  result.true_over_time =
+      over_time_of(run.full.ticks, run.verdicts, truth.true_ones, scoring.options.over_time, truth.unlabelled);
+}
+
+}  // namespace
+
+unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
+
+void check_fits(const Dataset& dataset, const Classifier& classifier, const EvaluationOptions& options) {
+  const std::string& trained_on = classifier.model().manifest_hash;
+  if (trained_on != dataset.manifest_hash() && !options.of_another_dataset) {
+    throw Error(fmt::format(
+        "{}: trained on dataset {}, but {} is {}; expected a model of this dataset, as 'tactile train' makes it",
+        classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
+  }
+  if (const SensorSize size = heatmap_size(dataset.sensor(), classifier.rendering().factor); size != classifier.input_size()) {
+    throw Error(fmt::format("{}: takes heatmaps of {} x {}; expected the {} x {} of {}", classifier.bundle().string(),
+                            classifier.input_size().width, classifier.input_size().height, size.width, size.height,
+                            dataset.file().string()));
+  }
+}
+
+std::optional<std::uint64_t> gate_of(const Classifier& classifier, const EvaluationOptions& options) {
+  if (!options.gate) return std::nullopt;
+  return gate_limit({classifier.bundle()}, classifier.model());
+}
+
+RunFolder folder_of(const Dataset& dataset, std::uint32_t run) {
+  const DatasetRun& names = dataset.runs()[run];
+  return {dataset.run_folder(run), names.object, names.run};
+}
+
+std::vector<Sample> samples_in(const Dataset& dataset, std::uint32_t run) {
+  std::vector<Sample> samples;
+  for (const std::uint32_t index : samples_of_runs(dataset, {&run, 1})) samples.push_back(dataset.samples()[index]);
+  return samples;
+}
+
+std::size_t place_of(const Sample& sample, const TickRange& ticks, const std::string& run) {
+  const microseconds since = between(ticks.first, sample.t);
+  if (since < microseconds{0} || since % ticks.tick != microseconds{0} || since / ticks.tick >= ticks.count) {
+    throw Error(
+        fmt::format("{}: its sample at {} us is at no tick of the model, every {} us from {} us; expected a dataset and "
+                    "a model with the same tick",
+                    run, us_of(sample.t), ticks.tick.count(), us_of(ticks.first)));
+  }
+  return static_cast<std::size_t>(since / ticks.tick);
+}
+
+RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
+                    const std::function<void(std::size_t)>& advance) {
+  const Dataset& dataset = scoring.dataset;
+  const RunFolder folder = folder_of(dataset, run_index);
+  ClassifiedRun run{.index = run_index, .name = name_of(dataset.runs()[run_index]), .samples = samples_in(dataset, run_index)};
+  RunResult result;
+  std::size_t next = 0;
+  const auto see = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
+    if (next == run.samples.size() || tick != run.samples[next].t) return;
+    result.samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
+    ++next;
+  };
+  run.full = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
+  for (const Sample& sample : run.samples) {
+    const std::size_t k = run.tick_of(sample);
+    const Touch predicted = run.full.verdicts[k];
+    result.reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
+                           predicted == sample.touch);
+  }
+  if (scoring.gate) {
+    run.open_verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+    result.gated = apply_gate(run.full, *scoring.gate);
+  }
+  run.verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+  run.truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  result.ticks = run.verdicts.size();
+  result.close_ticks = run.full.close;
+  result.has_truth = run.truth.has_truth;
+  score_samples(result, run, scoring);
+  score_ticks(result, run, scoring);
+  if (run.truth.has_truth) score_against_truth(result, run, scoring);
+  return result;
+}
+
+void for_full_runs(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> runs, unsigned threads,
+                   const ProgressCallback& progress,
+                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
+  std::vector<std::size_t> expected(runs.size());
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    check_unchanged(dataset, runs[i]);
+    expected[i] = expected_ticks(folder_of(dataset, runs[i]).events(), classifier.rendering());
+  });
+  std::uint64_t total = 0, done = 0;
+  for (const std::size_t ticks : expected) total += ticks;
+  std::mutex guard_progress;
+  const auto threads_each = std::max(1U, threads / std::max(1U, static_cast<unsigned>(runs.size())));
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    const auto advance = [&](std::size_t ticks) {
+      const std::scoped_lock lock(guard_progress);
+      done += ticks;
+      tell(progress, done, total, "every tick of " + name_of(dataset.runs()[runs[i]]));
+    };
+    work(i, threads_each, advance);
+  });
+}
+
+}  // namespace tactile

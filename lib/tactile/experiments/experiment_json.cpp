@@ -1,0 +1,42 @@
+#include "tactile/experiments/experiment_json.hpp"
+
+#include <thread>
+
+#include "tactile/core/machine.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/model/training/torch_version.hpp"
+
+namespace tactile {
+
+nlohmann::json software_json() {
+  return {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}};
+}
+
+nlohmann::json machine_json(unsigned threads) {
+  return {{"cpu", cpu_name()},
+          {"system", system_name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"memory_bytes", memory_bytes()},
+          {"threads", threads}};
+}
+
+nlohmann::json steps_json(std::span<const StepRecord> steps) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const StepRecord& step : steps) {
+    json.push_back({{"name", step.name},
+                    {"command", step.command.empty() ? nlohmann::json() : nlohmann::json(step.command)},
+                    {"seconds", step.seconds},
+                    {"finished_at", step.finished_at}});
+  }
+  return json;
+}
+
+std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  // weakly_canonical leaves a relative path as it is until its first part exists, so both become absolute first.
+  const auto whole = [](const std::filesystem::path& any) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(any));
+  };
+  return whole(path).lexically_relative(whole(folder)).generic_string();
+}
+
+}  // namespace tactile

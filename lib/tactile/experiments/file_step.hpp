@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "tactile/experiments/step_runner.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+/// SHA-256 of a file; null if it is missing.
+nlohmann::json hash_of_file(const std::filesystem::path& file);
+
+/// SHA-256 of the truth.json of each run, in order; null where there is none. Detection delays depend on them.
+nlohmann::json truth_hashes(const Dataset& dataset, std::span<const std::uint32_t> runs);
+
+/// A step without a command, whose only output is `file`.
+/// @param work         writes `file`
+/// @param description  as of `Step`
+Step file_step(std::string name, nlohmann::json inputs, const std::filesystem::path& file,
+               std::function<void(const ProgressCallback&)> work, std::string description = {});
+
+}  // namespace tactile

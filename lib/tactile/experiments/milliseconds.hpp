@@ -1,0 +1,15 @@
+#pragma once
+
+#include <fmt/core.h>
+
+#include <string>
+
+#include "tactile/core/duration_units.hpp"
+#include "tactile/core/time.hpp"
+
+namespace tactile {
+
+/// "2", "2.5"
+inline std::string ms_text(microseconds us) { return fmt::format("{}", in_ms(us)); }
+
+}  // namespace tactile

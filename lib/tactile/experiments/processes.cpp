@@ -1,0 +1,117 @@
+#include "tactile/experiments/processes.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/process.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Child {
+  ChildProcess process;
+  std::size_t index = 0;
+  Clock::time_point begun{};
+};
+
+/// The last line that is not empty, without the program's name.
+std::string last_words(const fs::path& log) {
+  std::ifstream file(log);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  constexpr std::string_view name = "tactile: ";
+  return last.starts_with(name) ? last.substr(name.size()) : last;
+}
+
+ChildProcess start(const ProcessPlan& plan, const fs::path& program) {
+  fs::create_directories(plan.log.parent_path());
+  const int log = ::open(plan.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (log < 0) throw Error(plan.log.string() + ": cannot be written; expected a writable place with room");
+  try {
+    ChildProcess process({.program = program.string(), .arguments = plan.arguments, .err = log});
+    ::close(log);
+    return process;
+  } catch (const std::system_error& e) {
+    ::close(log);
+    throw Error(fmt::format("{}: no process could be started ({})", plan.name, e.code().message()));
+  }
+}
+
+/// Asks all to stop, and gives them ten seconds. Those that still run then are killed with their objects.
+void stop(std::vector<Child>& children) {
+  for (const Child& child : children) child.process.send(SIGINT);
+  const auto end = Clock::now() + std::chrono::seconds(10);
+  while (!children.empty() && Clock::now() < end) {
+    if (std::erase_if(children, [](Child& child) { return child.process.status_if_ended().has_value(); }) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+std::string why_it_failed(const ProcessPlan& plan, int status) {
+  if (WIFSIGNALED(status)) return fmt::format("it was killed by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
+  const std::string words = last_words(plan.log);
+  if (!words.empty()) return words;
+  return fmt::format("it ended with {} and no message", WEXITSTATUS(status));
+}
+
+void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, std::vector<Child>& children) {
+  std::size_t next = 0;
+  while (next < plans.size() || !children.empty()) {
+    for (; next < plans.size() && children.size() < std::max(1U, options.at_once); ++next) {
+      children.push_back({start(plans[next], options.program), next, Clock::now()});
+      if (options.begun) options.begun(next);
+    }
+    if (options.while_waiting) options.while_waiting();
+    const std::size_t running = children.size();
+    for (std::size_t i = 0; i < children.size();) {
+      const std::optional<int> status = children[i].process.status_if_ended();
+      if (!status) {
+        ++i;
+        continue;
+      }
+      const Child child = std::move(children[i]);
+      children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
+      if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) {
+        if (options.ended) options.ended(child.index, std::chrono::duration<double>(Clock::now() - child.begun).count());
+        continue;
+      }
+      // Throws after Ctrl-C, which reaches the children too: that is no failure.
+      if (options.while_waiting) options.while_waiting();
+      const ProcessPlan& plan = plans[child.index];
+      throw Error(fmt::format("'{}' failed: {}", plan.name, why_it_failed(plan, *status)));
+    }
+    if (children.size() == running) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
+}  // namespace
+
+void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options) {
+  std::vector<Child> children;
+  try {
+    run_all(plans, options, children);
+  } catch (...) {
+    stop(children);
+    throw;
+  }
+}
+
+}  // namespace tactile

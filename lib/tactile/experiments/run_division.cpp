@@ -1,0 +1,56 @@
+#include "tactile/experiments/run_division.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tactile/model/training/split_remarks.hpp"
+#include "tactile/model/training/train_model.hpp"
+
+namespace tactile {
+
+RunDivision divide_runs(const Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs) {
+  RunDivision runs;
+  runs.train = split_of(dataset, {.kind = SplitKind::single_run, .train_run = train_run}).train_runs;
+  std::set<std::uint32_t> others;
+  for (const Sample& sample : dataset.samples()) others.insert(sample.run_index);
+  for (const std::uint32_t run : runs.train) others.erase(run);
+  for (const std::uint32_t run : others) {
+    runs.all_test.push_back(run);
+    const bool is_choice = std::find(choice_runs.begin(), choice_runs.end(), dataset.runs()[run].run) != choice_runs.end();
+    (is_choice ? runs.choice : runs.reported).push_back(run);
+  }
+  if (runs.reported.empty()) std::swap(runs.choice, runs.reported);
+  return runs;
+}
+
+std::vector<std::string> remarks_on(const Dataset& dataset, const RunDivision& runs) {
+  const std::vector<std::string> untested = objects_only_in(dataset, runs.train, runs.all_test),
+                                 unreported = objects_only_in(dataset, runs.all_test, runs.reported),
+                                 unchosen = objects_only_in(dataset, runs.reported, runs.choice);
+  std::vector<std::string> remarks;
+  for (const std::uint32_t run : runs.train) {
+    const DatasetRun& trained_on = dataset.runs()[run];
+    const auto is_in = [&](const std::vector<std::string>& objects) {
+      return std::find(objects.begin(), objects.end(), trained_on.object) != objects.end();
+    };
+    if (is_in(untested)) {
+      remarks.push_back(fmt::format("{}: not tested, none of its runs but {} has samples", trained_on.object, trained_on.run));
+    } else if (is_in(unreported)) {
+      remarks.push_back(
+          fmt::format("{}: not reported on, its other runs with samples are there to choose settings on", trained_on.object));
+    } else if (!runs.choice.empty() && is_in(unchosen)) {
+      remarks.push_back(fmt::format("{}: no run of it is left to choose settings on", trained_on.object));
+    }
+  }
+  return remarks;
+}
+
+std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs) {
+  std::vector<std::string> names;
+  for (const std::uint32_t run : runs) names.push_back(name_of(dataset.runs()[run]));
+  return names;
+}
+
+}  // namespace tactile

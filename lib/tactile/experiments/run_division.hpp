@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+/// The runs that an experiment trains on, chooses its settings on, and reports on: by their index in the dataset, ascending.
+struct RunDivision {
+  std::vector<std::uint32_t> train;
+  std::vector<std::uint32_t> choice;    ///< empty if no run would be left to report on
+  std::vector<std::uint32_t> reported;  ///< neither in `train` nor in `choice`
+  std::vector<std::uint32_t> all_test;  ///< all that are not in `train`
+};
+
+/// Divides the runs that have samples. Training runs are those of a single-run split.
+/// @param train_run    id of each object's training run; the next one if that has no samples
+/// @param choice_runs  ids of the runs to choose settings on; may be empty
+/// @throws Error  as `split_of`
+RunDivision divide_runs(const Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs);
+
+/// A sentence for each object that is trained on and has no run in another set: "mug: not tested, none of its runs but 02 has
+/// samples".
+std::vector<std::string> remarks_on(const Dataset& dataset, const RunDivision& runs);
+
+/// "fan/03" of each, in the given order.
+std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs);
+
+}  // namespace tactile

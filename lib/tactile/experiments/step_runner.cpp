@@ -1,0 +1,182 @@
+#include "tactile/experiments/step_runner.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/version.hpp"
+#include "tactile/experiments/processes.hpp"
+
+namespace tactile {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+/// "2024-05-31T12:00:00Z"
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+const std::string& command_or_name(const Step& step) { return step.command.empty() ? step.name : step.command; }
+const std::string& description_or_name(const Step& step) { return step.description.empty() ? step.name : step.description; }
+
+}  // namespace
+
+/// The contents of `steps/NAME.json`; empty if the file is missing or damaged.
+struct StepRunner::Known {
+  std::string key;
+  bool done = false;
+  bool made_outputs = false;  ///< this step was done before, with any key
+  nlohmann::json inputs, outputs;
+  StepRecord record;
+};
+
+std::string key_of(const Step& step) { return hash_of({{"name", step.name}, {"version", version()}, {"inputs", step.inputs}}); }
+
+StepRunner::StepRunner(StepRunnerOptions options) : options_(std::move(options)) {}
+
+fs::path StepRunner::file_of(const std::string& name) const { return options_.folder / "steps" / (name + ".json"); }
+
+StepRunner::Known StepRunner::read(const std::string& name) const {
+  Known known;
+  if (!fs::exists(file_of(name))) return known;
+  try {
+    const std::string where = file_of(name).string();
+    const nlohmann::json json = read_json(file_of(name));
+    known.key = member<std::string>(json, "key", where);
+    known.done = member<bool>(json, "done", where);
+    known.made_outputs = member<bool>(json, "made_outputs", where);
+    known.inputs = member<nlohmann::json>(json, "inputs", where);
+    known.outputs = member<nlohmann::json>(json, "outputs", where);
+    known.record = {name, member<std::string>(json, "command", where), member<double>(json, "seconds", where),
+                    member<std::string>(json, "finished_at", where)};
+  } catch (const Error&) {
+    return {};
+  }
+  return known;
+}
+
+void StepRunner::write(const Step& step, const Known& known) const {
+  write_json(file_of(step.name), {{"name", step.name},
+                                  {"command", step.command},
+                                  {"key", key_of(step)},
+                                  {"done", known.done},
+                                  {"made_outputs", known.made_outputs},
+                                  {"inputs", step.inputs},
+                                  {"outputs", known.outputs},
+                                  {"seconds", known.record.seconds},
+                                  {"finished_at", known.record.finished_at}});
+}
+
+nlohmann::json StepRunner::inputs_of(const std::string& name) const { return read(name).inputs; }
+
+std::optional<StepRunner::Known> StepRunner::known_as_done(const Step& step) const {
+  Known known = read(step.name);
+  if (!known.done || known.key != key_of(step)) return std::nullopt;
+  const nlohmann::json outputs = step.outputs();
+  if (outputs.is_null() || outputs != known.outputs) return std::nullopt;
+  return known;
+}
+
+bool StepRunner::is_done(const Step& step) const { return known_as_done(step).has_value(); }
+
+void StepRunner::report(const Step& step, bool kept) const {
+  if (options_.on_step) options_.on_step(description_or_name(step), kept);
+}
+
+bool StepRunner::find_done(const Step& step) {
+  auto known = known_as_done(step);
+  if (!known) return false;
+  known->record.command = step.command;
+  records_.push_back(std::move(known->record));
+  report(step, true);
+  return true;
+}
+
+void StepRunner::begin(const Step& step) const {
+  Known begun;
+  begun.made_outputs = read(step.name).made_outputs;
+  write(step, begun);
+}
+
+void StepRunner::finish(const Step& step, double seconds) {
+  Known known;
+  known.outputs = step.outputs();
+  if (known.outputs.is_null())
+    throw Error(fmt::format("'{}' ended, but its outputs are missing or changed meanwhile", command_or_name(step)));
+  known.done = known.made_outputs = true;
+  known.record = {step.name, step.command, seconds, utc_now()};
+  write(step, known);
+  records_.push_back(std::move(known.record));
+  ++done_now_;
+}
+
+void StepRunner::run(const Step& step) {
+  if (step.arguments) return run_side_by_side({step});
+  if (find_done(step)) return;
+  begin(step);
+  report(step, false);
+  const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
+  tell(progress, 0, 0, description_or_name(step));
+  const auto begun = Clock::now();
+  try {
+    step.work(progress);
+  } catch (const std::exception& e) {
+    throw Error(fmt::format("'{}' failed: {}", command_or_name(step), e.what()));
+  }
+  finish(step, std::chrono::duration<double>(Clock::now() - begun).count());
+}
+
+void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
+  const std::size_t first_record = records_.size();
+  std::vector<const Step*> due;
+  for (const Step& step : steps) {
+    if (!step.arguments) {
+      run(step);
+    } else if (!find_done(step)) {
+      due.push_back(&step);
+    }
+  }
+  run_processes_of(due);
+  // In the order of `steps`, whichever ended first.
+  const auto place_of = [&](const StepRecord& record) {
+    return std::find_if(steps.begin(), steps.end(), [&](const Step& step) { return step.name == record.name; }) - steps.begin();
+  };
+  std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(first_record), records_.end(),
+                   [&](const StepRecord& a, const StepRecord& b) { return place_of(a) < place_of(b); });
+}
+
+void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
+  std::vector<ProcessPlan> plans;
+  for (const Step* step : due) {
+    const Known known = read(step->name);
+    const bool other_inputs = !known.key.empty() && known.key != key_of(*step);
+    // `arguments` removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between
+    // would make the old leftovers look like the new step's own.
+    plans.push_back({step->command,
+                     step->arguments({.begun_with_other_inputs = other_inputs, .made_outputs = known.made_outputs}),
+                     options_.folder / "logs" / (step->name + ".log")});
+    begin(*step);
+  }
+  std::size_t ended = 0;
+  const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
+  run_processes(
+      plans, {.program = options_.program,
+              .at_once = options_.threads,
+              .while_waiting = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); },
+              .begun = [&](std::size_t index) { report(*due[index], false); },
+              .ended =
+                  [&](std::size_t index, double seconds) {
+                    finish(*due[index], seconds);
+                    ++ended;
+                  }});
+}
+
+}  // namespace tactile

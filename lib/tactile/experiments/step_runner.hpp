@@ -1,0 +1,97 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+
+namespace tactile {
+
+/// What is known of a step that is due.
+struct StepPast {
+  bool begun_with_other_inputs = false;  ///< what it left half-done cannot be used
+  bool made_outputs = false;             ///< it made the outputs that exist: they may be replaced
+};
+
+/// A piece of work that is done once, and again only if its inputs change or its outputs are missing or changed.
+struct Step {
+  std::string name;       ///< also a file's name: "train-th040-single-run-01-s1"
+  std::string command;    ///< what a person types to do the same; empty if there is no such command
+  nlohmann::json inputs;  ///< settings and hashes of what goes in. The step's key is the hash of this, its name and the version
+  std::function<nlohmann::json()> outputs;  ///< identifies the outputs that exist; null if they are not complete
+
+  std::function<void(const ProgressCallback&)> work = {};  ///< runs in this process; empty if `arguments` are given
+  std::function<std::vector<std::string>(const StepPast&)> arguments = {};  ///< of a process that does the work
+  std::string description = {};  ///< reported while it runs: "training 3 of 11: t_h 20 ms"; the name if empty
+};
+
+/// What is kept of a step that is done.
+struct StepRecord {
+  std::string name;
+  std::string command;
+  double seconds = 0;       ///< duration, whenever it was done
+  std::string finished_at;  ///< UTC
+};
+
+/// Returns the callback for one step's progress; may be empty.
+using NewProgress = std::function<ProgressCallback()>;
+
+/// Called for each step when it begins (`kept` is false) or is found done (`kept` is true). May be empty.
+using StepCallback = std::function<void(const std::string& description, bool kept)>;
+
+struct StepRunnerOptions {
+  std::filesystem::path folder;   ///< of the experiment
+  std::filesystem::path program;  ///< takes the `arguments` of steps
+  unsigned threads = 1;           ///< number of processes that run side by side, > 0
+  NewProgress new_progress = {};
+  StepCallback on_step = {};
+};
+
+/// Runs steps and keeps a record of each in `folder/steps`. A step whose key and outputs equal its record is not done again. An
+/// interrupted step starts again, or resumes by its own means.
+class StepRunner {
+ public:
+  explicit StepRunner(StepRunnerOptions options);
+
+  /// @throws Error  that names the step's command, or the step, and what went wrong
+  void run(const Step& step);
+
+  /// Runs steps that do not depend on each other. Those with `arguments` run side by side, in one process each.
+  void run_side_by_side(const std::vector<Step>& steps);
+
+  /// Steps that were run or found done, in order.
+  const std::vector<StepRecord>& records() const { return records_; }
+  std::size_t done_now() const { return done_now_; }
+  std::size_t kept() const { return records_.size() - done_now_; }
+
+  /// Whether the step would be found done.
+  bool is_done(const Step& step) const;
+
+  /// The inputs of the last step of this name that began; null if none did.
+  nlohmann::json inputs_of(const std::string& name) const;
+
+ private:
+  struct Known;
+  std::filesystem::path file_of(const std::string& name) const;
+  Known read(const std::string& name) const;
+  void write(const Step& step, const Known& known) const;
+  std::optional<Known> known_as_done(const Step& step) const;
+  bool find_done(const Step& step);
+  void begin(const Step& step) const;
+  void report(const Step& step, bool kept) const;
+  void finish(const Step& step, double seconds);
+  void run_processes_of(const std::vector<const Step*>& due);
+
+  StepRunnerOptions options_;
+  std::vector<StepRecord> records_;
+  std::size_t done_now_ = 0;
+};
+
+/// Identifies a step of this name with these inputs, made by this version.
+std::string key_of(const Step& step);
+
+}  // namespace tactile

@@ -1,0 +1,104 @@
+#include "tactile/experiments/study/claim_rules.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace tactile {
+namespace {
+
+/// What a verdict lacks, in words; empty if nothing.
+std::string too_few(const Claim& claim) {
+  if (claim.scope == ClaimScope::over_objects) {
+    return claim.measured.n >= fewest_objects ? std::string()
+                                              : fmt::format("too few objects: {}, {} needed", claim.measured.n, fewest_objects);
+  }
+  if (claim.scope == ClaimScope::one_object) {
+    return claim.measured.n >= fewest_runs ? std::string()
+                                           : fmt::format("too few runs: {}, {} needed", claim.measured.n, fewest_runs);
+  }
+  std::vector<std::string> short_of;
+  std::set<std::size_t> counts;
+  for (const auto& [name, figure] : claim.objects) {
+    if (figure.n >= fewest_runs) continue;
+    short_of.push_back(name);
+    counts.insert(figure.n);
+  }
+  if (short_of.empty()) return {};
+  const std::string count =
+      counts.size() == 1 ? fmt::format("{}", *counts.begin()) : fmt::format("{} to {}", *counts.begin(), *counts.rbegin());
+  return short_of.size() == claim.objects.size()
+             ? fmt::format("too few runs: {} each, {} needed", count, fewest_runs)
+             : fmt::format("too few runs of {}: {}, {} needed of each object", fmt::join(short_of, ", "), count, fewest_runs);
+}
+
+Figure outermost_of(const ObjectFigures& figures, const std::function<bool(double, double)>& further,
+                    std::optional<double> Figure::*inner, std::optional<double> Figure::*outer) {
+  Figure result;
+  bool all_known = true;
+  const auto take_further = [&](std::optional<double>& bound, const std::optional<double>& other) {
+    if (other && (!bound || further(*other, *bound))) bound = other;
+  };
+  for (const auto& [name, figure] : figures.wide) take_further(result.*inner, figure.*inner);
+  for (const auto& [name, figure] : figures.objects) {
+    if (std::isnan(figure.value)) {
+      all_known = false;
+      continue;
+    }
+    ++result.n;
+    if (std::isnan(result.value) || further(figure.value, result.value)) result.value = figure.value;
+    if (!(figure.*outer)) all_known = false;
+    take_further(result.*outer, figure.*outer);
+  }
+  if (!all_known) result.*outer = std::nullopt;
+  return result;
+}
+
+}  // namespace
+
+Verdict below(const Figure& figure, double limit) {
+  if (figure.high && *figure.high < limit) return Verdict::holds;
+  if (figure.low && *figure.low > limit) return Verdict::does_not;
+  return Verdict::cannot_tell;
+}
+
+Verdict above(const Figure& figure, double limit) {
+  if (figure.low && *figure.low > limit) return Verdict::holds;
+  if (figure.high && *figure.high < limit) return Verdict::does_not;
+  return Verdict::cannot_tell;
+}
+
+Figure largest_of(const ObjectFigures& figures) {
+  return outermost_of(
+      figures, [](double a, double b) { return a > b; }, &Figure::low, &Figure::high);
+}
+
+Figure smallest_of(const ObjectFigures& figures) {
+  return outermost_of(
+      figures, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
+}
+
+void judge(Claim& claim) {
+  if (std::isnan(claim.measured.value)) {
+    claim.in_words.clear();
+    claim.note = "Not measured in this study.";
+    claim.why = "not measured";
+    return;
+  }
+  const std::string lacking = too_few(claim);
+  claim.verdict = claim.asked == Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
+  if (claim.scope == ClaimScope::over_objects && !lacking.empty()) claim.verdict = Verdict::cannot_tell;
+  claim.can_be_told = lacking.empty() || claim.verdict != Verdict::cannot_tell;
+  if (claim.verdict != Verdict::cannot_tell) return;
+  const bool is_bounded = claim.measured.has_interval();
+  claim.why = !lacking.empty() ? lacking
+              : is_bounded     ? std::string("the interval lies across the limit")
+                               : std::string("no interval: too many draws of the bootstrap hold nothing to measure");
+}
+
+}  // namespace tactile

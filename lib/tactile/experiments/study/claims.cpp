@@ -1,0 +1,414 @@
+#include "tactile/experiments/study/claims.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "tactile/core/error.hpp"
+#include "tactile/experiments/milliseconds.hpp"
+#include "tactile/experiments/study/claim_rules.hpp"
+
+namespace tactile {
+namespace {
+
+constexpr const char* exception_object = "plastic-container";
+constexpr double near_points = 5;  ///< taken for "comparable"
+constexpr microseconds shortest{2'000}, marginal{20'000}, chosen{40'000};
+
+std::map<std::string, Figure> scaled(std::map<std::string, Figure> figures, double factor) {
+  for (auto& [name, figure] : figures) figure = tactile::scaled(figure, factor);
+  return figures;
+}
+
+Claim unmeasured(std::string id, ClaimScope scope, std::string claim, std::string paper, std::string unit, Asked asked,
+                 double limit) {
+  Claim empty;
+  empty.id = std::move(id);
+  empty.scope = scope;
+  empty.claim = std::move(claim);
+  empty.paper = std::move(paper);
+  empty.unit = std::move(unit);
+  empty.asked = asked;
+  empty.limit = limit;
+  return empty;
+}
+
+/// Intervals that hold for `count` objects at once.
+BootstrapOptions wide_for(std::size_t count, BootstrapOptions options) {
+  options.confidence = 1 - (1 - options.confidence) / static_cast<double>(std::max<std::size_t>(count, 1));
+  return options;
+}
+
+/// Sets the objects' figures, the outermost of them as the measured one, and the number of objects that the claim is true for.
+void take(Claim& claim, ObjectFigures figures) {
+  claim.measured = claim.asked == Asked::below ? largest_of(figures) : smallest_of(figures);
+  claim.objects = std::move(figures.objects);
+  claim.kept = 0;
+  claim.of = 0;
+  for (const auto& [name, figure] : claim.objects) {
+    if (std::isnan(figure.value)) continue;
+    ++*claim.of;
+    *claim.kept += (claim.asked == Asked::below ? figure.value < claim.limit : figure.value > claim.limit) ? 1U : 0U;
+  }
+}
+
+/// The object whose value is `claim.measured`.
+std::string furthest_object(const Claim& claim) {
+  for (const auto& [name, figure] : claim.objects) {
+    if (figure.value == claim.measured.value) return name;
+  }
+  return {};
+}
+
+/// "3 of 10 objects", "1 of 1 object"
+std::string kept_of(const Claim& claim) {
+  return fmt::format("{} of {} object{}", claim.kept.value_or(0), claim.of.value_or(0), claim.of == std::size_t{1} ? "" : "s");
+}
+
+/// Accuracies of the same runs at every history.
+class Histories {
+ public:
+  explicit Histories(const std::map<microseconds, std::vector<RunConfusion>>& histories) : histories_(histories) {
+    for (const auto& [history, runs] : histories_) {
+      const auto& first = histories_.begin()->second;
+      const bool same = std::equal(runs.begin(), runs.end(), first.begin(), first.end(),
+                                   [](const RunConfusion& a, const RunConfusion& b) { return a.object == b.object; });
+      if (!same) throw Error("accuracies of histories on different runs; expected the same runs for each");
+    }
+    if (!histories_.empty()) {
+      const auto has_samples = [](const RunConfusion& run) { return run.confusion.samples() > 0; };
+      objects_ = runs_by_object(std::span<const RunConfusion>(histories_.begin()->second), has_samples);
+    }
+  }
+
+  bool has(microseconds history) const { return histories_.contains(history); }
+  bool has_others(microseconds history) const { return has(history) && histories_.size() > 1; }
+  const std::map<std::string, std::vector<std::size_t>>& objects() const { return objects_; }
+
+  double accuracy(microseconds history, std::span<const std::size_t> runs) const {
+    Confusion sum;
+    for (const std::size_t run : runs) sum += histories_.at(history)[run].confusion;
+    return sum.accuracy().value_or(NAN);
+  }
+
+  double mean_accuracy(microseconds history, const RunsByObject& objects) const {
+    double sum = 0;
+    for (const auto& runs : objects) sum += accuracy(history, runs);
+    return sum / static_cast<double>(objects.size());
+  }
+
+  /// Of equals the shortest.
+  microseconds best(std::span<const std::size_t> runs) const {
+    microseconds best = histories_.begin()->first;
+    for (const auto& [history, confusions] : histories_) {
+      if (accuracy(history, runs) > accuracy(best, runs)) best = history;
+    }
+    return best;
+  }
+
+  template <class Take>
+  std::vector<microseconds> those(Take take) const {
+    std::vector<microseconds> taken;
+    for (const auto& [history, runs] : histories_) {
+      if (take(history)) taken.push_back(history);
+    }
+    return taken;
+  }
+
+ private:
+  const std::map<microseconds, std::vector<RunConfusion>>& histories_;
+  std::map<std::string, std::vector<std::size_t>> objects_;
+};
+
+Claim history_2_worst(const Histories& histories, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      "history-2-worst", ClaimScope::every_object,
+      "A history of 2 ms is the worst for every object: its accuracy less the lowest at any other history, of the object "
+      "where that is largest",
+      "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", Asked::below, 0);
+  if (!histories.has_others(shortest)) return claim;
+  const auto others = histories.those([](microseconds history) { return history != shortest; });
+  const Statistic less_lowest = [&](const RunsByObject& drawn) -> std::optional<double> {
+    double lowest = 1;
+    for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, drawn.front()));
+    return 100 * (histories.accuracy(shortest, drawn.front()) - lowest);
+  };
+  ObjectFigures figures;
+  for (const auto& [object, runs] : histories.objects()) {
+    figures.objects[object] = figure_of_object(runs, less_lowest, options);
+    figures.wide[object] = figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options));
+  }
+  take(claim, std::move(figures));
+  const double furthest = claim.measured.value;
+  claim.in_words = fmt::format("2 ms is the worst for {}; {}: {}, where {}.", kept_of(claim),
+                               furthest < 0 ? "least so" : "furthest off", furthest_object(claim),
+                               furthest > 0   ? fmt::format("another history is {:.2f} points worse", furthest)
+                               : furthest < 0 ? fmt::format("it is {:.2f} points below the next", -furthest)
+                                              : std::string("another history is just as bad"));
+  return claim;
+}
+
+Claim best_history_40(const Histories& histories, const BootstrapOptions& options) {
+  Claim claim =
+      unmeasured("best-history-40", ClaimScope::over_objects,
+                 "A history of 40 ms is the best for more objects than any other: their number less that of the next one",
+                 "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", Asked::above, 0);
+  if (!histories.has_others(chosen)) return claim;
+  std::map<microseconds, std::size_t> counts;
+  for (const auto& object : histories.objects()) ++counts[histories.best(object.second)];
+  const Statistic lead = [&](const RunsByObject& objects) -> std::optional<double> {
+    std::map<microseconds, int> best;
+    for (const auto& runs : objects) ++best[histories.best(runs)];
+    int next = 0;
+    for (const auto& [history, count] : best) {
+      if (history != chosen) next = std::max(next, count);
+    }
+    return best[chosen] - next;
+  };
+  claim.measured = figure_over_objects(without_names(histories.objects()), lead, options);
+  claim.kept = counts[chosen];
+  claim.of = histories.objects().size();
+  std::string others;
+  for (const auto& [history, count] : counts) {
+    if (history != chosen) others += fmt::format("{}{} ms for {}", others.empty() ? "; " : ", ", ms_text(history), count);
+  }
+  claim.in_words = fmt::format("40 ms is the best for {}{} (of equals, the shortest).", kept_of(claim), others);
+  return claim;
+}
+
+Claim marginal_past_20(const Histories& histories, const BootstrapOptions& options) {
+  Claim claim =
+      unmeasured("marginal-past-20", ClaimScope::over_objects,
+                 "Past 20 ms a longer history gains less than a point: the highest mean accuracy past 20 ms less that at 20 ms",
+                 "Improvements become marginal after 20 ms", "points", Asked::below, 1);
+  const auto longer = histories.those([](microseconds history) { return history > marginal; });
+  if (!histories.has(marginal) || longer.empty()) return claim;
+  const RunsByObject all = without_names(histories.objects());
+  claim.measured = figure_over_objects(
+      all,
+      [&](const RunsByObject& objects) -> std::optional<double> {
+        double highest = 0;
+        for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
+        return 100 * (highest - histories.mean_accuracy(marginal, objects));
+      },
+      options);
+  if (std::isnan(claim.measured.value)) return claim;
+  const microseconds best = *std::max_element(longer.begin(), longer.end(), [&](microseconds a, microseconds b) {
+    return histories.mean_accuracy(a, all) < histories.mean_accuracy(b, all);
+  });
+  claim.in_words =
+      fmt::format("The mean over {} objects is {:.2f} % at 20 ms, and past that {:.2f} % at best, at {} ms.", all.size(),
+                  100 * histories.mean_accuracy(marginal, all), 100 * histories.mean_accuracy(best, all), ms_text(best));
+  return claim;
+}
+
+Claim accuracy_at_40(const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured("accuracy-at-40", ClaimScope::every_object,
+                           "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
+                           "The average accuracy of the nine test runs exceeds 95 % for all ten objects", "%", Asked::above, 95);
+  const auto found = inputs.histories.find(chosen);
+  if (found == inputs.histories.end()) return claim;
+  ObjectFigures figures{scaled(accuracy_of(found->second, options).objects, 100), {}};
+  figures.wide = scaled(accuracy_of(found->second, wide_for(figures.objects.size(), options)).objects, 100);
+  take(claim, std::move(figures));
+  claim.in_words = fmt::format("Above 95 % for {}; the lowest is {} with {:.2f} %.", kept_of(claim), furthest_object(claim),
+                               claim.measured.value);
+  return claim;
+}
+
+Claim delay_claim(Touch touch, const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      fmt::format("{}-delay", name_of(touch)), ClaimScope::every_object,
+      fmt::format("The mean detection delay of {} is below 5 ms for every object: that of the slowest object", name_of(touch)),
+      "The average delay is below 5 ms for press and slip and for all ten objects", "ms", Asked::below, 5);
+  const DelayTable delays = delay_table(inputs.detections, touch, options);
+  if (delays.objects.empty()) return claim;
+  const DelayTable wide = delay_table(inputs.detections, touch, wide_for(delays.objects.size(), options));
+  ObjectFigures figures;
+  for (const auto& [object, delay] : delays.objects) figures.objects[object] = delay.mean_ms;
+  for (const auto& [object, delay] : wide.objects) figures.wide[object] = delay.mean_ms;
+  take(claim, std::move(figures));
+  claim.of = claim.objects.size();
+  const DelaySummary& all = delays.all;
+  claim.in_words = std::isnan(claim.measured.value) ? fmt::format("No {} of {} was detected.", name_of(touch), all.intervals)
+                                                    : fmt::format("Below 5 ms for {}; the slowest is {} with {:.2f} ms.",
+                                                                  kept_of(claim), furthest_object(claim), claim.measured.value);
+  if (all.misses + all.early > 0)
+    claim.note = fmt::format("Of {} intervals {} were missed and {} detected early; they are not in the means.", all.intervals,
+                             all.misses, all.early);
+  return claim;
+}
+
+/// A claim on delays holds only if every interval has one.
+void judge_delay(Claim& claim) {
+  if (claim.verdict != Verdict::holds || claim.note.empty()) return;
+  claim.verdict = Verdict::cannot_tell;
+  claim.why = "some intervals have no delay; of the others the claim would hold";
+}
+
+/// Nothing if the runs have no slip.
+std::optional<bool> every_slip_at_once(std::span<const RunDetections> runs, std::span<const std::size_t> chosen_runs,
+                                       double tick_ms) {
+  std::optional<bool> all;
+  for (const std::size_t i : chosen_runs) {
+    for (const Detection& detection : runs[i].detections) {
+      if (detection.interval.touch != Touch::slip) continue;
+      const bool at_once = detection.outcome == DetectionOutcome::detected &&
+                           static_cast<double>(detection.delay.count()) <= 1000 * tick_ms * (1 + 1e-9);
+      all = all.value_or(true) && at_once;
+    }
+  }
+  return all;
+}
+
+Claim slip_at_once(const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      "slip-at-once", ClaimScope::over_objects,
+      "For most objects slip is detected at once: the share of objects whose slips were all detected at their first tick",
+      "In six of ten objects slip is detected with minimal delay in all trials", "%", Asked::above, 50);
+  const std::span<const RunDetections> runs(inputs.detections);
+  const auto objects = runs_by_object(runs, [](const RunDetections& run) {
+    return std::any_of(run.detections.begin(), run.detections.end(),
+                       [](const Detection& detection) { return detection.interval.touch == Touch::slip; });
+  });
+  if (objects.empty()) return claim;
+  claim.measured = figure_over_objects(without_names(objects),
+                                       mean_over_objects([&](std::span<const std::size_t> of_object) -> std::optional<double> {
+                                         const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
+                                         return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
+                                       }),
+                                       options);
+  claim.kept = 0;
+  claim.of = objects.size();
+  for (const auto& object : objects) *claim.kept += every_slip_at_once(runs, object.second, inputs.tick_ms) == true ? 1U : 0U;
+  claim.in_words = fmt::format("Every slip was detected at its first tick for {}.", kept_of(claim));
+  return claim;
+}
+
+Claim right_at_first(const ClaimInputs& inputs) {
+  Claim claim =
+      unmeasured("right-at-first", ClaimScope::over_objects,
+                 "In the first 500 ms of a press or slip the verdicts are correct: the share of correct ticks",
+                 "During the beginning of pressing and slippage the classification is highly accurate", "%", Asked::above, 95);
+  claim.measured = scaled(inputs.over_time.first, 100);
+  claim.in_words = fmt::format("{:.2f} % of the ticks in the first 500 ms are correct, the mean over {} objects.",
+                               claim.measured.value, claim.measured.n);
+  return claim;
+}
+
+Claim worse_near_the_end(const ClaimInputs& inputs) {
+  Claim claim = unmeasured(
+      "worse-near-the-end", ClaimScope::over_objects,
+      "Near the end of a press or slip verdicts are worse: the share of correct ticks in the last 200 ms, minus that before in "
+      "the same interval",
+      "Near the end of each incident the model deviates from the ground truth", "points", Asked::below, 0);
+  const ShareOverTime& over_time = inputs.over_time;
+  claim.measured = scaled(over_time.last_minus_before, 100);
+  const std::uint64_t compared = over_time.intervals - std::min(over_time.intervals, over_time.short_ones);
+  claim.in_words = fmt::format(
+      "In the last 200 ms the share of correct ticks is {:.2f} points {} than before: the mean over {} objects, {} of {} "
+      "intervals; {} have no tick before and are left out.",
+      std::abs(claim.measured.value), claim.measured.value < 0 ? "lower" : "higher", claim.measured.n, compared,
+      over_time.intervals, over_time.short_ones);
+  if (std::isfinite(over_time.still_said.value)) {
+    claim.note = fmt::format(
+        "The paper's first reason is the time after the end: in the {:g} ms after an interval {:.1f} % of the ticks are still "
+        "predicted as press or slip. Part of that is t_h itself, which looks {:g} ms back.",
+        inputs.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
+  }
+  return claim;
+}
+
+Claim unseen_near_seen(const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      "unseen-near-seen", ClaimScope::every_object,
+      fmt::format("Unseen objects but {} come near seen ones: without them in training, accuracy drops by less than 5 points "
+                  "for each; the figure is that of the object that loses most",
+                  exception_object),
+      "For most unseen objects the accuracy is comparable to that with the objects in training", "points", Asked::above,
+      -near_points);
+  if (inputs.seen.empty()) return claim;
+  std::vector<RunConfusion> seen, held_out;
+  for (std::size_t i = 0; i < inputs.seen.size() && i < inputs.held_out.size(); ++i) {
+    if (inputs.seen[i].object == exception_object && inputs.held_out[i].object == exception_object) continue;
+    seen.push_back(inputs.seen[i]);
+    held_out.push_back(inputs.held_out[i]);
+  }
+  const Accuracy difference = accuracy_difference(seen, held_out, options);
+  if (difference.objects.empty()) return claim;
+  ObjectFigures figures{scaled(difference.objects, 100), {}};
+  figures.wide = scaled(accuracy_difference(seen, held_out, wide_for(figures.objects.size(), options)).objects, 100);
+  take(claim, std::move(figures));
+  claim.in_words = fmt::format("Less than 5 points are lost for {}; {} {} {:.2f} points.", kept_of(claim), furthest_object(claim),
+                               claim.measured.value < 0 ? "loses most," : "gains least,", std::abs(claim.measured.value));
+  claim.note = fmt::format("The mean over these objects changes by {:+.2f} points, which decides nothing here.",
+                           100 * difference.mean.value);
+  return claim;
+}
+
+Claim unseen_exception(const ClaimInputs& inputs, const BootstrapOptions& options) {
+  Claim claim = unmeasured(
+      fmt::format("unseen-{}", exception_object), ClaimScope::one_object,
+      fmt::format("{} is the exception: without it in training, accuracy drops by more than 5 points", exception_object),
+      "The only exception is the plastic container, where the accuracy was significantly lower", "points", Asked::below,
+      -near_points);
+  if (inputs.seen.empty()) return claim;
+  const auto differences = accuracy_difference(inputs.seen, inputs.held_out, options).objects;
+  const auto found = differences.find(exception_object);
+  if (found == differences.end()) return claim;
+  claim.measured = scaled(found->second, 100);
+  claim.in_words = fmt::format("Without it in training {} {} {:.2f} points.", exception_object,
+                               claim.measured.value < 0 ? "loses" : "gains", std::abs(claim.measured.value));
+  return claim;
+}
+
+}  // namespace
+
+std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options) {
+  const Histories histories(inputs.histories);
+  std::vector<Claim> claims{history_2_worst(histories, options),
+                            best_history_40(histories, options),
+                            marginal_past_20(histories, options),
+                            accuracy_at_40(inputs, options),
+                            delay_claim(Touch::press, inputs, options),
+                            delay_claim(Touch::slip, inputs, options),
+                            slip_at_once(inputs, options),
+                            right_at_first(inputs),
+                            worse_near_the_end(inputs),
+                            unseen_near_seen(inputs, options),
+                            unseen_exception(inputs, options)};
+  for (Claim& claim : claims) judge(claim);
+  // One history can disprove a claim about histories; to prove it takes all.
+  for (std::size_t i = 0; i < 3 && !inputs.untrained.empty(); ++i) {
+    if (claims[i].verdict != Verdict::holds) continue;
+    std::vector<std::string> lacking;
+    for (const microseconds history : inputs.untrained) lacking.push_back(ms_text(history));
+    claims[i].verdict = Verdict::cannot_tell;
+    claims[i].why = fmt::format("no model was trained for {} ms, which the paper compares", fmt::join(lacking, ", "));
+    claims[i].can_be_told = false;
+  }
+  judge_delay(claims[4]);
+  judge_delay(claims[5]);
+  return claims;
+}
+
+std::string summary_of(const std::vector<Claim>& claims, bool simulated) {
+  const auto number_of = [&](Verdict verdict) {
+    return std::count_if(claims.begin(), claims.end(), [&](const Claim& claim) { return claim.verdict == verdict; });
+  };
+  const auto undecidable = std::count_if(claims.begin(), claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
+  std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
+                                 simulated ? "simulated" : "real", number_of(Verdict::holds), claims.size(),
+                                 number_of(Verdict::does_not), number_of(Verdict::cannot_tell));
+  if (undecidable > 0) text += fmt::format(": for {} of them there are too few runs or objects", undecidable);
+  return text + ".";
+}
+
+}  // namespace tactile

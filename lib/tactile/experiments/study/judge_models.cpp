@@ -1,0 +1,161 @@
+#include "tactile/experiments/study/judge_models.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/evaluation/evaluation.hpp"
+#include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/experiments/file_step.hpp"
+#include "tactile/experiments/training_step.hpp"
+#include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/train_model.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int evaluation_form = 2;  ///< with another number, evaluations that are kept are made again
+
+/// Null if one of them is missing.
+json hashes_of(std::initializer_list<fs::path> files) {
+  json hashes = json::object();
+  for (const fs::path& file : files) {
+    const json hash = hash_of_file(file);
+    if (hash.is_null()) return {};
+    hashes[file.filename().string()] = hash;
+  }
+  return hashes;
+}
+
+void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel& model, const RunSet& set, StepRunner& runner,
+                 std::vector<EvaluatedModel>& evaluations) {
+  for (const EvaluatedModel& other : evaluations) {
+    const bool same_runs = other.runs == set.name || (plan.reported.runs == plan.all_test.runs);
+    if (other.model.name() == model.name() && same_runs) {
+      evaluations.push_back({id, model, set.name, other.json_file, other.csv_file});
+      return;
+    }
+  }
+  const fs::path stem = plan.options.out / "evaluations" / (set.name + "-" + model.name());
+  const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
+  runner.run({.name = "evaluate-" + set.name + "-" + model.name(),
+              .command = "",
+              .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
+                                     {"weights", read_description(model.bundle).weights_sha256},
+                                     {"truth", truth_hashes(plan.dataset, set.runs)},
+                                     {"form", evaluation_form},
+                                     {"runs", set.names}},
+                                    plan.options.engine),
+              .outputs =
+                  [&] {
+                    return hashes_of({json_file, csv_file});
+                  },
+              .work =
+                  [&](const ProgressCallback& progress) {
+                    const unsigned threads = plan.options.threads;
+                    const Classifier classifier = open_classifier(model.bundle.folder, threads, plan.options.engine);
+                    const Evaluation evaluation = evaluate(plan.dataset, classifier, set.runs, {.threads = threads}, progress);
+                    write_whole(csv_file, table_of(evaluation));
+                    write_json(json_file, evaluation);
+                  }});
+  evaluations.push_back({id, model, set.name, json_file, csv_file});
+}
+
+/// A run of the water bottle, as in the paper, or else the first one.
+std::uint32_t run_to_show(const StudyPlan& plan) {
+  for (const std::uint32_t run : plan.reported.runs) {
+    if (plan.dataset.runs()[run].object == "water-bottle") return run;
+  }
+  return plan.reported.runs.front();
+}
+
+void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_index, const fs::path& csv_file,
+             const fs::path& json_file, const ProgressCallback& progress) {
+  const Dataset& dataset = plan.dataset;
+  check_unchanged(dataset, run_index);
+  const DatasetRun& run = dataset.runs()[run_index];
+  const Classifier classifier = open_classifier(model.bundle.folder, plan.options.threads, plan.options.engine);
+  const RunFolder folder{dataset.run_folder(run_index), run.object, run.run};
+  std::map<CameraTime, Touch> samples;
+  for (const Sample& sample : dataset.samples()) {
+    if (sample.run_index == run_index) samples[sample.t] = sample.touch;
+  }
+  const std::size_t total = expected_ticks(folder.events(), classifier.rendering());
+  std::size_t done = 0;
+  const auto prediction = predict_run(
+      folder, classifier,
+      {.guard = dataset.sampling().guard, .include_flagged = plan.options.include_flagged, .threads = plan.options.threads},
+      [&](std::size_t ticks) {
+        done += ticks;
+        tell(progress, done, total, "every tick of " + name_of(run));
+      });
+  write_prediction(csv_file, prediction, samples);
+  write_json(json_file, outcome_json(prediction));
+}
+
+void predict_full_run(const StudyPlan& plan, const StudyModel& model, StepRunner& runner, JudgedModels& judged) {
+  const StudyOptions& options = plan.options;
+  const std::uint32_t shown = run_to_show(plan);
+  const DatasetRun& run = plan.dataset.runs()[shown];
+  judged.full_run = name_of(run);
+  judged.full_run_file = options.out / "runs" / (run.object + "-" + run.run + ".csv");
+  const fs::path json_file = fs::path(judged.full_run_file).replace_extension(".json");
+  runner.run(
+      {.name = "run-" + run.object + "-" + run.run,
+       .command =
+           command_of({"eval", options.data.string(), "--run", judged.full_run, "--models", options.models.string(), "--model",
+                       model.name(), "--out", (options.out / "runs").string(), "--engine", std::string(name_of(options.engine))}),
+       .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
+                              {"weights", read_description(model.bundle).weights_sha256},
+                              {"form", evaluation_form},
+                              {"truth", truth_hashes(plan.dataset, {&shown, 1})}},
+                             options.engine),
+       .outputs =
+           [&] {
+             return hashes_of({judged.full_run_file, json_file});
+           },
+       .work =
+           [&](const ProgressCallback& progress) { predict(plan, model, shown, judged.full_run_file, json_file, progress); }});
+}
+
+}  // namespace
+
+const EvaluatedModel& JudgedModels::evaluation(const std::string& id) const {
+  return *std::find_if(evaluations.begin(), evaluations.end(), [&](const EvaluatedModel& one) { return one.id == id; });
+}
+
+JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, StepRunner& runner) {
+  JudgedModels judged;
+  const std::vector<StudyModel>& chosen = trained.by_history.at(trained.history);
+  for (unsigned training = 0; training < plan.options.seeds; ++training) {
+    const std::string id = training == 0 ? "reported" : fmt::format("reported-s{}", plan.seed_of(training));
+    evaluate_on(plan, id, chosen[training], plan.reported, runner, judged.evaluations);
+  }
+  evaluate_on(plan, "all_test", trained.by_history.at(trained.paper_history).front(), plan.all_test, runner, judged.evaluations);
+  predict_full_run(plan, trained.chosen(), runner, judged);
+  return judged;
+}
+
+std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
+  std::vector<RunDetections> runs;
+  for (const JsonView& run : JsonView(evaluation, where, MissingMember::is_error)["runs"].items())
+    runs.push_back({run["object"].text(), run["intervals"].list_of<Detection>()});
+  return runs;
+}
+
+std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, DelaySummary>& delays, double tick_ms) {
+  std::map<std::string, bool> at_first_tick;
+  for (const auto& [object, delay] : delays) {
+    if (delay.intervals > 0)
+      at_first_tick[object] = delay.misses + delay.early == 0 && delay.mean_ms.value <= tick_ms * (1 + 1e-9);
+  }
+  return at_first_tick;
+}
+
+}  // namespace tactile

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/study/held_out_splits.hpp"
+#include "tactile/experiments/study/study_options.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/model_settings.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+/// A set of runs that figures are computed on.
+struct RunSet {
+  std::string name;  ///< "choice", "reported", "all_test"
+  std::vector<std::uint32_t> runs;
+  std::vector<std::string> names;  ///< "fan/03" of each run
+};
+
+/// What a study does with its dataset.
+struct StudyPlan {
+  StudyOptions options;    ///< as `completed` returns them
+  const Dataset& dataset;  ///< must outlive the plan
+  std::vector<std::uint32_t> train;
+  RunSet choice;                      ///< empty if no run would be left to report on
+  RunSet reported;                    ///< neither trained nor chosen on
+  RunSet all_test;                    ///< all but those trained on
+  std::vector<std::string> objects;   ///< that are trained on, by name
+  std::vector<std::string> held_out;  ///< of these, by name; empty if there are none to hold out
+  std::vector<HeldOutSplit> splits;   ///< drawn at random
+  std::vector<std::string> remarks;   ///< sentences on runs that are not as requested
+
+  std::array<const RunSet*, 3> run_sets() const { return {&choice, &reported, &all_test}; }
+  std::uint64_t seed_of(unsigned training) const { return options.seed + training; }
+};
+
+/// Second stage of a study: divides the runs, and selects the objects to hold out.
+/// @param options  as `completed` returns them
+/// @param warn     receives each remark, and a sentence if runs have no samples
+/// @throws Error   if held-out objects have no training run or none would be left, splits are requested and nothing can be held
+///                 out, an object has no samples and `options.strict` is set, or as `divide_runs`
+StudyPlan plan_study(const StudyOptions& options, const Dataset& dataset, const WarningCallback& warn);
+
+/// A model that the study trains.
+struct StudyModel {
+  ModelSettings settings;
+  ModelBundle bundle;
+  std::vector<std::uint32_t> runs;  ///< of the dataset, whose samples it is judged on
+
+  std::string name() const { return bundle.name(); }
+};
+
+/// @param held_out  objects left out of training; it is judged on their test runs only. Empty: on all test runs
+StudyModel model_of(const StudyPlan& plan, microseconds history, std::uint64_t seed,
+                    const std::vector<std::string>& held_out = {});
+
+/// `inputs` of a step that runs a model, with the engine. The default engine is not named, so that older steps are kept.
+nlohmann::json with_engine(nlohmann::json inputs, EngineKind engine);
+
+}  // namespace tactile

@@ -1,0 +1,48 @@
+#include "tactile/experiments/study/sample_confusions.hpp"
+
+#include <algorithm>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+
+namespace tactile {
+
+void write_confusions(const std::filesystem::path& file, std::span<const NamedConfusion> confusions) {
+  nlohmann::json runs = nlohmann::json::array();
+  for (const NamedConfusion& run : confusions)
+    runs.push_back({{"run", run.run}, {"object", run.object}, {"confusion", run.confusion}});
+  write_json(file, {{"runs", runs}});
+}
+
+std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file) {
+  const nlohmann::json json = read_json(file);
+  std::vector<NamedConfusion> confusions;
+  for (const JsonView& run : JsonView(json, file.string(), MissingMember::is_error)["runs"].items())
+    confusions.push_back({run["run"].text(), run["object"].text(), run["confusion"].get<Confusion>()});
+  return confusions;
+}
+
+std::vector<RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions, std::span<const std::string> runs) {
+  std::vector<RunConfusion> chosen;
+  for (const std::string& run : runs) {
+    const auto found =
+        std::find_if(confusions.begin(), confusions.end(), [&](const NamedConfusion& one) { return one.run == run; });
+    if (found == confusions.end()) throw Error(run + ": no confusion of its samples; expected the model to be judged on it");
+    chosen.push_back({found->object, found->confusion});
+  }
+  return chosen;
+}
+
+std::vector<RunConfusion> sum_over_models(std::span<const std::vector<RunConfusion>> models) {
+  if (models.empty()) return {};
+  std::vector<RunConfusion> sum = models.front();
+  for (const std::vector<RunConfusion>& model : models.subspan(1)) {
+    const bool same_runs = std::equal(model.begin(), model.end(), sum.begin(), sum.end(),
+                                      [](const RunConfusion& a, const RunConfusion& b) { return a.object == b.object; });
+    if (!same_runs) throw Error("confusions of models on different runs; expected the same runs for each");
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i].confusion += model[i].confusion;
+  }
+  return sum;
+}
+
+}  // namespace tactile

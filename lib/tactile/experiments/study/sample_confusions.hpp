@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/accuracy.hpp"
+
+namespace tactile {
+
+/// The confusion of one model on the balanced samples of one run.
+struct NamedConfusion {
+  std::string run;  ///< "fan/03"
+  std::string object;
+  Confusion confusion;
+};
+
+/// {"runs": [{"run", "object", "confusion"}]}, complete or not at all. @throws Error if it cannot be written
+void write_confusions(const std::filesystem::path& file, std::span<const NamedConfusion> confusions);
+
+/// @throws Error  if it cannot be read or has another form
+std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file);
+
+/// Those of these runs, in their order. @throws Error  if one of them is missing
+std::vector<RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions, std::span<const std::string> runs);
+
+/// The sum over models, run by run: one more model counts as more samples of each run.
+/// @throws Error  if they are not of the same runs
+std::vector<RunConfusion> sum_over_models(std::span<const std::vector<RunConfusion>> models);
+
+}  // namespace tactile

@@ -1,0 +1,31 @@
+#include "tactile/experiments/study/study.hpp"
+
+#include "tactile/experiments/folder_lock.hpp"
+#include "tactile/experiments/study/study_results.hpp"
+
+namespace tactile {
+
+StudySummary run_study(const StudyOptions& requested, const NewProgress& new_progress, const StepCallback& on_step,
+                       const WarningCallback& warn) {
+  const StudyOptions options = completed(requested);
+  const FolderLock lock(options.out, "tactile reproduce");
+  StepRunner runner({.folder = options.out,
+                     .program = options.program,
+                     .threads = options.threads,
+                     .new_progress = new_progress,
+                     .on_step = on_step});
+  const PreparedData prepared = prepare_data(options, runner, warn);
+  const Dataset dataset(prepared.dataset);
+  const StudyPlan plan = plan_study(options, dataset, warn);
+  const TrainedModels trained = train_models(plan, runner);
+  const JudgedModels judged = judge_models(plan, trained, runner);
+  const StudyResults results = results_of(plan, trained, judged, prepared, runner.records());
+  write_results(results, options.out);
+  return {.study = results.study,
+          .file = options.out / "study.json",
+          .done = runner.done_now(),
+          .kept = runner.kept(),
+          .errors = prepared.errors};
+}
+
+}  // namespace tactile

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/study/study_options.hpp"
+
+namespace tactile {
+
+/// The outcome of a study.
+struct StudySummary {
+  nlohmann::json study;  ///< the contents of study.json; docs/format.md lists its keys
+  std::filesystem::path file;
+  std::size_t done = 0;             ///< number of steps done now
+  std::size_t kept = 0;             ///< number of steps found done
+  std::vector<std::string> errors;  ///< a sentence for each object or run that could not be read or labelled; the study omits it
+};
+
+/// The paper's study. Simulates runs if there are none, labels them, draws samples and renders heatmaps. Trains a network for
+/// each history, chooses one history, and evaluates it on full runs. Does the same with objects held out. Keeps all that is done
+/// and unchanged. An interrupted study resumes, with the same results.
+///
+/// @param new_progress  called at the begin of each step; returns the callback for its progress
+/// @param on_step       see `StepCallback`
+/// @param warn          see `WarningCallback`; called before a dataset with other settings is replaced, among others
+/// @throws Error  if an option is out of its range, another study works in the same folder, or a step fails: the step's command
+///                and what went wrong
+StudySummary run_study(const StudyOptions& options, const NewProgress& new_progress = {}, const StepCallback& on_step = {},
+                       const WarningCallback& warn = {});
+
+}  // namespace tactile

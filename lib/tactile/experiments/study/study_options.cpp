@@ -1,0 +1,31 @@
+#include "tactile/experiments/study/study_options.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+
+namespace tactile {
+
+PresetSettings preset_settings(std::string_view preset) {
+  if (preset == "tiny") return {{}, 3};
+  if (preset == "quick") return {{"02"}, 6};
+  if (preset == "paper") return {{"02", "03"}, 10};
+  throw Error(fmt::format("'{}' is no preset; expected tiny, quick or paper", preset));
+}
+
+StudyOptions completed(StudyOptions options) {
+  if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
+  options.epochs = options.epochs.value_or(preset_settings(options.preset).epochs);
+  if (options.threads == 0) options.threads = std::max(1U, std::thread::hardware_concurrency());
+  std::sort(options.histories.begin(), options.histories.end());
+  options.histories.erase(std::unique(options.histories.begin(), options.histories.end()), options.histories.end());
+  if (options.histories.empty()) throw Error("no history to train for; expected one at least");
+  for (const microseconds history : options.histories) check(HeatmapOptions{.history = history});
+  return options;
+}
+
+}  // namespace tactile

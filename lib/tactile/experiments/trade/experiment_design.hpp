@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tactile/experiments/trade/trade_setting.hpp"
+
+namespace tactile {
+
+/// The values to try of each parameter.
+struct TradeLevels {
+  std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};
+  std::vector<microseconds> ticks{1ms, 2ms, 4ms, 5ms, 10ms};
+  std::vector<double> factors{0.1, 0.2, 0.25};
+  std::vector<Resize> resizes{Resize::area, Resize::linear};
+  std::vector<Denoise> denoises{Denoise::mean, Denoise::literal, Denoise::none};
+  std::vector<EngineKind> engines{EngineKind::fast, EngineKind::libtorch};
+  std::vector<Precision> precisions{Precision::fp32, Precision::int8};
+  std::vector<bool> sparse{true, false};
+  std::vector<Confirmation> confirmations{{1, 1}, {2, 3}, {3, 5}, {5, 9}};
+  std::vector<bool> gate{false, true};
+};
+
+/// One value of one parameter.
+struct TradeLevel {
+  std::string text;  ///< "20", "2/3", "int8"
+  std::function<void(TradeSetting&)> set;
+};
+struct TradeFactor {
+  std::string name;  ///< "th_ms"; as in `to_json` of a setting
+  std::vector<TradeLevel> levels;
+};
+
+/// The parameters in the order in which they are tried.
+std::vector<TradeFactor> factors_of(const TradeLevels& levels);
+
+/// A pair that is left out, because the history is no multiple of the tick.
+struct LeftOutPair {
+  microseconds history{0}, tick{0};
+};
+std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels);
+
+/// The usual setting first, then every other value of each parameter with all others as usual, without impossible settings.
+std::vector<TradeSetting> one_at_a_time(const TradeSetting& usual, const TradeLevels& levels);
+
+/// Every possible combination.
+std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const TradeLevels& levels);
+
+/// Figures of one setting on the runs to choose on; NaN if unknown.
+struct TradeOutcome {
+  double accuracy = 0;  ///< in [0, 1]
+  double us = 0;        ///< time per tick
+  double delay_us = 0;  ///< mean detection delay
+  double false_alarms_per_min = 0;
+  double missed = 0;  ///< share of presses and slips missed or early, in [0, 1]
+};
+
+/// Combinations of two or more changes that look promising: those expected on the front of accuracy against time, or on the front
+/// of false alarms, delay and misses, if each change has the effect that it has alone.
+///
+///   accuracy, delay, misses = usual + sum of differences
+///   time = usual * product of ratios
+///   false alarms + 3 = (usual + 3) * product of ratios of (measured + 3)
+///
+/// @param measured  outcomes of `one_at_a_time`, by `id_of`. Values that it lacks are in no combination; neither is the dense
+///                  pass, which differs only in its cost
+/// @param most      of each front, spread along it
+std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const TradeLevels& levels,
+                                            const std::map<std::string, TradeOutcome>& measured, std::size_t most);
+
+}  // namespace tactile

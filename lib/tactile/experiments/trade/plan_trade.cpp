@@ -1,0 +1,131 @@
+#include "tactile/experiments/trade/plan_trade.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+#include "tactile/experiments/run_division.hpp"
+#include "tactile/model/training/train_model.hpp"
+
+namespace tactile {
+namespace {
+
+/// The longest tick that both are multiples of.
+microseconds common_tick(microseconds a, microseconds b) { return microseconds{std::gcd(a.count(), b.count())}; }
+
+JudgedRun judged_run(const Dataset& dataset, std::uint32_t run) {
+  const DatasetRun& names = dataset.runs()[run];
+  JudgedRun judged{.run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset.sampling().guard};
+  for (const std::uint32_t sample : samples_of_runs(dataset, {&run, 1})) judged.samples.push_back(dataset.samples()[sample]);
+  judged.truth = read_run_truth({dataset.run_folder(run), names.object, names.run},
+                                member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  return judged;
+}
+
+}  // namespace
+
+TradeOptions completed(TradeOptions options) {
+  if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
+  if (const auto why = why_impossible(options.usual)) throw Error("the usual setting is impossible: " + *why);
+  for (const auto* times : {&options.levels.histories, &options.levels.ticks}) {
+    for (const microseconds time : *times) {
+      if (time <= microseconds{0}) throw Error("a history or a tick of 0 us; expected more");
+    }
+  }
+  if (options.threads == 0) options.threads = std::max(1U, std::thread::hardware_concurrency());
+  return options;
+}
+
+TradePlan plan_trade(const TradeOptions& options, const Dataset& dataset) {
+  const RunDivision runs = divide_runs(dataset, options.train_run, options.choice_runs);
+  if (runs.choice.empty()) {
+    throw Error(
+        fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
+                    "at least, or other --choice-runs",
+                    dataset.file().string(), fmt::join(options.choice_runs, ", ")));
+  }
+  TradePlan plan{.options = options, .dataset = dataset, .train = runs.train, .tested = {}, .choice_count = runs.choice.size()};
+  plan.tested.indexes = runs.choice;
+  plan.tested.indexes.insert(plan.tested.indexes.end(), runs.reported.begin(), runs.reported.end());
+  for (const std::uint32_t run : plan.tested.indexes) {
+    check_unchanged(dataset, run);
+    plan.tested.judged.push_back(judged_run(dataset, run));
+    plan.tested.recordings.push_back(dataset.run_folder(run) / "events.aedat4");
+  }
+  return plan;
+}
+
+std::vector<TradePoint> designed_points(const TradePlan& plan) {
+  const TradeOptions& options = plan.options;
+  std::vector<TradePoint> points;
+  add_points(points, {&options.usual, 1}, "usual");
+  add_points(points,
+             options.full ? all_combinations(options.usual, options.levels) : one_at_a_time(options.usual, options.levels),
+             options.full ? "all" : "one");
+  return points;
+}
+
+void add_points(std::vector<TradePoint>& points, std::span<const TradeSetting> settings, const std::string& design) {
+  for (const TradeSetting& setting : settings) {
+    const auto is_same = [&](const TradePoint& point) { return point.setting == setting; };
+    if (std::none_of(points.begin(), points.end(), is_same)) points.push_back({.setting = setting, .design = design});
+  }
+}
+
+TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsigned training) {
+  TradeNetwork network;
+  network.settings.rendering = setting.rendering;
+  // A network sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
+  network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
+  network.settings.training.seed = plan.options.seed + training;
+  network.settings.training.epochs = plan.options.epochs;
+  network.settings.split.train_run = plan.options.train_run;
+  network.bundle = {plan.options.models / default_name(network.settings)};
+  return network;
+}
+
+microseconds prediction_tick(const TradeNetwork& network, microseconds tick) {
+  return common_tick(network.settings.rendering.tick, tick);
+}
+
+std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, EngineKind engine,
+                    Precision precision) {
+  TradeSetting setting = plan.options.usual, usual = plan.options.usual;
+  setting.rendering = network.settings.rendering;
+  setting.rendering.tick = tick;
+  setting.engine = engine;
+  setting.precision = precision;
+  usual.rendering.tick = prediction_tick(network_of(plan, usual, 0), usual.rendering.tick);
+  const std::string text = setting == usual ? "the usual network" : text_of(setting, usual);
+  return plan.options.seeds > 1 ? fmt::format("{}, seed {}", text, network.settings.training.seed) : text;
+}
+
+std::string text_of(const TradePlan& plan, const TradeNetwork& network) {
+  const TradeSetting& usual = plan.options.usual;
+  return text_of(plan, network, prediction_tick(network_of(plan, usual, 0), usual.rendering.tick), usual.engine, usual.precision);
+}
+
+TestedRuns TestedRuns::from(std::size_t first) const {
+  const auto begin = static_cast<std::ptrdiff_t>(first);
+  return {.indexes = {indexes.begin() + begin, indexes.end()},
+          .judged = {judged.begin() + begin, judged.end()},
+          .recordings = {recordings.begin() + begin, recordings.end()}};
+}
+
+TimedSetting timed_setting_of(const TradePoint& point) {
+  const TradeSetting& setting = point.setting;
+  return {setting.rendering, setting.engine, setting.precision, setting.sparse, point.networks.front().bundle.folder};
+}
+
+std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
+  if (!setting.gate) return std::nullopt;
+  return gate_limit(network.bundle, read_description(network.bundle));
+}
+
+}  // namespace tactile

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/experiments/trade/cost_growth.hpp"
+#include "tactile/experiments/trade/experiment_design.hpp"
+#include "tactile/experiments/trade/recommendation.hpp"
+#include "tactile/experiments/trade/tick_times.hpp"
+#include "tactile/experiments/trade/trade_figures.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/model_settings.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile {
+
+/// What to measure of speed against accuracy.
+struct TradeOptions {
+  std::filesystem::path data = "data", models = "models", out = "trade";
+  std::string train_run = "01";                   ///< of each object
+  std::vector<std::string> choice_runs = {"02"};  ///< to choose settings on; results are reported on all others
+  unsigned epochs = 10;                           ///< of each training, > 0
+  unsigned seeds = 3;                             ///< trainings of each network on a front and of the usual one, > 0
+  std::uint64_t seed = 1;                         ///< of the first training; the next ones add 1, 2, …
+  TradeSetting usual{};                           ///< the setting that one value at a time is changed in
+  TradeLevels levels{};
+  bool full = false;                       ///< measure every combination
+  std::size_t corners = 6;                 ///< promising combinations of each front
+  std::optional<double> budget_minutes{};  ///< no training starts that would end later
+  bool growth = true;                      ///< also measure how cost grows
+  TickTimesOptions timing{};
+  GrowthOptions growth_options{};
+  TradeConstraints constraints{};
+  std::filesystem::path program = "/proc/self/exe";  ///< trains
+  unsigned threads = 0;                              ///< 0: as many as the machine has cores
+};
+
+/// The same options with threads filled in.
+/// @throws Error  if there is no seed, the usual setting is impossible, or a history or tick is not positive
+TradeOptions completed(TradeOptions options);
+
+/// A network, which several settings may share, of one seed.
+struct TradeNetwork {
+  ModelSettings settings;
+  ModelBundle bundle;
+
+  std::string name() const { return bundle.name(); }
+};
+
+/// A setting, and what is measured of it.
+struct TradePoint {
+  TradeSetting setting;
+  std::string design;                       ///< "usual", "one", "corner", "all"
+  std::vector<TradeNetwork> networks = {};  ///< one for each seed
+  TradeResult choice = {}, reported = {};
+  std::optional<TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
+  bool on_accuracy_front = false, on_delay_front = false;
+};
+
+/// A setting that could not be measured, in words.
+struct NotMeasured {
+  std::string setting, why;
+};
+
+/// Runs to test on, in one order throughout.
+struct TestedRuns {
+  std::vector<std::uint32_t> indexes;             ///< in the dataset
+  std::vector<JudgedRun> judged;                  ///< of each
+  std::vector<std::filesystem::path> recordings;  ///< of each
+
+  TestedRuns from(std::size_t first) const;  ///< all from this one on
+};
+
+/// The part of a point that costs time, with the network of its first seed, which must exist.
+TimedSetting timed_setting_of(const TradePoint& point);
+
+/// The fewest events in a history at which the gate opens; nothing if the setting has no gate.
+std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network);
+
+/// What settings are measured on.
+struct TradePlan {
+  TradeOptions options;    ///< as `completed` returns them
+  const Dataset& dataset;  ///< must outlive the plan
+  std::vector<std::uint32_t> train;
+  TestedRuns tested;             ///< runs to choose on, then those to report on
+  std::size_t choice_count = 0;  ///< number of runs to choose on
+
+  std::span<const std::uint32_t> choice() const { return std::span(tested.indexes).first(choice_count); }
+  std::span<const std::uint32_t> reported() const { return std::span(tested.indexes).subspan(choice_count); }
+};
+
+/// First stage: divides the runs and reads the truth of those to test on.
+/// @throws Error  if there are no runs to choose on beside those to report on, or a recording differs from the dataset's
+TradePlan plan_trade(const TradeOptions& options, const Dataset& dataset);
+
+/// The points of the design, the usual setting first: all others are compared with it.
+std::vector<TradePoint> designed_points(const TradePlan& plan);
+
+/// Adds settings that are not among the points yet.
+void add_points(std::vector<TradePoint>& points, std::span<const TradeSetting> settings, const std::string& design);
+
+/// The network that a setting needs. @param training  counted from 0; gives the seed
+TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsigned training);
+
+/// The tick at which a network predicts whole runs for a setting of this tick: the longest one that this and the network's own
+/// are multiples of.
+microseconds prediction_tick(const TradeNetwork& network, microseconds tick);
+
+/// A network by its differences from the usual one: "t_h 20 ms, int8", "the usual network"; with the seed if there are several.
+std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, EngineKind engine,
+                    Precision precision);
+
+/// The same for the usual tick, engine and precision.
+std::string text_of(const TradePlan& plan, const TradeNetwork& network);
+
+}  // namespace tactile

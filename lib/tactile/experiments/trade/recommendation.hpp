@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "tactile/evaluation/confidence_interval.hpp"
+
+namespace tactile {
+
+/// Constraints on a detector; those not given are met by all.
+struct TradeConstraints {
+  std::optional<double> at_most_us{};  ///< time that 99 of 100 ticks do not exceed
+  std::optional<double> at_least_accuracy{};
+  std::optional<double> at_most_false_alarms_per_min{};
+
+  bool any() const { return at_most_us || at_least_accuracy || at_most_false_alarms_per_min; }
+};
+
+void to_json(nlohmann::json& json, const TradeConstraints& constraints);  ///< {"at_most_us", …}, null if not given
+std::string text_of(const TradeConstraints& constraints);  ///< "at most 200 us a tick and an accuracy of at least 95 %"
+
+/// The figures of a setting that constraints apply to.
+struct TradeFigures {
+  Figure accuracy;  ///< in [0, 1]
+  Figure us_p99;    ///< time per tick that 99 of 100 ticks do not exceed
+  Figure us_p50;
+  Figure delay_us;  ///< mean detection delay
+  Figure false_alarms_per_min;
+  double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next
+};
+
+/// Whether 99 of 100 ticks are done before the next one is due. A setting that does not keep up meets no constraint.
+bool keeps_up(const TradeFigures& figures);
+
+/// Whether a setting keeps up and meets every constraint: with its values, and with its whole 95 % intervals. Without an interval
+/// the latter is false.
+bool meets(const TradeConstraints& constraints, const TradeFigures& figures);
+bool meets_in_interval(const TradeConstraints& constraints, const TradeFigures& figures);
+
+/// The setting chosen for constraints.
+struct TradeChoice {
+  std::size_t index = 0;
+  bool in_interval = false;  ///< its whole intervals meet the constraints; false: only its values do, and no setting's intervals
+};
+
+/// Of the settings whose intervals meet the constraints: the most accurate one, or the fastest one if an accuracy is requested
+/// and no time; of equals, the one with the shorter delay. If no interval does: of the settings whose values meet them, the one
+/// with the largest
+///
+///   min over constraints   |value - limit| / |value - the bound of its interval on the limit's side|
+///
+/// because a setting on the verge hardly meets them on other runs; of equals, as above.
+/// @return  nothing if there is none
+std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const TradeFigures> settings);
+
+/// The answer to constraints.
+struct Recommendation {
+  std::optional<std::string> setting;  ///< in words; nothing if no setting meets the constraints on the runs to choose on
+  bool met = false;                    ///< measured again, its intervals meet the constraints
+  std::string sentence;
+};
+
+/// @param setting  the chosen one, in words; nothing if there is none
+/// @param again    its figures on the runs that it was not chosen on
+Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
+                         const TradeFigures& again, bool simulated);
+
+}  // namespace tactile

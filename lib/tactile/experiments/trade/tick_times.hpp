@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/core/progress.hpp"
+#include "tactile/experiments/trade/trade_setting.hpp"
+
+namespace tactile {
+
+/// Duration of one tick on one thread [us].
+struct TickTime {
+  float counting = 0;        ///< of moving the window: adding new events, removing old ones
+  float rendering = 0;       ///< of the heatmap
+  float network = 0;         ///< of the logits
+  std::uint64_t events = 0;  ///< in [t_c - t_h, t_c)
+
+  /// The whole duration, or only that of counting if the gate closes.
+  double total(std::optional<std::uint64_t> gate) const {
+    return gate && events < *gate ? counting : static_cast<double>(counting) + rendering + network;
+  }
+};
+
+/// The part of a setting that costs time. Gate and confirmation themselves cost almost nothing.
+struct TimedSetting {
+  HeatmapOptions rendering;
+  EngineKind engine = EngineKind::fast;
+  Precision precision = Precision::fp32;
+  bool sparse = true;
+  std::filesystem::path model;  ///< the bundle
+
+  friend bool operator==(const TimedSetting&, const TimedSetting&) = default;
+};
+
+struct TickTimesOptions {
+  unsigned pieces = 60;  ///< of each run, spread evenly over it, the same for every setting, > 0
+  unsigned ticks = 1;    ///< of each piece, after a full history and one tick to warm up, > 0
+  unsigned turns = 3;    ///< the result is their median, > 0
+};
+
+/// The times of one setting, by recording.
+using TimesOfRuns = std::vector<std::vector<TickTime>>;
+
+/// Times all settings in this process on this thread. In each piece of a recording, every setting takes one turn before any takes
+/// the next, in another order each time: other load on the machine affects all settings alike. The result for a tick is its turn
+/// of median length.
+/// @throws Error  if a recording or a model cannot be read, or does not fit the other
+std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std::span<const std::filesystem::path> recordings,
+                                    const TickTimesOptions& options = {}, const ProgressCallback& progress = {});
+
+void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
+std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
+
+}  // namespace tactile

@@ -1,0 +1,102 @@
+#include "tactile/experiments/trade/trade.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "tactile/core/error.hpp"
+#include "tactile/experiments/folder_lock.hpp"
+#include "tactile/experiments/trade/judge_points.hpp"
+#include "tactile/experiments/trade/recommend_setting.hpp"
+#include "tactile/experiments/trade/trade_results.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Announces the parts of the work, each once one of its steps is due: parts whose steps are all kept are not mentioned.
+class Parts {
+ public:
+  Parts(const TradeOptions& options, StepCallback on_step)
+      : on_step_(std::move(on_step)),
+        count_(1 + (options.full ? 0 : 1) + (options.seeds > 1 ? 1 : 0) + (options.growth ? 1 : 0) +
+               (options.constraints.any() ? 1 : 0)) {}
+
+  void begin(const std::string& description) { part_ = fmt::format("part {} of {}: {}", ++begun_, count_, description); }
+
+  void on_step(const std::string& step, bool kept) {
+    if (!on_step_) return;
+    if (!kept && !part_.empty()) on_step_(std::exchange(part_, {}), false);
+    on_step_(step, kept);
+  }
+
+ private:
+  StepCallback on_step_;
+  int count_, begun_ = 0;
+  std::string part_;  ///< not announced yet
+};
+
+MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Parts& parts, StepRunner& runner) {
+  const TradeOptions& options = plan.options;
+  MeasuredPoints measured{.points = designed_points(plan)};
+  parts.begin(
+      fmt::format("{}, {} settings", options.full ? "every combination" : "one change at a time", measured.points.size()));
+  measure(plan, "times-design", trainer, runner, measured);
+  if (!options.full) {
+    const std::size_t before = measured.points.size();
+    const auto corners = promising_corners(options.usual, options.levels, known_outcomes(measured.points), options.corners);
+    add_points(measured.points, corners, "corner");
+    parts.begin(fmt::format("{} combinations that look promising", measured.points.size() - before));
+    if (measured.points.size() > before) measure(plan, "times", trainer, runner, measured);
+  }
+  if (options.seeds > 1) parts.begin(fmt::format("settings on a front and the usual setting with {} seeds", options.seeds));
+  measure_all_seeds(plan, trainer, runner, measured);
+  return measured;
+}
+
+}  // namespace
+
+TradeSummary run_trade(const TradeOptions& requested, const NewProgress& new_progress, const StepCallback& on_step) {
+  const TradeOptions options = completed(requested);
+  Parts parts(options, on_step);
+  const FolderLock lock(options.out, "tactile trade");
+  StepRunner runner({.folder = options.out,
+                     .program = options.program,
+                     .threads = options.threads,
+                     .new_progress = new_progress,
+                     .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
+  const Dataset dataset(options.data / "dataset.h5");
+  const TradePlan plan = plan_trade(options, dataset);
+  NetworkTrainer trainer(plan, runner);
+  const MeasuredPoints measured = measure_design(plan, trainer, parts, runner);
+  if (options.growth) parts.begin("how the cost of a tick grows");
+  const json growth = options.growth ? time_cost_growth(plan, runner) : json();
+  if (options.constraints.any()) parts.begin("a setting for the constraints");
+  const json recommendation = recommend_setting(plan, measured.points, runner);
+  const json trade = trade_json(plan, {.points = measured.points,
+                                       .not_measured = measured.not_measured,
+                                       .growth = growth,
+                                       .recommendation = recommendation,
+                                       .unfinished = trainer.unfinished(),
+                                       .steps = runner.records()});
+  write_trade(trade, options.out);
+  return {.trade = trade, .file = options.out / "trade.json", .done = runner.done_now(), .kept = runner.kept()};
+}
+
+json detect_config(const json& trade, const fs::path& trade_folder) {
+  const json& recommendation = trade.at("recommendation");
+  if (recommendation.at("id").is_null() || !recommendation.at("met").get<bool>())
+    throw Error("no setting to apply: " + recommendation.at("sentence").get<std::string>());
+  const json& setting = recommendation.at("setting");
+  const fs::path models = trade_folder / trade.at("settings").at("models").get<std::string>();
+  return {{"model", fs::weakly_canonical(fs::absolute(models / recommendation.at("model").get<std::string>())).string()},
+          {"tick-us", static_cast<std::int64_t>(std::llround(1000 * setting.at("tick_ms").get<double>()))},
+          {"engine", setting.at("engine")},
+          {"precision", setting.at("precision")},
+          {"confirm", setting.at("confirm")},
+          {"gate", setting.at("gate")}};
+}
+
+}  // namespace tactile

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/trade/plan_trade.hpp"
+
+namespace tactile {
+
+/// The outcome of `run_trade`.
+struct TradeSummary {
+  nlohmann::json trade;  ///< the contents of trade.json; docs/format.md lists its keys
+  std::filesystem::path file;
+  std::size_t done = 0, kept = 0;  ///< number of steps done now, and found done
+};
+
+/// Measures accuracy, detection delay, false alarms and time per tick over all values of `options.levels`: one change of the
+/// usual setting at a time, then the combinations that look promising; or all combinations. Trains the networks that a setting
+/// needs, and those on a front with several seeds. Chooses settings on some runs and reports them on the others. Keeps all that
+/// is done and unchanged. An interrupted call resumes.
+/// @throws Error  if an option is out of its range, there are no runs to choose on beside those to report on, another process
+///                works in the same folder, or a step fails
+TradeSummary run_trade(const TradeOptions& options, const NewProgress& new_progress = {}, const StepCallback& on_step = {});
+
+/// The config that `tactile detect --config` reads, for the recommended setting. @throws Error  if none was recommended
+nlohmann::json detect_config(const nlohmann::json& trade, const std::filesystem::path& trade_folder);
+
+}  // namespace tactile

@@ -1,0 +1,165 @@
+#include "tactile/experiments/trade/trade_results.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tactile/core/json_text.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/experiments/experiment_json.hpp"
+#include "tactile/experiments/milliseconds.hpp"
+#include "tactile/experiments/run_division.hpp"
+#include "tactile/windows/dataset_settings.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json point_json(const TradePoint& point, const TradeSetting& usual) {
+  json networks = json::array();
+  for (const TradeNetwork& network : point.networks) networks.push_back(network.name());
+  json entry = {
+      {"id", id_of(point.setting)}, {"text", text_of(point.setting, usual)},
+      {"design", point.design},     {"setting", point.setting},
+      {"models", networks},         {"seeds", point.networks.size()},
+      {"choice", point.choice},     {"reported", point.reported},
+      {"difference", nullptr},      {"front", {{"accuracy", point.on_accuracy_front}, {"delay", point.on_delay_front}}}};
+  if (point.difference) entry["difference"] = *point.difference;
+  return entry;
+}
+
+/// The number of settings whose 99 % quantile of the time per tick is uncertain by more than a factor of four. The slowest
+/// heatmap of a run takes about twice as long as usual; all else is other load on the machine.
+std::size_t on_a_busy_machine(std::span<const TradePoint> points) {
+  return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [](const TradePoint& point) {
+    const auto is_uncertain = [](const Figure& us) { return us.has_interval() && *us.high > 4 * *us.low; };
+    return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
+  }));
+}
+
+json json_of(const TradeLevels& tried) {
+  json levels = json::object();
+  for (const TradeFactor& factor : factors_of(tried)) {
+    levels[factor.name] = json::array();
+    for (const TradeLevel& level : factor.levels) levels[factor.name].push_back(level.text);
+  }
+  return levels;
+}
+
+json settings_json(const TradeOptions& options) {
+  return {{"data", from_folder(options.data, options.out)},
+          {"models", from_folder(options.models, options.out)},
+          {"train_run", options.train_run},
+          {"choice_runs", options.choice_runs},
+          {"epochs", options.epochs},
+          {"seeds", options.seeds},
+          {"seed", options.seed},
+          {"full", options.full},
+          {"budget_minutes", options.budget_minutes ? json(*options.budget_minutes) : json()},
+          {"levels", json_of(options.levels)}};
+}
+
+/// Pairs of history and tick that fit no setting.
+json left_out_json(const TradeLevels& levels) {
+  json left_out = json::array();
+  for (const LeftOutPair& pair : left_out_pairs(levels)) {
+    left_out.push_back(
+        {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is no whole number of ticks"}});
+  }
+  return left_out;
+}
+
+json not_measured_json(const TradeOptions& options, const TradeFindings& findings) {
+  json not_measured = json::array();
+  for (const TradePoint& point : findings.points) {
+    if ((point.on_accuracy_front || point.on_delay_front) && point.networks.size() < options.seeds)
+      not_measured.push_back(
+          {{"setting", text_of(point.setting, options.usual)},
+           {"why", fmt::format("with {} of {} seeds: the budget was used up", point.networks.size(), options.seeds)}});
+  }
+  for (const NotMeasured& one : findings.not_measured) not_measured.push_back({{"setting", one.setting}, {"why", one.why}});
+  return not_measured;
+}
+
+}  // namespace
+
+json trade_json(const TradePlan& plan, const TradeFindings& findings) {
+  const TradeOptions& options = plan.options;
+  const Dataset& dataset = plan.dataset;
+  const BootstrapOptions bootstrap;
+  json points = json::array();
+  for (const TradePoint& point : findings.points) points.push_back(point_json(point, options.usual));
+  return {{"format", "tactile-trade-1"},
+          {"title", fmt::format("Speed against accuracy on {} runs", dataset.simulated() ? "simulated" : "real")},
+          {"simulated", dataset.simulated()},
+          {"times_are",
+           fmt::format(
+               "Time per tick is that of computing: counting events, rendering and network, on one thread of one process, at {} "
+               "times of every run, the median of {} turns, in which all settings come one after the other, so that what else "
+               "the machine does falls on all alike. 'tactile detect' reports itself how long it waits beside that.",
+               options.timing.ticks * options.timing.pieces, options.timing.turns)},
+          {"settings", settings_json(options)},
+          {"software", software_json()},
+          {"machine", machine_json(options.threads)},
+          {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
+          {"dataset",
+           {{"file", from_folder(dataset.file(), options.out)},
+            {"manifest_hash", dataset.manifest_hash()},
+            {"settings", dataset_settings_in(dataset.settings())},
+            {"samples", dataset.samples().size()}}},
+          {"runs",
+           {{"train", names_of(dataset, plan.train)},
+            {"choice", names_of(dataset, plan.choice())},
+            {"reported", names_of(dataset, plan.reported())}}},
+          {"usual", id_of(options.usual)},
+          {"busy", on_a_busy_machine(findings.points)},
+          {"points", points},
+          {"left_out", left_out_json(options.levels)},
+          {"not_measured", not_measured_json(options, findings)},
+          {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
+          {"growth", findings.growth},
+          {"recommendation", findings.recommendation},
+          {"steps", steps_json(findings.steps)}};
+}
+
+void write_trade(const json& trade, const fs::path& folder) {
+  write_whole(folder / "trade.csv", trade_csv(trade));
+  write_whole(folder / "trade.json", json_text(trade, 2) + "\n");
+}
+
+std::string trade_csv(const json& trade) {
+  std::string csv =
+      "id,design,seeds,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,gate,runs,"
+      "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p95_us,missed,"
+      "false_alarms_per_min,false_alarms_per_min_low,false_alarms_per_min_high,us_p50,us_p50_low,us_p50_high,"
+      "us_p99,us_p99_low,us_p99_high,front_accuracy,front_delay\n";
+  const auto number = [](const json& value) {
+    return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>());
+  };
+  const auto figure = [&](const json& value) {
+    return fmt::format("{},{},{}", number(value.at("value")), number(value.at("low")), number(value.at("high")));
+  };
+  for (const json& point : trade.at("points")) {
+    for (const char* runs : {"choice", "reported"}) {
+      const json &setting = point.at("setting"), &result = point.at(runs);
+      const auto word = [&](const char* key) { return setting.at(key).get<std::string>(); };
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},", point.at("id").get<std::string>(),
+                         point.at("design").get<std::string>(), point.at("seeds").get<std::size_t>(), number(setting.at("th_ms")),
+                         number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"), word("denoise"),
+                         word("engine"), word("precision"), word("pass"), word("confirm"),
+                         setting.at("gate").get<bool>() ? "on" : "off", runs);
+      const json& delay = result.at("delay_us");
+      csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", figure(result.at("accuracy")), figure(delay.at("mean")),
+                         number(delay.at("p95").at("value")), number(delay.at("missed").at("value")),
+                         figure(result.at("false_alarms_per_min")), figure(result.at("us").at("p50")),
+                         figure(result.at("us").at("p99")), point.at("front").at("accuracy").get<bool>() ? 1 : 0,
+                         point.at("front").at("delay").get<bool>() ? 1 : 0);
+    }
+  }
+  return csv;
+}
+
+}  // namespace tactile

@@ -1,0 +1,70 @@
+#include "tactile/experiments/trade/trade_setting.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "tactile/core/duration_units.hpp"
+
+namespace tactile {
+namespace {
+
+/// One value of a setting, in the form of each output.
+struct SettingValue {
+  const char* key;
+  nlohmann::json value;
+  std::string id, text;
+};
+
+std::vector<SettingValue> values_of(const TradeSetting& setting) {
+  const double th_ms = in_ms(setting.rendering.history), tick_ms = in_ms(setting.rendering.tick);
+  const double factor = setting.rendering.factor;
+  const nlohmann::json rendering = setting.rendering;
+  const std::string resize = rendering.at("resize"), denoise = rendering.at("denoise");
+  const std::string engine(name_of(setting.engine)), precision(name_of(setting.precision));
+  const std::string pass = setting.sparse ? "sparse" : "dense", confirm = text_of(setting.confirmation);
+  return {{"th_ms", th_ms, fmt::format("th{:g}", th_ms), fmt::format("t_h {:g} ms", th_ms)},
+          {"tick_ms", tick_ms, fmt::format("tick{:g}", tick_ms), fmt::format("tick {:g} ms", tick_ms)},
+          {"factor", factor, fmt::format("f{:.6g}", factor), fmt::format("factor {:g}", factor)},
+          {"resize", resize, resize, "resize " + resize},
+          {"denoise", denoise, denoise, "denoise " + denoise},
+          {"engine", engine, engine, "engine " + engine},
+          {"precision", precision, precision, precision},
+          {"pass", pass, pass, pass},
+          {"confirm", confirm, fmt::format("{}of{}", setting.confirmation.needed, setting.confirmation.of), "confirm " + confirm},
+          {"gate", setting.gate, setting.gate ? "gate" : "open", setting.gate ? "gate" : "no gate"}};
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const TradeSetting& setting) {
+  json = nlohmann::json::object();
+  for (const SettingValue& value : values_of(setting)) json[value.key] = value.value;
+}
+
+std::string id_of(const TradeSetting& setting) {
+  std::vector<std::string> parts;
+  for (const SettingValue& value : values_of(setting)) parts.push_back(value.id);
+  return fmt::format("{}", fmt::join(parts, "-"));
+}
+
+std::string text_of(const TradeSetting& setting, const TradeSetting& base) {
+  const std::vector<SettingValue> values = values_of(setting), usual = values_of(base);
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i].value != usual[i].value) words.push_back(values[i].text);
+  }
+  return words.empty() ? "as usual" : fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::optional<std::string> why_impossible(const TradeSetting& setting) {
+  const HeatmapOptions& rendering = setting.rendering;
+  if (rendering.history % rendering.tick != microseconds{0})
+    return fmt::format("t_h {:g} ms is no whole number of ticks of {:g} ms", in_ms(rendering.history), in_ms(rendering.tick));
+  if (setting.engine == EngineKind::libtorch && (setting.precision != Precision::fp32 || !setting.sparse))
+    return "libtorch computes all, in fp32";
+  return std::nullopt;
+}
+
+}  // namespace tactile

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "tactile/core/confirmation.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/model/inference/lenet_engine.hpp"
+
+namespace tactile {
+
+/// All parameters of a detector that trade speed for accuracy. The defaults are the paper's; those that change no verdict are the
+/// fastest.
+struct TradeSetting {
+  HeatmapOptions rendering{};  ///< its tick is the detector's; the model may have another
+  EngineKind engine = EngineKind::fast;
+  Precision precision = Precision::fp32;
+  bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
+  Confirmation confirmation{};
+  bool gate = false;
+
+  friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
+};
+
+/// {"th_ms", "tick_ms", "factor", "resize", "denoise", "engine", "precision", "pass", "confirm", "gate"}
+void to_json(nlohmann::json& json, const TradeSetting& setting);
+
+/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open".
+std::string id_of(const TradeSetting& setting);
+
+/// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.
+std::string text_of(const TradeSetting& setting, const TradeSetting& base = {});
+
+/// Why the setting is impossible; nothing if it is possible.
+std::optional<std::string> why_impossible(const TradeSetting& setting);
+
+}  // namespace tactile

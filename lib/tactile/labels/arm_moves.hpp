@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "tactile/alignment/run_signals.hpp"
+#include "tactile/alignment/session_clocks.hpp"
+#include "tactile/labels/touches.hpp"
+
+namespace tactile {
+
+constexpr microseconds well_placed = 30ms;  ///< a lift whose clock is known so well splits and joins bursts
+
+/// The lifts and taps of a run, in camera time.
+struct ArmMoves {
+  std::vector<ArmMove> lifts, taps;
+  bool rises = false;      ///< the log has a lift
+  bool all_placed = true;  ///< the clock of every piece with a lift is known
+  microseconds logged{0};  ///< time that the log covers
+};
+
+ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks);
+
+/// The run's bursts, split where well-placed lifts begin, and joined within them.
+std::vector<Burst> bursts_by_lift(const RunSignals& signals, const std::vector<ArmMove>& lifts, const ActivityOptions& options);
+
+}  // namespace tactile

@@ -1,0 +1,64 @@
+#include "tactile/labels/label_options.hpp"
+
+namespace tactile {
+
+nlohmann::json settings_of(const LabelOptions& options) {
+  nlohmann::json region;
+  if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
+  const AnchorOptions& anchors = options.clocks.anchors;
+  const ClockFitOptions& fit = options.clocks.fit;
+  return {{"rate",
+           {{"bin_us", options.signals.rate.bin.count()},
+            {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
+            {"flickers", options.signals.rate.flickers}}},
+          {"activity",
+           {{"smoothing_us", options.signals.activity.smoothing.count()},
+            {"enter", options.signals.activity.enter},
+            {"leave", options.signals.activity.leave},
+            {"merge_us", options.signals.activity.merge.count()},
+            {"shortest_us", options.signals.activity.shortest.count()}}},
+          {"shortest_gap_us", options.signals.shortest_gap.count()},
+          {"video", {{"width", options.signals.video.width}, {"region", region}}},
+          {"touches", {{"releases", options.touches.releases}, {"shortest_press_us", options.touches.shortest_press.count()}}},
+          {"onset",
+           {{"before_us", options.onset.before.count()},
+            {"first_contact_us", options.onset.first_contact.count()},
+            {"rise_us", options.onset.rise.count()},
+            {"first_drag_us", options.onset.first_drag.count()},
+            {"latency_us", options.onset.latency.count()},
+            {"longest_blind_us", options.onset.longest_blind.count()},
+            {"blind_anew_us", options.onset.blind_reset.count()},
+            {"too_wide_ms", options.onset.too_wide_ms}}},
+          {"end",
+           {{"still_share", options.end.still_share},
+            {"press_still_us", options.end.press_still.count()},
+            {"slip_still_us", options.end.slip_still.count()},
+            {"rung_out_us", options.end.rung_out.count()},
+            {"stick_phase_us", options.end.stick_phase.count()},
+            {"least_error_us", options.end.least_error.count()},
+            {"too_wide_ms", options.end.too_wide_ms}}},
+          {"anchors",
+           {{"grid_us", anchors.grid.count()},
+            {"ambiguous_below", anchors.ambiguous_below},
+            {"least_likeness", anchors.least_likeness},
+            {"most_slack_m", anchors.most_slack_m},
+            {"stage_delay_us", anchors.stage_delay.count()}}},
+          {"clock_fit",
+           {{"most_drift_ppm", fit.most_drift_ppm},
+            {"usual_drift_ppm", fit.usual_drift_ppm},
+            {"drift_needs_anchors", fit.drift_needs_anchors},
+            {"drift_needs_span_us", fit.drift_needs_span.count()},
+            {"reject_beyond", fit.reject_beyond}}},
+          {"video_clock",
+           {{"coarse_offset_us", options.video_clock.coarse_offset_us ? nlohmann::json(*options.video_clock.coarse_offset_us)
+                                                                      : nlohmann::json(nullptr)},
+            {"search_us", options.video_clock.search.count()},
+            {"least_likeness", options.video_clock.least_likeness},
+            {"least_ambiguity", options.video_clock.least_ambiguity},
+            {"most_disagreement_us", options.video_clock.most_disagreement_us}}},
+          {"longest_disagreement_us", options.longest_disagreement.count()},
+          {"latest_slip_us", options.latest_slip.count()},
+          {"earliest_slip_us", options.earliest_slip.count()}};
+}
+
+}  // namespace tactile

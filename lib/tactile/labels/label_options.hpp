@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tactile/alignment/run_signals.hpp"
+#include "tactile/alignment/session_clocks.hpp"
+#include "tactile/alignment/video_clock.hpp"
+#include "tactile/labels/onset.hpp"
+#include "tactile/labels/touch_end.hpp"
+#include "tactile/labels/touches.hpp"
+
+namespace tactile {
+
+struct LabelOptions {
+  RunSignalsOptions signals{};
+  RobotClocksOptions clocks{};
+  TouchesOptions touches{};
+  OnsetOptions onset{};
+  EndOptions end{};
+  VideoClockOptions video_clock{};
+  microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more in length, or film and events in
+                                               ///< an onset
+  microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
+  microseconds earliest_slip{5'000};           ///< flagged if it starts so long before, less the clock's uncertainty
+};
+
+nlohmann::json settings_of(const LabelOptions& options);
+
+}  // namespace tactile

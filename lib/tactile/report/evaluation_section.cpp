@@ -1,0 +1,274 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tactile/report/detection_plots.hpp"
+#include "tactile/report/report_page.hpp"
+
+namespace tactile {
+namespace {
+
+std::string count_text(std::uint64_t count) { return fmt::format("{}", count); }
+
+/// Accuracies, one column for each way to measure them.
+HtmlTable accuracy_table(const Evaluation& scores) {
+  std::vector<std::pair<std::string, const Accuracy*>> columns{{"network", &scores.accuracy}};
+  // The first guard is the dataset's own, which is the network's column.
+  for (std::size_t i = 1; i < scores.guards.size(); ++i) {
+    const double guard_ms = static_cast<double>(scores.guards[i].guard.count()) / 1000;
+    columns.emplace_back(fmt::format("guard {:g} ms", guard_ms), &scores.guards[i].accuracy);
+  }
+  for (const BaselineScore& baseline : scores.baselines) columns.emplace_back("baseline " + baseline.name, &baseline.accuracy);
+  if (scores.truth) columns.emplace_back("by true class", &scores.truth->accuracy);
+  std::erase_if(columns,
+                [](const auto& column) { return !std::isfinite(column.second->mean.value) && column.second->objects.empty(); });
+  HtmlTable table{
+      .caption =
+          "Accuracy [%] on balanced samples; below each its 95 % interval. Guard: minimum distance of none samples from every "
+          "interval; the paper uses 0 ms. Baselines are simpler methods on the same samples.",
+      .head = {"object"},
+      .rows = {}};
+  if (columns.empty()) return table;
+  std::set<std::string> objects;
+  table.rows.push_back({{.text = "mean over objects"}});
+  for (const auto& [name, accuracy] : columns) {
+    table.head.push_back(name);
+    table.rows[0].push_back(percent_cell(accuracy->mean));
+    for (const auto& object : accuracy->objects) objects.insert(object.first);
+  }
+  for (const std::string& object : objects) {
+    table.rows.push_back({{.text = object}});
+    for (const auto& [name, accuracy] : columns) {
+      const auto found = accuracy->objects.find(object);
+      table.rows.back().push_back(percent_cell(found == accuracy->objects.end() ? Figure{} : found->second));
+    }
+  }
+  return table;
+}
+
+HtmlTable delay_table(const std::string& caption) {
+  return {
+      .caption = caption, .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"}, .rows = {}};
+}
+
+void add_delay(HtmlTable& table, const std::string& object, const std::string& touch, const DelaySummary& delay) {
+  if (delay.intervals == 0) return;
+  table.rows.push_back({{.text = object},
+                        {.text = touch},
+                        number_cell(delay.mean_ms.value),
+                        number_cell(delay.sem_ms),
+                        number_cell(count_text(delay.intervals)),
+                        number_cell(count_text(delay.misses)),
+                        number_cell(count_text(delay.early))});
+}
+
+void add_delays(HtmlTable& table, const std::string& touch, const DelayTable& delays) {
+  if (delays.all.intervals == 0) return;
+  add_delay(table, "all objects", touch, delays.all);
+  for (const auto& [object, delay] : delays.objects) add_delay(table, object, touch, delay);
+}
+
+bool has_standard_errors(const DelayTable& delays) {
+  return std::any_of(delays.objects.begin(), delays.objects.end(),
+                     [](const auto& object) { return std::isfinite(object.second.sem_ms); });
+}
+
+void add_delays(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+  page.html.heading("Detection delay");
+  const DelayTable &press = scores.network.press, &slip = scores.network.slip;
+  std::set<std::string> names;
+  for (const DelayTable* delays : {&press, &slip}) {
+    for (const auto& object : delays->objects) names.insert(object.first);
+  }
+  if (names.empty()) {
+    page.missing.push_back("Detection delays (the paper's figure 7) of " + model + ".");
+  } else {
+    page.figure(
+        "delays" + suffix,
+        delay_plot(page.titled("Detection delay, " + model), {names.begin(), names.end()}, press.objects, slip.objects),
+        fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.", press.all.mean_ms.value,
+                    slip.all.mean_ms.value),
+        fmt::format("Detection delay of press and slip{}, as in the paper's figure 7. The best possible delay is one tick, "
+                    "{:g} ms. Means do not include missed and early intervals, which are counted beside the bars.",
+                    has_standard_errors(press) || has_standard_errors(slip)
+                        ? " with standard errors, where an object has two detected intervals"
+                        : "; no object has two detected intervals, which a standard error needs",
+                    static_cast<double>(scores.tick.count()) / 1000));
+    HtmlTable table = delay_table(
+        "Detection delay from the labelled onset. Trivial detectors ignore the events; they are scored on the same intervals");
+    add_delays(table, "press", press);
+    add_delays(table, "slip", slip);
+    for (const auto& [name, trivial] : scores.trivial) {
+      add_delay(table, "all objects, by " + name, "press", trivial.press.all);
+      add_delay(table, "all objects, by " + name, "slip", trivial.slip.all);
+    }
+    page.html.table(table);
+  }
+  if (!scores.truth) return;
+  HtmlTable table = delay_table(
+      "Detection delay from the true onset of the simulation; gross: from the first motion between object and tip, negative "
+      "where "
+      "slip is predicted before it");
+  add_delays(table, "press", scores.truth->press);
+  add_delays(table, "slip", scores.truth->slip);
+  add_delays(table, "slip, gross", scores.truth->gross_slip);
+  page.html.table(table);
+}
+
+std::vector<HtmlCell> alarm_row(const std::string& detector, const DetectorScore& score) {
+  const FalseAlarms& total = score.false_alarms.total;
+  const bool has_counts = total.none_time > microseconds{0};
+  const auto count = [&](std::uint64_t alarms) { return number_cell(has_counts ? count_text(alarms) : std::string("-")); };
+  const auto delay = [](const DelaySummary& summary) {
+    HtmlCell cell = number_cell(summary.mean_ms.value);
+    if (summary.misses == summary.intervals && summary.misses > 0)
+      cell.second_line = fmt::format("all {} missed", summary.misses);
+    else if (summary.early == summary.intervals && summary.early > 0)
+      cell.second_line = fmt::format("all {} early", summary.early);
+    else if (summary.misses + summary.early > 0)
+      cell.second_line = fmt::format("{} missed, {} early", summary.misses, summary.early);
+    return cell;
+  };
+  return {{.text = detector},           figure_cell(score.false_alarms.per_min),
+          count(total.alarms),          has_counts ? number_cell(in_minutes(total.none_time), 3) : number_cell("-"),
+          count(total.after_intervals), count(total.unlabelled),
+          delay(score.press.all),       delay(score.slip.all)};
+}
+
+void add_false_alarms(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+  const bool has_alarms = std::isfinite(scores.network.false_alarms.per_min.value);
+  if (has_alarms || !scores.trivial.empty()) {
+    page.html.heading("False alarms");
+    HtmlTable table{.caption =
+                        "False alarms over every tick of the runs. Trivial detectors ignore the events. Alarms that begin "
+                        "within the guard after an interval, or in unlabelled motion, are counted separately",
+                    .head = {"detector", "per minute", "false alarms", "minutes of none", "after intervals",
+                             "in unlabelled motion", "mean delay of press [ms]", "mean delay of slip [ms]"},
+                    .rows = {}};
+    if (has_alarms) table.rows.push_back(alarm_row("network", scores.network));
+    for (const auto& [name, trivial] : scores.trivial) table.rows.push_back(alarm_row(name, trivial));
+    page.html.table(table);
+  }
+  if (scores.operating_curve.empty()) {
+    page.missing.push_back("Delay against false alarms of " + model + ".");
+    return;
+  }
+  std::optional<OperatingPoint> own;
+  if (has_alarms) {
+    own = OperatingPoint{.press = scores.network.press.all,
+                         .slip = scores.network.slip.all,
+                         .false_alarms_per_min = scores.network.false_alarms.per_min};
+  }
+  page.figure(
+      "operating-curve" + suffix,
+      operating_curve_plot(page.titled("Delay against false alarms, " + model), scores.operating_curve, own),
+      "Mean detection delay, and the share of missed or early intervals, against false alarms per minute.",
+      "The price of a higher probability threshold: mean detection delay of press and slip, and the share of missed or early "
+      "intervals, against false alarms per minute. Press or slip is predicted from the threshold on. Diamonds: the network's "
+      "own verdicts, which are the likeliest class, without a threshold.");
+}
+
+void add_classes(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+  if (scores.confusion.samples() > 0) {
+    page.html.heading("Confusion");
+    page.figure("confusion" + suffix, confusion_plot(page.titled("Confusion, " + model), scores.confusion),
+                "Table of three true classes by three predicted classes.",
+                "Predictions on balanced samples of each class: share of the class, and number of samples.");
+    HtmlTable table{.caption = "Samples by true class (rows) and predicted class",
+                    .head = {"true \\ predicted", "none", "press", "slip"},
+                    .rows = {}};
+    for (const Touch touch : all_touches) {
+      table.rows.push_back({{.text = std::string(name_of(touch))}});
+      for (const std::uint64_t count : scores.confusion.counts[static_cast<std::size_t>(touch)])
+        table.rows.back().push_back(number_cell(count_text(count)));
+    }
+    page.html.table(table);
+  } else {
+    page.missing.push_back("The confusion of " + model + ".");
+  }
+  HtmlTable table{
+      .caption = "Scores of each class [%], on balanced samples", .head = {"class", "precision", "recall", "F1"}, .rows = {}};
+  for (const Touch touch : all_touches) {
+    const ClassScore& score = scores.classes.all[static_cast<std::size_t>(touch)];
+    const auto measured = {score.precision.value, score.recall.value, score.f1.value};
+    if (std::none_of(measured.begin(), measured.end(), [](double value) { return std::isfinite(value); })) continue;
+    table.rows.push_back({{.text = std::string(name_of(touch))},
+                          percent_cell(score.precision),
+                          percent_cell(score.recall),
+                          percent_cell(score.f1)});
+  }
+  page.html.table(table);
+}
+
+void add_calibration(ReportPage& page, const Calibration& calibration, const std::string& model, const std::string& suffix) {
+  const bool has_samples =
+      std::any_of(calibration.bins.begin(), calibration.bins.end(), [](const ReliabilityBin& bin) { return bin.samples > 0; });
+  if (!has_samples) {
+    page.missing.push_back("The reliability of " + model + ".");
+    return;
+  }
+  page.html.heading("Calibration");
+  page.figure("reliability" + suffix, reliability_plot(page.titled("Reliability, " + model), calibration.bins),
+              "Accuracy against the largest probability, with the number of samples below.",
+              fmt::format("Reliability: accuracy by the network's largest probability. Bins of fewer than {} samples are hollow. "
+                          "Expected calibration error: {:.2f} %.",
+                          few_samples, 100 * calibration.error.value));
+}
+
+void add_over_time(ReportPage& page, const OverTime& over_time, const std::string& model, const std::string& suffix) {
+  const auto has_bins = [](const AccuracyOverTime& touch) { return !touch.since_onset.empty() || !touch.before_end.empty(); };
+  if (has_bins(over_time.press) || has_bins(over_time.slip)) {
+    page.html.heading("Within intervals");
+    page.figure("over-time" + suffix,
+                over_time_plot(page.titled("Correct predictions within intervals, " + model), over_time.press, over_time.slip),
+                "Share of ticks predicted correctly since the onset and before the end of presses and slips.",
+                "Predictions over each whole interval: since its onset, and before its end, where the paper finds that they get "
+                "worse. Training uses only the first 500 ms.");
+  }
+  HtmlTable table{
+      .caption =
+          "Share of ticks predicted correctly [%]: in the first 500 ms of intervals; later; in their last 200 ms; before the "
+          "last 200 ms of longer intervals; the difference of these two. Last column: ticks just after an interval that "
+          "still predict press or slip; part of them is due to the history itself",
+      .head = {"class", "first", "later", "last", "before the last", "last less before", "still predicted after"},
+      .rows = {}};
+  for (const auto& [name, accuracy] :
+       {std::pair("press", &over_time.press), std::pair("slip", &over_time.slip), std::pair("both", &over_time.both)}) {
+    const ShareOverTime& share = accuracy->all;
+    const auto columns = {share.first, share.later, share.last, share.before_last, share.last_minus_before, share.still_said};
+    if (std::none_of(columns.begin(), columns.end(), [](const Figure& figure) { return std::isfinite(figure.value); })) continue;
+    table.rows.push_back({{.text = name}});
+    for (const Figure& figure : columns) table.rows.back().push_back(percent_cell(figure));
+  }
+  page.html.table(table);
+}
+
+}  // namespace
+
+void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
+  const Evaluation& scores = evaluation.scores;
+  const std::string& model = evaluation.model;
+  const std::string suffix =
+      evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
+  const std::string where = evaluation.runs.size() > 60 ? std::string("its test runs") : evaluation.runs;
+  page.html.section("evaluation" + suffix,
+                    fmt::format("Detection: {} ({:g} ms){}{}", model, evaluation.history_ms, where.empty() ? "" : ", ", where));
+  if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
+  page.html.paragraph(fmt::format("Model {}, history {:g} ms, a tick every {:g} ms, confirmation {}. Runs: {}.", model,
+                                  evaluation.history_ms, static_cast<double>(scores.tick.count()) / 1000, scores.confirm,
+                                  evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+  if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {
+    page.html.heading("Accuracy");
+    page.html.table(table);
+  }
+  add_delays(page, scores, model, suffix);
+  add_false_alarms(page, scores, model, suffix);
+  add_classes(page, scores, model, suffix);
+  add_calibration(page, scores.calibration, model, suffix);
+  add_over_time(page, scores.over_time, model, suffix);
+  if (evaluation.is_folded) page.html.end_folded();
+}
+
+}  // namespace tactile

@@ -1,0 +1,46 @@
+#include "tactile/report/figure_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tactile/pictures/plot_script.hpp"
+
+namespace tactile {
+
+void AccuracyAxis::include(const Figure& accuracy) {
+  for (const double value : {accuracy.value, accuracy.low.value_or(NAN)}) {
+    if (std::isfinite(value)) least_ = std::min(least_, percent(value));
+  }
+}
+
+double AccuracyAxis::begin() const { return std::clamp(10 * std::floor((least_ - 1) / 10), 0.0, 90.0); }
+
+void Whiskers::include(const Figure& measured) {
+  values_ += std::isfinite(measured.value) ? 1U : 0U;
+  intervals_ += measured.has_interval() ? 1U : 0U;
+}
+
+std::string Whiskers::in_words() const {
+  if (intervals_ == 0) return " No intervals: they need 3 runs or objects.";
+  return intervals_ < values_ ? " Whiskers: 95 % intervals, where there are 3 runs or objects." : " Whiskers: 95 % intervals.";
+}
+
+void add_interval(std::vector<double>& values, const Figure& measured) {
+  values.push_back(percent(measured.has_interval() ? *measured.low : measured.value));
+  values.push_back(percent(measured.has_interval() ? *measured.high : measured.value));
+}
+
+std::string first_of(std::size_t there, std::size_t shown) {
+  return there > shown ? fmt::format("The first {} of {} are shown. ", shown, there) : std::string();
+}
+
+std::string row_names(const std::vector<std::string>& names) {
+  std::string tics;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", plot_text(shortened(names[i], 22)), names.size() - 1 - i);
+  return tics.empty() ? "'' 0" : tics;
+}
+
+}  // namespace tactile

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tactile/results/figure.hpp"
+
+namespace tactile {
+
+// What several figures of results share.
+
+inline constexpr int page_width = 1000;         // [px]
+inline constexpr std::size_t most_panels = 60;  // of small panels, and of rows
+
+inline double percent(double share) { return 100 * share; }
+
+/// An axis of accuracy in percent. It ends at 100 and begins at the greatest whole ten below all values, at most 90.
+class AccuracyAxis {
+ public:
+  void include(const Figure& accuracy);
+  double begin() const;
+  double end() const { return 100 + 0.03 * (100 - begin()); }
+
+ private:
+  double least_ = 100;
+};
+
+/// Counts values and intervals, for the sentence that explains the whiskers.
+class Whiskers {
+ public:
+  void include(const Figure& measured);
+  std::string in_words() const;  ///< begins with a space
+
+ private:
+  std::size_t values_ = 0, intervals_ = 0;
+};
+
+/// Appends both ends of the interval in percent; twice the value where there is no interval, since gnuplot leaves out a point
+/// with a gap.
+void add_interval(std::vector<double>& values, const Figure& measured);
+
+/// "The first 60 of 100 are shown. "; empty where all are.
+std::string first_of(std::size_t there, std::size_t shown);
+
+/// Names of rows as tics of the y axis, the first on top.
+std::string row_names(const std::vector<std::string>& names);
+
+}  // namespace tactile

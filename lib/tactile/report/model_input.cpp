@@ -1,0 +1,180 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "tactile/core/json.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/report/input_parts.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_file(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored);
+}
+
+/// Dataset and settings of a model without its history, which is what models are compared by.
+nlohmann::json compared_settings(const nlohmann::json& model, const std::string& where) {
+  nlohmann::json settings = {{"dataset", {{"manifest_hash", JsonView(model, where)["dataset"]["manifest_hash"].words()}}}};
+  if (!model.is_object()) return settings.flatten();
+  for (const char* key : {"rendering", "split", "training", "network"})
+    settings[key] = model.value(key, nlohmann::json::object());
+  if (settings["rendering"].is_object()) settings["rendering"].erase("history_us");
+  return settings.flatten();
+}
+
+/// The other differences of two models: "training.learning_rate: 0.001 and 0.01; ..."; empty if there are none.
+std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
+  nlohmann::json ours = compared_settings(one, where);
+  const nlohmann::json theirs = compared_settings(two, where);
+  for (const auto& [path, value] : theirs.items()) {
+    if (!ours.contains(path)) ours[path] = nullptr;
+  }
+  std::string text;
+  for (const auto& [path, value] : ours.items()) {
+    const nlohmann::json other = theirs.value(path, nlohmann::json());
+    if (other == value) continue;
+    std::string name = path.substr(1);
+    std::replace(name.begin(), name.end(), '/', '.');
+    text += text.empty() ? "" : "; ";
+    text += name == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", name, value.dump(), other.dump());
+  }
+  return text;
+}
+
+/// A model's folder with its description and its evaluation, as views into JSON.
+class ModelFolder {
+ public:
+  explicit ModelFolder(const fs::path& folder)
+      : folder_(folder),
+        model_(read_json(folder / "model.json")),
+        evaluation_(is_file(folder / "eval.json") ? read_json(folder / "eval.json") : nlohmann::json()) {}
+
+  const fs::path& path() const { return folder_; }
+  std::string name() const { return fs::absolute(folder_).lexically_normal().filename().string(); }
+  const nlohmann::json& document() const { return model_; }
+  JsonView model() const { return {model_, (folder_ / "model.json").string()}; }
+  JsonView evaluation() const { return {evaluation_, (folder_ / "eval.json").string()}; }
+  double history_ms() const { return model()["rendering"]["history_us"].number() / 1000; }
+
+ private:
+  fs::path folder_;
+  nlohmann::json model_, evaluation_;
+};
+
+void read_evaluation(ReportInput& input, const ModelFolder& folder) {
+  const JsonView json = folder.evaluation();
+  if (!json) {
+    input.missing.push_back(fmt::format("{} was not evaluated; 'tactile eval --model {}' evaluates it.", folder.name(),
+                                        shell_word(folder.path().string())));
+    return;
+  }
+  add_sentences(input.remarks, json["warnings"]);
+  input.evaluations.push_back({.id = "reported",
+                               .model = folder.name(),
+                               .runs = list_of_runs(json["test_runs"].texts()),
+                               .history_ms = folder.history_ms(),
+                               .scores = json.get<Evaluation>()});
+}
+
+void read_unseen(ReportInput& input, const fs::path& folder) {
+  const fs::path file = folder / "eval-unseen.json";
+  if (!input.unseen.empty() || !is_file(file)) return;
+  const nlohmann::json document = read_json(file);
+  const UnseenComparison comparison = JsonView(document, file.string())["unseen"].get<UnseenComparison>();
+  if (!comparison.objects.empty()) input.unseen.push_back({.runs = list_of_runs(comparison.runs), .comparison = comparison});
+}
+
+void read_runs(ReportInput& input, const ModelFolder& folder) {
+  constexpr std::size_t most_runs = 3;
+  std::error_code ignored;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder.path() / "runs", ignored)) {
+    if (entry.path().extension() == ".csv") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& csv : files) {
+    if (input.runs.size() == most_runs) break;
+    input.runs.push_back({.run = csv.stem().string(),
+                          .model = folder.name(),
+                          .history_ms = input.history_ms,
+                          .csv = csv,
+                          .outcome = fs::path(csv).replace_extension(".json")});
+  }
+  if (files.size() > most_runs)
+    input.remarks.push_back(fmt::format("The first {} of {} runs over time are shown.", most_runs, files.size()));
+  if (files.empty()) {
+    input.missing.push_back(
+        fmt::format("No run over time (the paper's figure 8); 'tactile eval --model {} --run OBJECT/RUN' makes one.",
+                    shell_word(folder.path().string())));
+  }
+}
+
+std::vector<TableRow> settings_of(const ModelFolder& folder) {
+  const JsonView model = folder.model();
+  std::vector<TableRow> rows;
+  add_settings(rows, "bootstrap ", folder.evaluation()["bootstrap"]);
+  for (const std::string key : {"rendering", "split", "training", "network", "software"})
+    add_settings(rows, key + " ", model[key]);
+  rows.push_back({"dataset", model["dataset"]["file"].words()});
+  rows.push_back({"dataset manifest, SHA-256", model["dataset"]["manifest_hash"].words()});
+  rows.push_back({"threads of the training", model["threads"].words()});
+  return rows;
+}
+
+/// Accuracy by history, where the models have several.
+void add_histories(ReportInput& input, const std::vector<ModelFolder>& folders) {
+  std::vector<std::pair<double, JsonView>> by_history;
+  for (const ModelFolder& folder : folders) {
+    if (folder.evaluation() && std::isfinite(folder.history_ms()))
+      by_history.emplace_back(folder.history_ms(), folder.evaluation()["accuracy"]);
+  }
+  std::stable_sort(by_history.begin(), by_history.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (!by_history.empty() && by_history.front().first != by_history.back().first)
+    input.histories.push_back(histories_of("the test runs of each model", by_history));
+  else
+    input.missing.push_back(
+        "Accuracy by history (the paper's figure 6) needs models of several histories; 'tactile reproduce' trains them.");
+}
+
+}  // namespace
+
+ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data) {
+  const std::vector<ModelFolder> folders(paths.begin(), paths.end());
+  const ModelFolder& first = folders.front();
+  ReportInput input;
+  input.data = data;
+  if (std::isfinite(first.history_ms())) input.history_ms = first.history_ms();
+  std::vector<TableRow> models;
+  for (const ModelFolder& folder : folders) {
+    const JsonView model = folder.model();
+    const std::string name = folder.name();
+    if (const std::string other = other_settings(first.document(), folder.document(), model.where()); !other.empty())
+      input.remarks.push_back(fmt::format("{} and {} differ in more than their history: {}.", first.name(), name, other));
+    input.simulated = input.simulated || model["dataset"]["simulated"].truth();
+    const fs::path history = folder.path() / "history.csv";
+    if (is_there(input, history, "The training of " + name)) input.trainings.push_back(training_in(history, name));
+    models.push_back(
+        {name, model["trained_at"].words(), model["samples"].words(), model["weights_sha256"].words().substr(0, 16)});
+    read_unseen(input, folder.path());
+  }
+  read_evaluation(input, first);
+  read_runs(input, first);
+  add_histories(input, folders);
+  input.title =
+      fmt::format("Results of {}{}", first.name(), first.model()["dataset"]["simulated"].truth() ? " (simulated runs)" : "");
+  if (input.unseen.empty())
+    input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
+  input.missing.push_back("Only 'tactile reproduce' tests the paper's claims, and records the machine and the times.");
+  input.settings.push_back({.caption = "Settings and seeds", .head = {"setting", "value"}, .rows = settings_of(first)});
+  input.settings.push_back(
+      {.caption = "Models", .head = {"model", "trained at", "samples", "weights, SHA-256"}, .rows = std::move(models)});
+  return input;
+}
+
+}  // namespace tactile

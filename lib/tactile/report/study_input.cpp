@@ -1,0 +1,246 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/report/input_parts.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+using NamedRuns = std::pair<std::string, std::string>;  // a key of study.json, and its runs in words
+
+const NamedRuns reported_runs{"reported", "the reported runs"};
+const NamedRuns choice_runs{"choice", "the choice runs"};
+const NamedRuns all_test_runs{"all_test", "all test runs, as in the paper"};
+
+std::string percent_text(const Figure& figure) {
+  return std::isfinite(figure.value) ? fmt::format("{:.2f} %", 100 * figure.value) : "-";
+}
+
+std::string seconds_text(double seconds) {
+  if (!std::isfinite(seconds)) return "-";
+  if (seconds < 120) return fmt::format("{:.1f} s", seconds);
+  return fmt::format("{:.1f} min", seconds / 60);
+}
+
+void add_table(std::vector<ReportedTable>& tables, const std::string& caption, TableRow head, std::vector<TableRow> rows) {
+  if (!rows.empty()) tables.push_back({.caption = caption, .head = std::move(head), .rows = std::move(rows)});
+}
+
+void read_claims(ReportInput& input, const JsonView& study) {
+  input.claims = study["claims"].list_of<Claim>();
+  const auto without_verdict =
+      std::count_if(input.claims.begin(), input.claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
+  if (without_verdict > 0) {
+    input.missing.push_back(
+        fmt::format("{} of the {} claims have too few runs or objects for a verdict; another preset of 'tactile reproduce' has "
+                    "more.",
+                    without_verdict, input.claims.size()));
+  }
+  if (const std::string trainings = study["bootstrap"]["trainings"].text(); !trainings.empty()) {
+    input.remarks.push_back(trainings);
+    input.missing.push_back(
+        "The influence of the seed: no interval includes it. 'tactile reproduce --seeds N' trains with more seeds.");
+  }
+  add_sentences(input.remarks, study["remarks"]);
+  if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
+  std::vector<TableRow> rows;
+  for (const JsonView& one : study["left_out"].items()) {
+    const std::string what = one["what"].text();
+    rows.push_back({one["run"].text(), what == "run" ? "the whole run" : what, one["reason"].text()});
+  }
+  add_table(input.left_out, "Runs and intervals that are not used in training, choice and test", {"run", "what", "reason"},
+            std::move(rows));
+}
+
+void read_histories(ReportInput& input, const JsonView& study) {
+  const std::vector<JsonView> histories = study["histories"].items();
+  for (const auto& [key, words] : {reported_runs, choice_runs, all_test_runs}) {
+    std::vector<std::pair<double, JsonView>> accuracies;
+    for (const JsonView& history : histories) accuracies.emplace_back(history["th_ms"].number(), history["accuracy"][key]);
+    ReportedHistories of_runs = histories_of(words, accuracies);
+    of_runs.is_folded = key != "reported";
+    if (!of_runs.curves.empty()) input.histories.push_back(std::move(of_runs));
+  }
+  if (histories.empty()) input.missing.push_back("No network was trained; 'tactile reproduce' trains one for each history.");
+}
+
+/// Every training once. @return  the rows of the table of models
+std::vector<TableRow> read_trainings(ReportInput& input, const JsonView& study, const fs::path& folder) {
+  std::vector<TableRow> rows;
+  const auto add = [&](const JsonView& model, const std::string& without_accuracy) {
+    const std::string name = model["name"].text();
+    if (!model || std::any_of(rows.begin(), rows.end(), [&](const TableRow& row) { return row[0] == name; })) return;
+    const fs::path file = folder / model["history"].text();
+    if (is_there(input, file, "The training of " + name)) input.trainings.push_back(training_in(file, name));
+    const Figure accuracy = model["accuracy"].get<Figure>();
+    rows.push_back({name, model["seed"].words(), std::isfinite(accuracy.value) ? percent_text(accuracy) : without_accuracy,
+                    model["weights_sha256"].text().substr(0, 16)});
+  };
+  for (const JsonView& history : study["histories"].items()) {
+    for (const JsonView& model : history["models"].items()) add(model, "-");
+  }
+  for (const JsonView& model : study["unseen"]["trainings"].items()) add(model, "see Unseen objects");
+  for (const JsonView& split : study["splits"].items()) add(split["training"], "see Unseen objects");
+  return rows;
+}
+
+void read_choice(ReportInput& input, const JsonView& study) {
+  if (const JsonView choice = study["choice"]) {
+    input.history_ms = choice["th_ms"].number();
+    input.remarks.push_back(fmt::format("History of the study: {:g} ms, model {}. {}", input.history_ms, choice["model"].text(),
+                                        choice["why"].text()));
+    const std::array<std::string, 3> keys{"choice", "reported", "all_test"};
+    std::map<std::string, std::array<std::string, 3>> best;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      for (const auto& [object, ms] : choice["best"][keys[i]]["objects"].members()) best[object][i] = ms.words();
+    }
+    ReportedTable table{.caption = "Best history of each object [ms], by set of runs; the shorter one where two are equal",
+                        .head = {"object", "choice runs", "reported runs", "all test runs"},
+                        .rows = {}};
+    for (const auto& [object, values] : best) {
+      TableRow row{object};
+      for (const std::string& value : values) row.push_back(value.empty() ? "-" : value);
+      table.rows.push_back(std::move(row));
+    }
+    input.choice.push_back(std::move(table));
+  }
+  if (const JsonView paper = study["paper_way"]) {
+    input.remarks.push_back(fmt::format("The paper's choice, made on the reported runs themselves: {:g} ms, model {}. {}",
+                                        paper["th_ms"].number(), paper["model"].text(), paper["why"].text()));
+  }
+}
+
+void read_evaluations(ReportInput& input, const JsonView& study, const fs::path& folder) {
+  for (const JsonView& entry : study["evaluations"].items()) {
+    const std::string id = entry["id"].text();
+    const fs::path file = folder / entry["json"].text();
+    if (!is_there(input, file, "The evaluation " + id)) continue;
+    const nlohmann::json document = read_json(file);
+    input.evaluations.push_back({.id = id,
+                                 .model = entry["model"].text(),
+                                 .runs = (entry["runs"].text() == "all_test" ? all_test_runs : reported_runs).second,
+                                 .history_ms = entry["th_ms"].number(),
+                                 .is_folded = id == "all_test",
+                                 .scores = JsonView(document, file.string()).get<Evaluation>()});
+  }
+  if (study["evaluations"].items().empty()) input.missing.push_back("No model was evaluated; 'tactile reproduce' evaluates.");
+  for (const JsonView& run : study["full_runs"].items()) {
+    const fs::path csv = folder / run["csv"].text();
+    if (is_there(input, csv, "The full run " + run["run"].text())) {
+      input.runs.push_back({.run = run["run"].text(),
+                            .model = run["model"].text(),
+                            .history_ms = run["th_ms"].number(),
+                            .csv = csv,
+                            .outcome = fs::path(csv).replace_extension(".json")});
+    }
+  }
+  if (study["full_runs"].items().empty())
+    input.missing.push_back("No run over time (the paper's figure 8); 'tactile eval --run OBJECT/RUN' makes one.");
+}
+
+void read_unseen(ReportInput& input, const JsonView& study) {
+  const JsonView unseen = study["unseen"];
+  for (const auto& [key, words] : {reported_runs, all_test_runs}) {
+    UnseenSection section{.runs = words, .comparison = unseen[key].get<UnseenComparison>(), .is_folded = key != "reported"};
+    section.comparison.models = unseen["models"].get<UnseenComparison::Models>();
+    if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
+  }
+  if (input.unseen.empty())
+    input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
+  std::vector<TableRow> rows;
+  for (const JsonView& split : study["splits"].items()) {
+    const SeenAndHeldOut mean = split["reported"]["mean"].get<SeenAndHeldOut>();
+    rows.push_back({split["name"].text(), split["held_out"].words(), percent_text(mean.seen), percent_text(mean.held_out),
+                    percent_text(mean.difference)});
+  }
+  const Figure mean = study["splits_mean"]["reported"].get<Figure>();
+  if (!rows.empty() && std::isfinite(mean.value)) {
+    input.remarks.push_back(fmt::format("Over {} random splits, accuracy on a held-out object is {:.2f} points lower on average.",
+                                        rows.size(), -100 * mean.value));
+  }
+  add_table(input.splits, "Other random splits with five held-out objects: accuracy on them, on the reported runs",
+            {"split", "held out", "seen", "held out", "difference"}, std::move(rows));
+}
+
+/// What the chosen model was trained with.
+std::vector<TableRow> model_settings(ReportInput& input, const JsonView& study, const fs::path& folder) {
+  std::vector<TableRow> rows;
+  const JsonView choice = study["choice"];
+  for (const JsonView& history : study["histories"].items()) {
+    for (const JsonView& model : history["models"].items()) {
+      const fs::path file = folder / model["folder"].text() / "model.json";
+      if (!rows.empty() || !choice || model["name"].text() != choice["model"].text()) continue;
+      if (!is_there(input, file, "The training settings of the chosen model")) continue;
+      const nlohmann::json document = read_json(file);
+      const JsonView description(document, file.string());
+      for (const std::string key : {"rendering", "split", "training", "network", "result"})
+        add_settings(rows, key + " ", description[key]);
+    }
+  }
+  return rows;
+}
+
+void read_settings(ReportInput& input, const JsonView& study, const fs::path& folder, std::vector<TableRow> models) {
+  const auto add = [&](const std::string& caption, TableRow head, std::vector<TableRow> rows) {
+    add_table(input.settings, caption, std::move(head), std::move(rows));
+  };
+  std::vector<TableRow> settings, machine, runs, steps;
+  add_settings(settings, "", study["settings"]);
+  add_settings(settings, "dataset ", study["dataset"]);
+  add_settings(settings, "bootstrap ", study["bootstrap"]);
+  add("Settings and seeds", {"setting", "value"}, std::move(settings));
+  add("Training settings of the chosen model, " + study["choice"]["model"].text(), {"setting", "value"},
+      model_settings(input, study, folder));
+  add_settings(machine, "", study["software"]);
+  add_settings(machine, "", study["machine"]);
+  add("Software and machine", {"what", "value"}, std::move(machine));
+  if (!study["machine"]) input.missing.push_back("The machine that measured is not recorded.");
+  for (const auto& [name, words] : {NamedRuns{"train", "training"}, NamedRuns{"choice", "choice"},
+                                    NamedRuns{"reported", "reported"}, NamedRuns{"all_test", "all test runs"}})
+    runs.push_back({words, list_of_runs(study["runs"][name].texts())});
+  add("Runs", {"set", "runs"}, std::move(runs));
+  add("Models: accuracy is the mean over objects on the reported runs", {"model", "seed", "accuracy", "weights, SHA-256"},
+      std::move(models));
+  double total = 0;
+  for (const JsonView& step : study["steps"].items()) {
+    const double seconds = step["seconds"].number();
+    steps.push_back(
+        {step["name"].text(), seconds_text(seconds), step["finished_at"].text(), step["command"] ? step["command"].text() : "-"});
+    if (std::isfinite(seconds)) total += seconds;
+  }
+  if (!steps.empty()) steps.push_back({"sum over all steps, some of them at the same time", seconds_text(total), "", ""});
+  add("Steps and their times", {"step", "duration", "finished (UTC)", "equivalent command"}, std::move(steps));
+}
+
+}  // namespace
+
+ReportInput read_study(const fs::path& folder) {
+  const fs::path file = folder / "study.json";
+  const nlohmann::json document = read_json(file);
+  const JsonView study(document, file.string());
+  if (const std::string format = study["format"].text(); format != "tactile-study-1")
+    throw Error(fmt::format("{}: is of format '{}'; expected 'tactile-study-1'", file.string(), format));
+  ReportInput input;
+  input.title = study["title"].text();
+  input.simulated = study["simulated"].truth();
+  input.summary = study["summary"].text();
+  if (const JsonView data = study["settings"]["data"]) input.data = folder / data.text();
+  read_claims(input, study);
+  read_histories(input, study);
+  std::vector<TableRow> models = read_trainings(input, study, folder);
+  read_choice(input, study);
+  read_evaluations(input, study, folder);
+  read_unseen(input, study);
+  read_settings(input, study, folder, std::move(models));
+  return input;
+}
+
+}  // namespace tactile

@@ -1,0 +1,172 @@
+#include "tactile/results/evaluation.hpp"
+
+#include <fmt/core.h>
+
+#include "tactile/core/version.hpp"
+
+namespace tactile {
+namespace {
+
+double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
+
+nlohmann::json detector_json(const DetectorScore& score) {
+  return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}},
+          {"false_alarms_per_min", score.false_alarms.per_min},
+          {"false_alarms", score.false_alarms}};
+}
+
+nlohmann::json guard_json(const GuardScore& score) {
+  nlohmann::json json = score.accuracy;
+  json["guard_ms"] = in_ms(score.guard);
+  json["difference"] = score.difference;
+  json["confusion"] = score.confusion;
+  return json;
+}
+
+nlohmann::json gate_json(const GateOff& off) {
+  nlohmann::json without = detector_json(off.network);
+  without["accuracy"] = off.accuracy;
+  without["confusion"] = off.confusion;
+  return {{"limit_events", off.limit}, {"ticks", off.ticks}, {"gated", off.gated}, {"off", without}};
+}
+
+DetectorScore detector_in(const JsonView& json) {
+  const JsonView delays = json["delay_ms"];
+  DetectorScore score{delays["press"].get<DelayTable>(), delays["slip"].get<DelayTable>(),
+                      json["false_alarms"].get<FalseAlarmTable>()};
+  score.false_alarms.per_min = json["false_alarms_per_min"].get<Figure>();
+  return score;
+}
+
+Confusion confusion_in(const JsonView& json) { return json ? json.get<Confusion>() : Confusion{}; }
+
+GuardScore guard_in(const JsonView& json) {
+  return {json["guard_ms"].milliseconds(), json.get<Accuracy>(), json["difference"].get<Accuracy>(),
+          confusion_in(json["confusion"])};
+}
+
+GateOff gate_in(const JsonView& json) {
+  const JsonView off = json["off"];
+  return {json["limit_events"].count(),    json["ticks"].count(),          json["gated"].count(),
+          off["accuracy"].get<Accuracy>(), confusion_in(off["confusion"]), detector_in(off)};
+}
+
+void add_truth(nlohmann::json& json, const TruthScore& truth) {
+  json["accuracy_true"] = truth.accuracy;
+  json["confusion_true"] = truth.confusion;
+  json["delay_true_ms"] = {{"press", truth.press}, {"slip", truth.slip}};
+  json["delay_gross_ms"] = {{"slip", truth.gross_slip}};
+  json["false_alarms_true"] = truth.false_alarms;
+  json["over_time_true"] = truth.over_time;
+}
+
+/// Of a simulated run.
+TruthScore truth_in(const JsonView& json) {
+  const JsonView delays = json["delay_true_ms"];
+  return {json["accuracy_true"].get<Accuracy>(),
+          confusion_in(json["confusion_true"]),
+          delays["press"].get<DelayTable>(),
+          delays["slip"].get<DelayTable>(),
+          json["delay_gross_ms"]["slip"].get<DelayTable>(),
+          json["false_alarms_true"].get<FalseAlarmTable>(),
+          json["over_time_true"].get<OverTime>()};
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const Evaluation& evaluation) {
+  json = {{"title", title_of(evaluation)},
+          {"simulated", evaluation.simulated},
+          {"model", evaluation.model},
+          {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
+          {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
+          {"bootstrap", evaluation.bootstrap},
+          {"guard_ms", in_ms(evaluation.guard)},
+          {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
+          {"tick_ms", in_ms(evaluation.tick)},
+          {"confirm", evaluation.confirm},
+          {"classes", nlohmann::json::array()},
+          {"test_runs", evaluation.test_runs},
+          {"engine", {{"name", evaluation.engine}, {"ticks", evaluation.ticks}, {"close_ticks", evaluation.close_ticks}}},
+          {"accuracy", evaluation.accuracy},
+          {"confusion", evaluation.confusion},
+          {"per_class", evaluation.classes},
+          {"calibration", evaluation.calibration},
+          {"accuracy_by_guard", nlohmann::json::array()},
+          {"over_time", evaluation.over_time},
+          {"operating_curve", evaluation.operating_curve}};
+  for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
+  for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
+  json.update(detector_json(evaluation.network));
+  for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
+  json["baselines"] = nlohmann::json::object();
+  for (const BaselineScore& baseline : evaluation.baselines) {
+    json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
+  }
+  json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
+  if (evaluation.truth) add_truth(json, *evaluation.truth);
+  json["runs"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < evaluation.detections.size(); ++i) {
+    json["runs"].push_back({{"run", evaluation.test_runs[i]},
+                            {"object", evaluation.detections[i].object},
+                            {"intervals", evaluation.detections[i].detections}});
+  }
+  const auto above = evaluation.above_baselines();
+  json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
+}
+
+void from_json(const JsonView& json, Evaluation& evaluation) {
+  const JsonView dataset = json["dataset"], engine = json["engine"];
+  evaluation = {.model = json["model"].copy(),
+                .dataset = dataset["file"].text(),
+                .manifest_hash = dataset["manifest_hash"].text(),
+                .simulated = json["simulated"].truth(),
+                .guard = json["guard_ms"].milliseconds(),
+                .sampling_guard = json["sampling_guard_ms"].milliseconds(),
+                .tick = json["tick_ms"].milliseconds(),
+                .confirm = json["confirm"] ? json["confirm"].text() : "1/1",
+                .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
+                .test_runs = json["test_runs"].texts(),
+                .engine = engine["name"].text(),
+                .ticks = engine["ticks"].count(),
+                .close_ticks = engine["close_ticks"].count(),
+                .runs = {},
+                .detections = {},
+                .accuracy = json["accuracy"].get<Accuracy>(),
+                .confusion = confusion_in(json["confusion"]),
+                .classes = json["per_class"].get<ClassScores>(),
+                .calibration = json["calibration"].get<Calibration>(),
+                .guards = {},
+                .baselines = {},
+                .network = detector_in(json),
+                .gate_off = std::nullopt,
+                .trivial = {},
+                .over_time = json["over_time"].get<OverTime>(),
+                .operating_curve = json["operating_curve"].list_of<OperatingPoint>(),
+                .truth = std::nullopt};
+  for (const JsonView& run : json["runs"].items())
+    evaluation.detections.push_back({run["object"].text(), run["intervals"].list_of<Detection>()});
+  for (const JsonView& guard : json["accuracy_by_guard"].items()) evaluation.guards.push_back(guard_in(guard));
+  for (const auto& [name, baseline] : json["baselines"].members())
+    evaluation.baselines.push_back({name, {baseline["accuracy"].get<Figure>(), baseline["objects"].map_of<Figure>()}});
+  for (const auto& [name, detector] : json["trivial"].members()) evaluation.trivial.emplace(name, detector_in(detector));
+  if (const JsonView gate = json["gate"]) evaluation.gate_off = gate_in(gate);
+  if (json["accuracy_true"] || json["delay_true_ms"]) evaluation.truth = truth_in(json);
+}
+
+std::optional<bool> Evaluation::above_baselines() const {
+  if (!accuracy.mean.low || baselines.empty()) return std::nullopt;
+  bool above = true;
+  for (const BaselineScore& baseline : baselines) {
+    if (!baseline.accuracy.mean.high) return std::nullopt;
+    above = above && *accuracy.mean.low > *baseline.accuracy.mean.high;
+  }
+  return above;
+}
+
+std::string title_of(const Evaluation& evaluation) {
+  return fmt::format("Evaluation of {} on {} runs", evaluation.model.at("name").get<std::string>(),
+                     evaluation.simulated ? "simulated" : "real");
+}
+
+}  // namespace tactile

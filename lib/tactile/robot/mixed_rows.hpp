@@ -1,0 +1,13 @@
+#pragma once
+
+#include "tactile/robot/robot_log.hpp"
+
+namespace tactile {
+
+constexpr microseconds longest_row_step = 100ms;  ///< a recorder loses single packages now and then; longer steps are gaps
+
+/// Drops rows that mix two packages: a pose or speed appears in two rows, while before and after them it changes (a speed by
+/// 0.5 mm/s) and the arm moves (5 mm/s). Of the two, the row that fits their neighbours worse is dropped and counted.
+void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses);
+
+}  // namespace tactile

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tactile/core/random.hpp"
+#include "tactile/simulation/event_camera_options.hpp"
+
+namespace tactile {
+
+/// A pixel that fires by itself.
+struct SimulatedHotPixel {
+  std::uint32_t index = 0;  ///< y * width + x
+  double hz = 0;
+
+  friend bool operator==(const SimulatedHotPixel&, const SimulatedHotPixel&) = default;
+};
+
+/// Draws pixels with probabilities in proportion to their weights, each draw in constant time (Walker's alias method).
+class PixelLottery {
+ public:
+  PixelLottery() = default;
+  explicit PixelLottery(const std::vector<double>& weights);  ///< each >= 0
+
+  double weight_sum() const { return weight_sum_; }
+  std::uint32_t draw(Random& random) const;  ///< only if the sum is not 0
+
+ private:
+  double weight_sum_ = 0;
+  std::vector<float> keep_;  ///< chance to take a uniformly drawn pixel instead of `other_`
+  std::vector<std::uint32_t> other_;
+};
+
+/// The pixels of a camera, the same in all of its runs.
+struct CameraPixels {
+  std::vector<float> thresholds;  ///< row by row from the top; infinite for dead pixels
+  PixelLottery leak;              ///< weights 1 in the mean
+  PixelLottery shot;              ///< weights threshold / the pixel's threshold
+  // Hot pixels are drawn from these.
+  std::uint64_t hot_seed = 0;
+  int hot_pixels = 0;
+  double hot_min_hz = 0, hot_max_hz = 0, hot_turnover = 0;
+};
+
+/// Draws the pixels. The options of single runs have no effect. @throws Error  if an option is out of range
+CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t seed);
+
+/// The `hot_pixels` hot pixels in the camera's run `run_index`. Between two runs each is replaced, with the chance
+/// `hot_turnover`, by another pixel with another rate. Dead pixels are never hot.
+std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index);
+
+}  // namespace tactile

@@ -1,0 +1,351 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tactile/alignment/film_motions.hpp"
+#include "tactile/alignment/film_of_arm.hpp"
+#include "tactile/alignment/film_of_skin.hpp"
+#include "tactile/core/random.hpp"
+
+namespace tactile {
+namespace {
+
+/// A motion along a straight line: speeds up, goes on, slows down.
+struct MadeMotion {
+  double start_s = 0, end_s = 0, speed = 1, ramp_s = 0.06;
+
+  double way(double t_s) const {
+    const auto ramped = [&](double u) { return u <= 0 ? 0.0 : u < ramp_s ? 0.5 * u * u / ramp_s : u - 0.5 * ramp_s; };
+    return speed * (ramped(t_s - start_s) - ramped(t_s - end_s + ramp_s));
+  }
+  double speed_at(double t_s) const { return (way(t_s + 1e-5) - way(t_s - 1e-5)) / 2e-5; }
+};
+
+constexpr std::int64_t run_begin_us = 1'700'000'000'000'000;
+
+struct MadeFilm {
+  std::vector<MadeMotion> motions;  ///< in seconds from the run's begin, in camera time
+  double begins_s = -0.7;           ///< the first frame
+  double ends_s = 5;
+  double rate_hz = 30;
+  double drift_ppm = 0;
+  double gain_scatter = 0.03;  ///< of what a step shows of the way, relative
+  std::uint64_t seed = 1;
+
+  /// Camera time less video time, at the film's begin.
+  std::int64_t offset_us() const { return run_begin_us + std::llround(1e6 * begins_s); }
+};
+
+MotionEnergy film_of(const MadeFilm& made) {
+  Random random(made.seed);
+  MotionEnergy energy;
+  energy.noise = 0.001;
+  energy.threshold = 3;
+  energy.median_step = microseconds{std::llround(1e6 / made.rate_hz)};
+  VideoTime last{};
+  const double camera_per_video = 1 + 1e-6 * made.drift_ppm;
+  for (int i = 1;; ++i) {
+    const VideoTime next{microseconds{std::llround(1e6 * (i + 0.05 * random.normal()) / made.rate_hz)}};
+    const auto camera_s = [&](VideoTime t) { return made.begins_s + camera_per_video * 1e-6 * static_cast<double>(us_of(t)); };
+    if (camera_s(next) > made.ends_s) break;
+    double way = 0;
+    for (const MadeMotion& motion : made.motions) way += motion.way(camera_s(next)) - motion.way(camera_s(last));
+    const double change = way * (1 + made.gain_scatter * random.normal()) + 0.5 * energy.noise * random.uniform();
+    MotionStep step;
+    step.begin = last;
+    step.end = next;
+    step.energy = std::max(0.0, change) / (1e-6 * static_cast<double>((next - last).count()));
+    step.strongest = 15;
+    energy.steps.push_back(step);
+    last = next;
+  }
+  return energy;
+}
+
+SeenMotion seen_of(const std::vector<MadeMotion>& motions, double from_s = -0.5, double to_s = 5) {
+  SeenMotion seen;
+  seen.begin = camera_time(run_begin_us + std::llround(1e6 * from_s));
+  for (double t = from_s; t < to_s; t += 0.004) {
+    double speed = 0;
+    for (const MadeMotion& motion : motions) speed += motion.speed_at(t);
+    seen.speed.push_back(0.1 * speed);
+  }
+  return seen;
+}
+
+const MadeMotion lift{.start_s = 2.1, .end_s = 2.83, .speed = 10};
+const MadeMotion closing{.start_s = 0.9, .end_s = 1.6, .speed = 0.6, .ramp_s = 0.02};
+
+double error_ms(const FittedClock& clock, const MadeFilm& made, VideoTime at) {
+  const CameraTime truth =
+      camera_time(made.offset_us() + std::llround((1 + 1e-6 * made.drift_ppm) * static_cast<double>(us_of(at))));
+  return 1e-3 * static_cast<double>(between(truth, clock.relation.camera_from(at)).count());
+}
+
+TEST(VideoClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
+  int covered = 0;
+  constexpr int films = 40;
+  for (int i = 0; i < films; ++i) {
+    const MadeFilm made{.motions = {closing, lift}, .begins_s = -1.4 + 0.0317 * i, .seed = static_cast<std::uint64_t>(i + 1)};
+    const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({lift}));
+    ASSERT_TRUE(fit.clock) << fit.refused;
+    EXPECT_GT(fit.likeness, 0.98);
+    const double error = error_ms(*fit.clock, made, VideoTime{2s});
+    EXPECT_LT(std::abs(error), 4) << i;
+    covered += fit.clock->offset_low_us <= made.offset_us() && made.offset_us() <= fit.clock->offset_high_us ? 1 : 0;
+    EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 12'000);
+    EXPECT_EQ(fit.clock->relation.drift_ppm, 0);
+    EXPECT_EQ(fit.clock->relation.reference_us, 0);
+  }
+  EXPECT_GE(covered, films * 9 / 10);
+}
+
+TEST(VideoClock, IsNoMoreCertainThanTheMotionItIsFoundFrom) {
+  SeenMotion seen = seen_of({lift});
+  seen.sigma_us = 8'000;
+  const VideoClockFit fit = fit_video_clock(film_of({.motions = {lift}}), seen);
+  ASSERT_TRUE(fit.clock) << fit.refused;
+  EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 2 * 1.95 * 8'000);
+}
+
+TEST(VideoClock, IsFoundFromHalfAFilm) {
+  // It ends in the midst of the lift: only the start is seen.
+  const MadeFilm made{.motions = {closing, lift}, .ends_s = 2.55};
+  const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({lift}));
+  ASSERT_TRUE(fit.clock) << fit.refused;
+  EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 6);
+  EXPECT_LE(fit.clock->offset_low_us, made.offset_us());
+  EXPECT_GE(fit.clock->offset_high_us, made.offset_us());
+}
+
+TEST(VideoClock, IsRefusedWhereTheLiftIsNotInTheFilm) {
+  const VideoClockFit fit = fit_video_clock(
+      film_of({.motions = {{.start_s = 0.9, .end_s = 1.35, .speed = 0.6}, lift}, .ends_s = 2.0}), seen_of({lift}));
+  EXPECT_FALSE(fit.clock);
+  EXPECT_FALSE(fit.refused.empty());
+}
+
+TEST(VideoClock, IsRefusedWhereTheFilmMatchesAtTwoOffsets) {
+  std::vector<MadeMotion> alike;
+  for (int i = 0; i < 6; ++i) alike.push_back({.start_s = 1.5 * i, .end_s = 1.5 * i + 0.7, .speed = 10});
+  const MadeFilm made{.motions = alike, .ends_s = 10};
+  const MotionEnergy film = film_of(made);
+  const SeenMotion seen = seen_of(alike, -2, 12);
+  const VideoClockFit fit = fit_video_clock(film, seen);
+  EXPECT_FALSE(fit.clock);
+  EXPECT_NE(fit.refused.find("at two offsets"), std::string::npos) << fit.refused;
+
+  // What the hosts say of it decides.
+  VideoClockOptions options;
+  options.coarse_offset_us = made.offset_us() + 100'000;
+  options.search = 500ms;
+  const VideoClockFit near = fit_video_clock(film, seen, options);
+  ASSERT_TRUE(near.clock) << near.refused;
+  EXPECT_LT(std::abs(error_ms(*near.clock, made, VideoTime{4s})), 3);
+  options.coarse_offset_us = made.offset_us() + 100'000'000;
+  EXPECT_EQ(fit_video_clock(film, seen, options).refused, "by the host times film and recording do not overlap");
+}
+
+TEST(VideoClock, IsRefusedWhereOtherThingsMove) {
+  MadeMotion longer = lift;
+  longer.end_s += 0.25;
+  EXPECT_FALSE(fit_video_clock(film_of({.motions = {lift}}), seen_of({longer})).clock) << "a quarter of a second longer";
+  std::vector<MadeMotion> fidgeting;
+  for (int i = 0; i < 8; ++i) fidgeting.push_back({.start_s = 0.3 + 0.5 * i, .end_s = 0.42 + 0.5 * i, .speed = 8});
+  const VideoClockFit fit = fit_video_clock(film_of({.motions = fidgeting}), seen_of({lift}));
+  EXPECT_FALSE(fit.clock);
+  EXPECT_FALSE(fit.refused.empty());
+}
+
+TEST(VideoClock, IsRefusedWhereNothingMoves) {
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {lift}}), seen_of({})).refused, "nothing moves that the film should show");
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {lift}}), SeenMotion{}).refused,
+            "nothing is known of the motion that the film should show");
+  MotionEnergy still = film_of({.motions = {}});
+  for (MotionStep& step : still.steps) step.energy = 0;
+  EXPECT_EQ(fit_video_clock(still, seen_of({lift})).refused, "nothing moves in the film");
+  EXPECT_EQ(fit_video_clock(MotionEnergy{}, seen_of({lift})).refused,
+            "the film has 0 steps from frame to frame; expected at least 8");
+}
+
+TEST(VideoClock, HasADriftOnlyWhereMotionsOverAMinuteAllowIt) {
+  std::vector<MadeMotion> lifts;
+  for (const double at_s : {3.0, 21.0, 46.0, 77.0, 118.0, 151.0})
+    lifts.push_back({.start_s = at_s, .end_s = at_s + 0.8, .speed = 10});
+  const MadeFilm made{.motions = lifts, .ends_s = 160, .drift_ppm = 80};
+  const VideoClockFit fit = fit_video_clock(film_of(made), seen_of(lifts, -0.5, 160));
+  ASSERT_TRUE(fit.clock) << fit.refused;
+  EXPECT_EQ(fit.clock->anchors, 6);
+  EXPECT_NEAR(fit.clock->relation.drift_ppm, 80, 30);
+  EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{80s})), 3);
+
+  const MadeFilm broken{.motions = lifts, .ends_s = 160, .drift_ppm = 340};
+  EXPECT_FALSE(fit_video_clock(film_of(broken), seen_of(lifts, -0.5, 160)).clock);
+}
+
+TEST(VideoClock, IsFoundAtTheEndsOfTime) {
+  const MadeFilm made{.motions = {lift}};
+  for (const std::int64_t begin_us :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max() - 7'000'000}) {
+    SeenMotion seen = seen_of({lift});
+    const std::int64_t moved = saturating_subtract(begin_us, us_of(seen.begin));
+    seen.begin = camera_time(begin_us);
+    const VideoClockFit fit = fit_video_clock(film_of(made), seen);
+    if (begin_us < 0) {  // video time 0 lies before the first camera time there is
+      EXPECT_TRUE(fit.clock || !fit.refused.empty());
+      continue;
+    }
+    ASSERT_TRUE(fit.clock) << fit.refused;
+    EXPECT_NEAR(static_cast<double>(fit.clock->relation.offset_us - moved - made.offset_us()), 0, 4'000);
+  }
+  MotionEnergy film = film_of(made);
+  for (MotionStep& step : film.steps) {
+    step.begin += microseconds{std::numeric_limits<std::int64_t>::max() / 2};
+    step.end += microseconds{std::numeric_limits<std::int64_t>::max() / 2};
+  }
+  SeenMotion seen = seen_of({lift});
+  seen.begin = camera_time(std::numeric_limits<std::int64_t>::min() + 5);
+  EXPECT_EQ(fit_video_clock(film, seen).refused, "the two clocks lie further apart than 64 bits of microseconds");
+}
+
+SeenBurst burst(double start_s, double end_s) {
+  return {camera_time(run_begin_us + std::llround(1e6 * start_s)), camera_time(run_begin_us + std::llround(1e6 * end_s))};
+}
+
+TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
+  const MadeFilm made{.motions = {closing, lift}};
+  // A press in the closing's last part, a slip that starts late, and something that nobody sees.
+  const std::vector<SeenBurst> bursts{burst(1.4, 1.61), burst(2.115, 2.85), burst(3.6, 3.66)};
+  const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
+  ASSERT_TRUE(fit.clock) << fit.refused;
+  EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 25);
+  EXPECT_LE(fit.clock->offset_low_us, made.offset_us());
+  EXPECT_GE(fit.clock->offset_high_us, made.offset_us());
+  EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 30'000);
+
+  const std::vector<SeenBurst> alike{burst(0.5, 1.23), burst(2.1, 2.83)};
+  EXPECT_NE(fit_video_clock(film_of({.motions = {lift}}), alike).refused.find("at two offsets"), std::string::npos);
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {lift}}), std::span<const SeenBurst>{}).refused,
+            "the events show nothing that moves");
+  EXPECT_EQ(fit_video_clock(MotionEnergy{}, bursts).refused, "nothing moves in the film");
+}
+
+FittedClock clock_of(const MadeFilm& made, std::int64_t within_us = 2'000) {
+  FittedClock clock;
+  clock.relation.offset_us = made.offset_us();
+  clock.offset_low_us = made.offset_us() - within_us;
+  clock.offset_high_us = made.offset_us() + within_us;
+  return clock;
+}
+
+UncertainTime certain(double t_s) {
+  const CameraTime t = camera_time(run_begin_us + std::llround(1e6 * t_s));
+  return {t, t, t};
+}
+
+bool holds(const UncertainTime& interval, double t_s) {
+  return interval.low <= certain(t_s).at && certain(t_s).at <= interval.high;
+}
+
+TEST(VideoMotions, StartAndEndWithinTheirIntervals) {
+  int starts = 0, ends = 0;
+  constexpr int films = 30;
+  for (int i = 0; i < films; ++i) {
+    const MadeFilm made{.motions = {closing, lift}, .begins_s = -1.2 + 0.0131 * i, .seed = static_cast<std::uint64_t>(100 + i)};
+    const std::vector<VideoMotion> motions = video_motions(film_of(made), clock_of(made));
+    ASSERT_EQ(motions.size(), 2U);
+    EXPECT_FALSE(motions[0].start_cut || motions[0].end_cut || motions[1].start_cut || motions[1].end_cut);
+    const std::optional<UncertainTime> lift_start = video_start_near(motions, certain(lift.start_s + 0.02), 100ms);
+    const std::optional<UncertainTime> closed = video_end_near(motions, certain(closing.end_s - 0.03), 100ms);
+    ASSERT_TRUE(lift_start && closed);
+    EXPECT_LT(between(lift_start->low, lift_start->high), 70ms);
+    starts += holds(*lift_start, lift.start_s) ? 1 : 0;
+    ends += holds(*closed, closing.end_s) ? 1 : 0;
+    EXPECT_FALSE(video_start_near(motions, certain(4.0), 100ms));
+  }
+  EXPECT_GE(starts, films * 9 / 10);
+  EXPECT_GE(ends, films * 9 / 10);
+}
+
+TEST(VideoMotions, GiveNoStartThatTheFilmDoesNotShow) {
+  const MadeFilm made{.motions = {lift}, .begins_s = 2.4};
+  const std::vector<VideoMotion> motions = video_motions(film_of(made), clock_of(made));
+  ASSERT_EQ(motions.size(), 1U);
+  EXPECT_TRUE(motions[0].start_cut);
+  EXPECT_FALSE(motions[0].end_cut);
+  EXPECT_FALSE(video_start_near(motions, certain(2.4), 1s));
+  EXPECT_TRUE(video_end_near(motions, certain(lift.end_s), 100ms));
+}
+
+TEST(VideoMotions, IgnoreChangesOfTheWholePicture) {
+  MotionEnergy film = film_of({.motions = {lift}});
+  MotionStep& step = film.steps[20];
+  step.energy = 200 * film.noise / (1e-6 * static_cast<double>((step.end - step.begin).count()));
+  EXPECT_EQ(video_motions(film, clock_of({})).size(), 2U);
+  step.doubtful = true;
+  EXPECT_EQ(video_motions(film, clock_of({})).size(), 1U);
+}
+
+TEST(VideoMotions, ThatAreFaintGiveNoOnset) {
+  MotionEnergy film = film_of({.motions = {lift}});
+  for (MotionStep& step : film.steps) step.strongest = film.threshold;
+  const std::vector<VideoMotion> motions = video_motions(film, clock_of({}));
+  ASSERT_EQ(motions.size(), 1U);
+  EXPECT_TRUE(motions[0].faint);
+  EXPECT_FALSE(video_start_near(motions, certain(lift.start_s), 200ms));
+}
+
+TEST(VideoSawMotion, IsUnknownWhereTheFilmDoesNotShowIt) {
+  const MadeFilm made{.motions = {closing, lift}};
+  MotionEnergy film = film_of(made);
+  const FittedClock clock = clock_of(made);
+  const auto saw = [&](double from_s, double to_s) {
+    return video_saw_motion(film, clock, certain(from_s).at, certain(to_s).at);
+  };
+  EXPECT_EQ(saw(0.0, 2.0), true);
+  EXPECT_EQ(saw(0.0, 0.8), false);
+  EXPECT_EQ(saw(3.0, 4.5), false);
+  EXPECT_EQ(saw(-1.0, 0.5), std::nullopt) << "the film begins later";
+  EXPECT_EQ(saw(3.0, 6.0), std::nullopt) << "it ends earlier";
+  EXPECT_EQ(saw(2.0, 1.0), std::nullopt);
+  // Six frames are lost.
+  film.steps.erase(film.steps.begin() + 120, film.steps.begin() + 126);
+  EXPECT_EQ(saw(3.0, 4.5), std::nullopt);
+  EXPECT_EQ(saw(0.0, 0.8), false);
+}
+
+TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {
+  ArmMotion arm;
+  arm.begin = RobotTime{500s};
+  Random random(4);
+  for (int i = 0; i < 2'000; ++i) {
+    const double noise = 2e-4, speed = i >= 1'500 && i < 1'600 ? 0.08 : 0.0;
+    arm.velocity.push_back({noise * random.normal(), noise * random.normal(), speed + noise * random.normal()});
+    arm.acceleration.push_back({});
+    arm.known.push_back(true);
+  }
+  FittedClock clock;
+  clock.relation = {.offset_us = run_begin_us - 500'000'000, .drift_ppm = 100, .reference_us = 500'000'000};
+  clock.offset_low_us = clock.relation.offset_us - 1'960;
+  clock.offset_high_us = clock.relation.offset_us + 1'960;
+  MotionPhase motion;
+  motion.start = RobotTime{506s};
+  motion.end = motion.start + 400ms;
+  const SeenMotion seen = seen_motion(arm, {&motion, 1}, clock);
+  EXPECT_EQ(us_of(seen.begin), run_begin_us);
+  EXPECT_NEAR(seen.sigma_us, 1'000, 1);
+  const auto first = std::find_if(seen.speed.begin(), seen.speed.end(), [](double v) { return v > 0; });
+  ASSERT_NE(first, seen.speed.end());
+  const auto index = first - seen.speed.begin();
+  // 6 s in, where the drift has come to 0.6 ms.
+  EXPECT_NEAR(static_cast<double>(index) * 4e-3, 6.0006, 0.0041);
+  EXPECT_NEAR(*(first + 50), 0.08, 0.002);
+  EXPECT_EQ(std::count_if(seen.speed.begin(), first, [](double v) { return v != 0; }), 0) << "a resting arm's noise is no motion";
+  EXPECT_TRUE(seen_motion(ArmMotion{}, {}, clock).speed.empty());
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,40 @@
+#include "tactile/experiments/study/judge_models.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/error_of.hpp"
+
+namespace tactile {
+namespace {
+
+TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
+  Detection late, missed;
+  late.interval = {Touch::slip, camera_time(1'700'000'000'000'001), camera_time(1'700'000'000'400'000)};
+  late.outcome = DetectionOutcome::detected;
+  late.delay = 6ms;
+  missed.interval = {Touch::press, camera_time(5), camera_time(7)};
+  nlohmann::json evaluation = {{"runs", {{{"object", "fan"}, {"intervals", {late, missed}}}}}};
+  const auto runs = detections_in(evaluation, "eval.json");
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0].object, "fan");
+  ASSERT_EQ(runs[0].detections.size(), 2U);
+  EXPECT_EQ(runs[0].detections[0].interval.start, late.interval.start);
+  EXPECT_EQ(runs[0].detections[0].delay, 6ms);
+  EXPECT_EQ(runs[0].detections[1].outcome, DetectionOutcome::missed);
+  evaluation.at("runs")[0].at("intervals")[1].at("outcome") = "late";
+  EXPECT_EQ(test::error_of([&] { detections_in(evaluation, "eval.json"); }),
+            "eval.json: 'runs': 'intervals': 'outcome' is 'late'; expected detected, missed or early");
+}
+
+TEST(JudgedModels, AtTheFirstTickMeansWithoutDelayMissOrEarlyDetection) {
+  const auto at_first_tick = detected_at_first_tick({{"a", {.mean_ms = {.value = 2}, .intervals = 2}},
+                                                     {"b", {.mean_ms = {.value = 2}, .intervals = 2, .misses = 1}},
+                                                     {"c", {.mean_ms = {.value = 3}, .intervals = 2}}},
+                                                    2);
+  EXPECT_TRUE(at_first_tick.at("a"));
+  EXPECT_FALSE(at_first_tick.at("b"));
+  EXPECT_FALSE(at_first_tick.at("c"));
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,300 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <thread>
+
+#include "experiments/step_inputs.hpp"
+#include "support/kill_moments.hpp"
+#include "support/paths.hpp"
+#include "support/running_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two objects of two simulated runs, two histories, an epoch: smaller than tiny.
+const std::string without_epochs =
+    "reproduce --json --preset tiny --objects fan,white-box --th 20,40 --held-out fan --threads 2 ";
+const std::string small = without_epochs + "--epochs 1 ";
+
+nlohmann::json run_study(const fs::path& folder, const std::string& arguments) {
+  const auto result = test::run_tactile(arguments, folder);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+/// A study without its times.
+nlohmann::json without_times(nlohmann::json study) {
+  for (auto& step : study.at("steps")) {
+    step.erase("seconds");
+    step.erase("finished_at");
+  }
+  return study;
+}
+
+std::string finished_at(const nlohmann::json& study, const std::string& begin) {
+  for (const auto& step : study.at("steps")) {
+    if (step.at("name").get<std::string>().starts_with(begin)) return step.at("finished_at").dump() + step.at("seconds").dump();
+  }
+  return "";
+}
+
+/// How many programs have this folder as their own.
+std::size_t programs_in(const fs::path& folder) {
+  std::size_t count = 0;
+  for (const auto& process : fs::directory_iterator("/proc")) {
+    std::error_code not_ours;
+    const fs::path where = fs::read_symlink(process.path() / "cwd", not_ours);
+    if (!not_ours && where == fs::canonical(folder)) ++count;
+  }
+  return count;
+}
+
+TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
+  ASSERT_TRUE(first.is_object());
+  EXPECT_EQ(first.at("steps_kept"), 0);
+  EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("One training each"), std::string::npos);
+  EXPECT_TRUE(first.at("left_out").is_array());
+  const fs::path file = folder / "study/study.json";
+  const std::string text = read_text(file);
+  const nlohmann::json study = read_json(file);
+  EXPECT_TRUE(study.at("simulated"));
+  EXPECT_NE(study.at("title").get<std::string>().find("simulated"), std::string::npos);
+  EXPECT_EQ(study.at("choice").at("th_ms"), 40);
+  EXPECT_EQ(study.at("choice").at("chosen_on"), "default");
+  EXPECT_TRUE(study.at("choice").at("best").at("choice").is_null());
+  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"fan/01", "white-box/01"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/02", "white-box/02"}));
+  ASSERT_EQ(study.at("histories").size(), 2U);
+  EXPECT_EQ(study.at("histories")[0].at("th_ms"), 20);
+  EXPECT_EQ(study.at("claims").size(), 11U);
+  for (const auto& claim : study.at("claims"))
+    EXPECT_EQ(claim.at("verdict"), "cannot tell") << "two objects of a run each: " << claim.at("id");
+  EXPECT_EQ(study.at("unseen").at("held_out"), std::vector<std::string>{"fan"});
+  EXPECT_EQ(study.at("unseen").at("reported").at("runs"), std::vector<std::string>{"fan/02"});
+  ASSERT_EQ(study.at("splits").size(), 1U);
+  const auto& guards = study.at("evaluations")[0].at("accuracy_by_guard");
+  EXPECT_EQ(guards[0].at("guard_ms"), 100);
+  EXPECT_EQ(guards[1].at("guard_ms"), 0);
+
+  // Every file that it names is there.
+  const fs::path out = folder / "study";
+  std::vector<std::string> named{study.at("dataset").at("file"), study.at("full_runs")[0].at("csv"),
+                                 study.at("unseen").at("trainings")[0].at("history"),
+                                 study.at("splits")[0].at("training").at("history")};
+  for (const auto& history : study.at("histories")) {
+    for (const char* key : {"history", "samples"}) named.push_back(history.at("models")[0].at(key));
+  }
+  for (const auto& evaluation : study.at("evaluations")) {
+    for (const char* key : {"json", "csv"}) named.push_back(evaluation.at(key));
+  }
+  for (const char* table : {"accuracy.csv", "unseen.csv", "claims.csv"}) named.emplace_back(table);
+  for (const std::string& name : named) EXPECT_TRUE(fs::is_regular_file(out / name)) << name;
+
+  test::expect_inputs_of_first_version(out, "study");
+
+  // Two computations of the same accuracy agree: from samples, and from every tick.
+  const nlohmann::json evaluation = read_json(out / study.at("evaluations")[0].at("json").get<std::string>());
+  EXPECT_EQ(evaluation.at("accuracy"), study.at("histories")[1].at("accuracy").at("reported"));
+
+  // The report is drawn again only for another study.
+  const fs::path page = folder / first.at("report").get<std::string>();
+  EXPECT_NE(read_text(page).find("<figure"), std::string::npos);
+  const auto drawn_at = fs::last_write_time(page);
+
+  const nlohmann::json second = run_study(folder.path(), small + "--splits 1");
+  EXPECT_EQ(fs::last_write_time(page), drawn_at);
+  EXPECT_EQ(second.at("steps_done"), 0);
+  EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
+  EXPECT_EQ(read_text(file), text);
+
+  // The text ends with commands to run next.
+  const auto in_words =
+      test::run_tactile("reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
+  EXPECT_EQ(in_words.exit_code, 0) << in_words.err;
+  const std::string model = "models/" + study.at("choice").at("model").get<std::string>();
+  EXPECT_NE(in_words.out.find("  tactile eval --model " + model + "\n"), std::string::npos) << in_words.out;
+  EXPECT_NE(in_words.out.find("  tactile export --model " + model + " --onnx model.onnx\n"), std::string::npos) << in_words.out;
+  const std::string on_one_line = std::regex_replace(in_words.out, std::regex("\\s+"), " ");
+  for (const char* words : {"side by side", "history-2-worst: Not decided: not measured.",
+                            "Not decided: too few runs: 1 each, 3 needed.", "One training each"})
+    EXPECT_NE(on_one_line.find(words), std::string::npos) << words << in_words.out;
+
+  // Without gnuplot the study is printed and kept, and the error names gnuplot.
+  fs::remove_all(folder / "study/report");
+  const auto undrawn =
+      test::run_shell(std::string("PATH=/nowhere '") + test::tactile_binary + "' " + small + "--splits 1", folder.path());
+  EXPECT_EQ(undrawn.exit_code, 1);
+  EXPECT_NE(undrawn.err.find("gnuplot"), std::string::npos) << undrawn.err;
+  const nlohmann::json printed = nlohmann::json::parse(undrawn.out);
+  EXPECT_TRUE(printed.at("report").is_null());
+  EXPECT_EQ(printed.at("claims"), study.at("claims"));
+  EXPECT_EQ(read_text(file), text);
+}
+
+TEST(ReproduceCommand, KilledAgainAndAgainComesToTheSameStudy) {
+  const test::TemporaryFolder whole, broken;
+  const auto begun = std::chrono::steady_clock::now();
+  run_study(whole.path(), small);
+  test::KillMoments moments(std::chrono::steady_clock::now() - begun, 5);
+  for (int kills = 0; kills < 4;) {
+    {
+      const test::RunningCommand study(small, broken.path());
+      moments.sleep(0.05, 0.5);
+    }
+    if (!fs::exists(broken / "study/study.json")) {
+      ++kills;
+      continue;
+    }
+    // It ended before the kill: start again, for the kills are what is tested.
+    ASSERT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
+    for (const char* made : {"data", "models", "study"}) fs::remove_all(broken / made);
+    kills = 0;
+    moments.were_too_late();
+  }
+  run_study(broken.path(), small);
+  EXPECT_EQ(without_times(read_json(broken / "study/study.json")), without_times(read_json(whole / "study/study.json")));
+  for (const char* table : {"accuracy.csv", "unseen.csv", "claims.csv"})
+    EXPECT_EQ(read_text(broken / "study" / table), read_text(whole / "study" / table)) << table;
+}
+
+TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json first = run_study(folder.path(), small);
+  const nlohmann::json more = run_study(folder.path(), small + "--th 10,20,40");
+  EXPECT_GE(more.at("steps_done"), 3) << "heatmaps, a training and its samples";
+  EXPECT_LE(more.at("steps_done"), 4) << "and an evaluation, if it is the best";
+  EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
+  EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
+
+  const nlohmann::json longer = run_study(folder.path(), without_epochs + "--epochs 2");
+  for (const char* kept : {"simulate", "label", "windows"})
+    EXPECT_EQ(finished_at(longer, kept), finished_at(first, kept)) << kept;
+  for (const char* redone : {"train-th040", "judge-th040", "evaluate-", "run-"})
+    EXPECT_NE(finished_at(longer, redone), finished_at(first, redone)) << redone;
+  EXPECT_NE(longer.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
+
+  // Edited labels: another dataset, and models of the same names, which are replaced.
+  const fs::path labels = folder / "data/fan/02/labels.json";
+  nlohmann::json edited = read_json(labels);
+  for (auto& interval : edited.at("intervals")) interval["confirmed"] = true;
+  write_json(labels, edited);
+  const nlohmann::json relabelled = run_study(folder.path(), small);
+  EXPECT_NE(relabelled.at("dataset").at("manifest_hash"), first.at("dataset").at("manifest_hash"));
+  EXPECT_EQ(relabelled.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
+  EXPECT_EQ(finished_at(relabelled, "simulate"), finished_at(first, "simulate"));
+  EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
+}
+
+TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
+  const test::TemporaryFolder folder;
+  const std::string one_history = "reproduce --preset tiny --objects fan,white-box --epochs 1 --threads 2 --no-report --th ";
+  const auto first = test::run_tactile(one_history + "40", folder.path());
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(first.err.find("is made again"), std::string::npos) << first.err;
+  // All runs that are there are studied.
+  const auto other =
+      test::run_tactile("reproduce --preset tiny --epochs 1 --threads 2 --no-report --th 60 --out other", folder.path());
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_NE(other.err.find("data/dataset.h5 was made with other settings and is made again with history 60 ms instead of 50 ms;"),
+            std::string::npos)
+      << other.err;
+}
+
+TEST(ReproduceCommand, ContradictoryOptionsAreRefused) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects fan,white-box --quiet", folder.path()).exit_code, 0);
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const auto result = test::run_tactile("reproduce --preset tiny --th 40 --epochs 1 " + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "study/study.json"));
+  };
+  refused("--objects fan", "holds runs already");
+  refused("--runs 3", "holds runs already");
+  refused("--held-out cup", "'cup'");
+  refused("--held-out fan,white-box", "nothing is left to learn from");
+}
+
+TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
+  const test::TemporaryFolder folder;
+  const std::string arguments = without_epochs + "--epochs 1000";
+  test::RunningCommand study(arguments, folder.path());
+  while (programs_in(folder.path()) < 3 && !study.has_ended()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  study.signal(SIGINT);  // to it alone, as `kill` would
+  EXPECT_EQ(study.wait().exit_code, 130) << study.err();
+  EXPECT_EQ(programs_in(folder.path()), 0U);
+  EXPECT_FALSE(fs::exists(folder / "study/study.json"));
+}
+
+TEST(ReproduceCommand, AFailingTrainingIsReportedWithItsCommand) {
+  const test::TemporaryFolder folder;
+  write_whole(folder / "models", "no folder");
+  const auto result = test::run_tactile(small, folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("tactile: 'tactile train data --th "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("' failed: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("models"), std::string::npos) << result.err;
+}
+
+TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json study = run_study(folder.path(),
+                                         "reproduce --json --preset quick --objects fan,sprayer,white-box --th 2,20 --held-out "
+                                         "fan --epochs 1 --seeds 2 --threads 2");
+  ASSERT_TRUE(study.is_object());
+  EXPECT_EQ(study.at("choice").at("chosen_on"), "choice");
+  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
+  EXPECT_EQ(study.at("runs").at("all_test").size(), 6U);
+  EXPECT_EQ(study.at("choice").at("th_ms"), study.at("choice").at("best").at("choice").at("th_ms"));
+  EXPECT_EQ(study.at("paper_way").at("th_ms"), study.at("choice").at("best").at("all_test").at("th_ms"));
+  ASSERT_EQ(study.at("histories")[0].at("models").size(), 2U);
+  EXPECT_NE(study.at("histories")[0].at("models")[0].at("weights_sha256"),
+            study.at("histories")[0].at("models")[1].at("weights_sha256"));
+  std::set<std::string> evaluations;
+  for (const auto& evaluation : study.at("evaluations")) evaluations.insert(evaluation.at("id").get<std::string>());
+  EXPECT_EQ(evaluations, (std::set<std::string>{"reported", "reported-s2", "all_test"}));
+  EXPECT_EQ(study.at("claims")[2].at("id"), "marginal-past-20");
+  EXPECT_TRUE(study.at("claims")[2].at("measured").at("value").is_null()) << "no history past 20 ms was asked for";
+  EXPECT_FALSE(study.at("claims")[7].at("measured").at("low").is_null()) << "three objects";
+  EXPECT_EQ(study.at("claims")[7].at("why"), "too few objects: 3, 5 needed");
+  EXPECT_NE(study.at("bootstrap").at("trainings").get<std::string>().find("2 trainings each"), std::string::npos);
+  EXPECT_EQ(study.at("unseen").at("trainings").size(), 2U);
+}
+
+TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
+  const test::TemporaryFolder folder;
+  test::RunningCommand study(small, folder.path());
+  while (!fs::exists(folder / "study/steps/simulate.json") && !study.has_ended())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  study.signal(SIGSTOP);  // else it might come to its end first
+  const auto second = test::run_tactile(small, folder.path());
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_NE(second.err.find("another 'tactile reproduce' is at work"), std::string::npos) << second.err;
+}
+
+TEST(ReproduceCommand, BadOptionsAreRefusedBeforeAnythingIsMade) {
+  const test::TemporaryFolder folder;
+  for (const char* arguments :
+       {"reproduce --splits some", "reproduce --th 3", "reproduce --preset large", "reproduce --train-run 1"}) {
+    const auto result = test::run_tactile(arguments, folder.path());
+    EXPECT_NE(result.exit_code, 0) << arguments;
+    EXPECT_FALSE(result.err.empty());
+    EXPECT_FALSE(fs::exists(folder / "data")) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,125 @@
+#include "tactile/experiments/trade/experiment_design.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace tactile {
+namespace {
+
+std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
+  const nlohmann::json first = a, second = b;
+  std::size_t count = 0;
+  for (const auto& [key, value] : first.items()) count += value != second.at(key) ? 1U : 0U;
+  return count;
+}
+
+TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
+  const auto settings = one_at_a_time({}, {});
+  EXPECT_EQ(settings.front(), TradeSetting{});
+  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass and gate each, 3 confirmations.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 3);
+  std::set<std::string> ids;
+  for (const TradeSetting& setting : settings) {
+    EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
+    if (!(setting == TradeSetting{})) {
+      EXPECT_EQ(differing(setting, {}), 1U) << id_of(setting);
+    }
+  }
+}
+
+TEST(OneAtATime, LeavesOutPairsThatDoNotDivideAndNamesThem) {
+  TradeLevels levels;
+  const auto pairs = left_out_pairs(levels);
+  std::set<std::pair<std::int64_t, std::int64_t>> named;
+  for (const LeftOutPair& pair : pairs) named.emplace(pair.history.count(), pair.tick.count());
+  const std::set<std::pair<std::int64_t, std::int64_t>> expected{{2000, 4000},  {2000, 5000},  {2000, 10000},
+                                                                 {10000, 4000}, {30000, 4000}, {50000, 4000}};
+  EXPECT_EQ(named, expected);
+  levels.histories = {30ms};
+  TradeSetting usual;
+  usual.rendering.history = 30ms;
+  const auto settings = one_at_a_time(usual, levels);
+  EXPECT_TRUE(std::none_of(settings.begin(), settings.end(),
+                           [](const TradeSetting& setting) { return setting.rendering.tick == microseconds{4000}; }));
+}
+
+TEST(AllCombinations, AreThoseThatMakeSense) {
+  TradeLevels levels;
+  levels.histories = {2ms, 40ms};
+  levels.ticks = {2ms, 4ms};
+  levels.factors = {0.2};
+  levels.resizes = {Resize::area};
+  levels.denoises = {Denoise::mean};
+  levels.confirmations = {{1, 1}};
+  levels.gate = {false};
+  const auto settings = all_combinations({}, levels);
+  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each.
+  EXPECT_EQ(settings.size(), 3U * (1 + 4));
+  for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
+}
+
+TEST(WhyImpossible, SaysWhichIsNoWholeNumberOfWhich) {
+  TradeSetting setting;
+  setting.rendering.history = 10ms;
+  setting.rendering.tick = 4ms;
+  EXPECT_EQ(why_impossible(setting).value_or(""), "t_h 10 ms is no whole number of ticks of 4 ms");
+}
+
+TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
+  TradeLevels levels;
+  levels.histories = {20ms, 40ms, 50ms};
+  levels.ticks = {2ms, 4ms};
+  levels.factors = {0.1, 0.2};
+  levels.resizes = {Resize::area};
+  levels.denoises = {Denoise::mean};
+  levels.engines = {EngineKind::fast, EngineKind::libtorch};
+  levels.precisions = {Precision::fp32};
+  levels.sparse = {true};
+  levels.confirmations = {{1, 1}};
+  levels.gate = {false};
+  std::map<std::string, TradeOutcome> measured;
+  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
+  TradeSetting usual, shorter, smaller, slow;
+  shorter.rendering.history = 20ms;
+  smaller.rendering.factor = 0.1;
+  slow.engine = EngineKind::libtorch;
+  measured[id_of(shorter)] = {0.92, 90, 4000, 1.0, 0.1};  // better in everything
+  measured[id_of(smaller)] = {0.89, 50, 5000, 1.0, 0.1};  // faster, a little less accurate
+  measured[id_of(slow)] = {0.9, 900, 5000, 1.0, 0.1};     // slower for nothing
+  const auto corners = promising_corners(usual, levels, measured, 4);
+  TradeSetting both = shorter;
+  both.rendering.factor = 0.1;
+  EXPECT_NE(std::find(corners.begin(), corners.end(), both), corners.end());
+  for (const TradeSetting& corner : corners) {
+    EXPECT_EQ(corner.engine, EngineKind::fast);
+    EXPECT_GE(differing(corner, usual), 2U);
+  }
+}
+
+TEST(PromisingCorners, AreNoMoreThanAskedForOfEachFront) {
+  std::map<std::string, TradeOutcome> measured;
+  double step = 0;
+  for (const TradeSetting& setting : one_at_a_time({}, {})) {
+    step += 1;
+    measured[id_of(setting)] = {0.9 + 0.001 * step, 100 + step, 5000 - 10 * step, 1.0 + 0.01 * step, 0.1};
+  }
+  EXPECT_LE(promising_corners({}, {}, measured, 3).size(), 6U);
+  EXPECT_TRUE(promising_corners({}, {}, measured, 0).empty());
+  EXPECT_TRUE(promising_corners({}, {}, {}, 3).empty()) << "nothing is known of the usual setting";
+}
+
+TEST(TradeSetting, IsToldByWhatIsOther) {
+  TradeSetting setting;
+  EXPECT_EQ(text_of(setting), "as usual");
+  setting.rendering.history = 2500us;
+  setting.rendering.tick = 500us;
+  setting.confirmation = {2, 3};
+  setting.gate = true;
+  EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms, confirm 2/3, gate");
+  EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32-sparse-2of3-gate");
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,62 @@
+#include "tactile/experiments/trade/full_runs.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+/// Ticks of 2 ms from 6 ms on.
+FullRun predicted_as(std::vector<Touch> verdicts, std::vector<std::uint64_t> events) {
+  FullRun run{.run = "fan/03",
+              .ticks = {.first = camera_time(6000), .count = 0, .tick = 2ms},
+              .verdicts = std::move(verdicts),
+              .events = std::move(events)};
+  run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
+  return run;
+}
+
+TEST(AtTick, TakesTheTicksThatLieAtWholeMultiples) {
+  const FullRun predicted =
+      predicted_as({Touch::press, Touch::slip, Touch::none, Touch::press}, {1, 2, 3, 4});  // 6, 8, 10, 12 ms
+  const FullRun fewer = at_tick(predicted, 4ms);
+  EXPECT_EQ(fewer.ticks.first, camera_time(8000));
+  EXPECT_EQ(fewer.ticks.count, 2);
+  EXPECT_EQ(fewer.ticks.tick, microseconds(4000));
+  EXPECT_EQ(fewer.verdicts, (std::vector<Touch>{Touch::slip, Touch::press}));
+  EXPECT_EQ(fewer.events, (std::vector<std::uint64_t>{2, 4}));
+  EXPECT_EQ(at_tick(predicted, 100ms).ticks.count, 0);
+  EXPECT_THROW(at_tick(predicted, 3ms), Error);
+}
+
+TEST(VerdictsOf, GateFirstAndThenConfirm) {
+  const FullRun predicted = predicted_as({Touch::press, Touch::press, Touch::press, Touch::press}, {9, 1, 9, 9});
+  const std::vector<Touch> all(4, Touch::press);
+  EXPECT_EQ(verdicts_of(predicted, std::nullopt, {}), all);
+  EXPECT_EQ(verdicts_of(predicted, 5, {}), (std::vector<Touch>{Touch::press, Touch::none, Touch::press, Touch::press}));
+  EXPECT_EQ(verdicts_of(predicted, 5, {2, 2}), (std::vector<Touch>{Touch::none, Touch::none, Touch::none, Touch::press}));
+}
+
+TEST(WriteFullRuns, ReadsBackTheSame) {
+  const test::TemporaryFolder folder;
+  const std::vector<FullRun> runs{predicted_as({Touch::none, Touch::slip}, {0, 70'000'000'000}), predicted_as({}, {})};
+  write_full_runs(folder / "predicted.json", runs);
+  const auto read = read_full_runs(folder / "predicted.json");
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].run, "fan/03");
+  EXPECT_EQ(read[0].verdicts, runs[0].verdicts);
+  EXPECT_EQ(read[0].events, runs[0].events);
+  EXPECT_EQ(read[0].ticks.first, runs[0].ticks.first);
+  EXPECT_EQ(read[0].ticks.count, 2);
+  EXPECT_EQ(read[1].ticks.count, 0);
+  for (const char* bad : {"nonsense", "{}", R"({"runs": [{"run": "a"}]})"}) {
+    write_whole(folder / "bad.json", bad);
+    EXPECT_THROW(read_full_runs(folder / "bad.json"), Error) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "experiments/step_inputs.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Three objects of three simulated runs, an epoch, and few values of few settings.
+const std::string small =
+    "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --engine fast --pass sparse "
+    "--confirm 1/1,2/3 --epochs 1 --seeds 2 --corners 2 --threads 2 ";
+
+void simulate_runs(const fs::path& folder, const std::string& objects) {
+  for (const std::string& command :
+       {"simulate --preset tiny --runs 3 --objects " + objects, std::string("label --no-pictures")}) {
+    const auto result = test::run_tactile(command, folder);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+}
+
+nlohmann::json traded(const fs::path& folder, const std::string& arguments, const std::string& command = small) {
+  const auto result = test::run_tactile(command + arguments + " --json", folder);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+const nlohmann::json* point_of(const nlohmann::json& trade, const std::string& text) {
+  for (const auto& point : trade.at("points")) {
+    if (point.at("text") == text) return &point;
+  }
+  return nullptr;
+}
+
+nlohmann::json without_times(nlohmann::json trade) {
+  for (const char* key : {"steps", "steps_done", "steps_kept", "figures", "recommendation", "settings"}) trade.erase(key);
+  return trade;
+}
+
+TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan,sprayer,white-box");
+  const nlohmann::json trade = traded(folder.path(), "--no-growth");
+  ASSERT_TRUE(trade.is_object());
+  EXPECT_EQ(trade.at("simulated"), true);
+  EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
+  EXPECT_EQ(trade.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
+  EXPECT_EQ(trade.at("points")[0].at("design"), "usual");
+  for (const char* text : {"t_h 20 ms", "tick 4 ms", "tick 5 ms", "confirm 2/3", "gate", "int8"})
+    EXPECT_NE(point_of(trade, text), nullptr) << text;
+  EXPECT_EQ(point_of(trade, "tick 3 ms"), nullptr);
+  ASSERT_EQ(trade.at("left_out").size(), 2U) << "neither history is a whole number of 3 ms";
+  EXPECT_EQ(trade.at("left_out")[0].at("tick_ms"), 3);
+  EXPECT_TRUE(trade.at("not_measured").empty());
+
+  test::expect_inputs_of_first_version(folder / "trade", "trade");
+
+  // The usual setting has all seeds, and so has whatever shares its network.
+  EXPECT_EQ(trade.at("points")[0].at("seeds"), 2);
+  EXPECT_EQ(point_of(trade, "tick 4 ms")->at("seeds"), 2);
+  EXPECT_FALSE(point_of(trade, "tick 4 ms")->at("difference").is_null());
+  const bool on_a_front = std::any_of(trade.at("points").begin(), trade.at("points").end(),
+                                      [](const auto& point) { return point.at("front").at("accuracy").template get<bool>(); });
+  EXPECT_TRUE(on_a_front);
+  for (const auto& point : trade.at("points")) {
+    for (const char* runs : {"choice", "reported"}) {
+      const auto& figures = point.at(runs);
+      const double accuracy = figures.at("accuracy").at("value"), p50 = figures.at("us").at("p50").at("value");
+      EXPECT_GT(accuracy, 0.2) << point.at("id");
+      EXPECT_LE(accuracy, 1) << point.at("id");
+      EXPECT_GT(p50, 0) << point.at("id");
+      EXPECT_GE(figures.at("us").at("p99").at("value").get<double>(), p50);
+      EXPECT_EQ(figures.at("accuracy").at("n"), 3);
+    }
+  }
+  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png"})
+    EXPECT_TRUE(fs::is_regular_file(folder / "trade/figures" / figure)) << figure;
+  const std::string csv = read_text(folder / "trade/trade.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + 2 * trade.at("points").size());
+
+  const auto report = test::run_tactile("report trade --json", folder.path());
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const std::string page = read_text(folder / "trade/report/report.html");
+  EXPECT_NE(page.find("Speed against accuracy"), std::string::npos);
+  EXPECT_NE(page.find("figure-trade-delay"), std::string::npos);
+
+  // Nothing is done again; a constraint that no setting meets measures nothing.
+  const nlohmann::json second = traded(folder.path(), "--no-growth --no-figures");
+  EXPECT_EQ(second.at("steps_done"), 0);
+  EXPECT_EQ(without_times(second).at("points"), trade.at("points"));
+  const nlohmann::json other = traded(folder.path(), "--at-least-accuracy 1 --at-most-us 0.001 --no-growth --no-figures");
+  EXPECT_EQ(other.at("steps_done"), 0);
+  EXPECT_FALSE(other.at("recommendation").at("met"));
+  EXPECT_TRUE(other.at("recommendation").at("sentence").get<std::string>().starts_with("No measured setting"));
+  const auto refused = test::run_tactile(small + "--at-most-us 0.001 --no-growth --no-figures --apply none.json", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("no setting to apply"), std::string::npos) << refused.err;
+  EXPECT_FALSE(fs::exists(folder / "none.json"));
+}
+
+/// A setting must keep up with its ticks to be recommended: these are so long that it does on any machine, however busy.
+TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan,sprayer,white-box");
+  const auto windows = test::run_tactile("windows --history-ms 400", folder.path());
+  ASSERT_EQ(windows.exit_code, 0) << windows.err;
+  const std::string long_ticks =
+      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass "
+      "sparse --confirm 1/1 --gate off --epochs 1 --seeds 1 --threads 2 --at-most-us 1000000 --no-growth --no-figures ";
+  const nlohmann::json trade = traded(folder.path(), "--apply best.json", long_ticks);
+  ASSERT_TRUE(trade.is_object());
+  const nlohmann::json& recommendation = trade.at("recommendation");
+  EXPECT_TRUE(recommendation.at("met"));
+  EXPECT_EQ(recommendation.at("again").at("runs"), trade.at("runs").at("reported"));
+  EXPECT_NE(recommendation.at("sentence").get<std::string>().find("Measured again"), std::string::npos);
+  EXPECT_EQ(read_json(folder / "best.json").at("tick-us"),
+            static_cast<int>(1000 * recommendation.at("setting").at("tick_ms").get<double>()));
+  EXPECT_EQ(traded(folder.path(), "", long_ticks).at("steps_done"), 0);
+  const auto detected = test::run_tactile("detect --config best.json --from file:data/fan/03 --speed 0 --json", folder.path());
+  EXPECT_EQ(detected.exit_code, 0) << detected.err;
+}
+
+TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan,white-box");
+  const std::string few =
+      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass sparse --confirm 1/1 "
+      "--gate off --epochs 1 --seeds 1 --no-growth --no-figures --threads 2 ";
+  const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("a larger --budget-minutes"), std::string::npos) << none.err;
+  EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  const auto output = test::run_tactile(few + "--th 20,40", folder.path());
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  for (const char* words :
+       {"part 1 of 2: one change at a time, 2 settings", "training 1 of 2: the usual network", "training 2 of 2: t_h 20 ms",
+        "judging 1 of 2, at every tick of 4 runs: the usual network", "judging 2 of 2", "timing ticks of 2 settings"})
+    EXPECT_NE(output.err.find(words), std::string::npos) << words << '\n' << output.err;
+  EXPECT_EQ(output.err.find("single-run"), std::string::npos) << "no names of files\n" << output.err;
+  const nlohmann::json whole = traded(folder.path(), "--th 20,40", few);
+  EXPECT_NE(point_of(whole, "t_h 20 ms"), nullptr);
+  EXPECT_TRUE(whole.at("points")[0].at("reported").at("accuracy").at("low").is_null()) << "two objects";
+  const nlohmann::json again = traded(folder.path(), "--th 20,30,40 --budget-minutes 0", few);
+  EXPECT_NE(point_of(again, "t_h 20 ms"), nullptr) << "it is trained already";
+  EXPECT_EQ(point_of(again, "t_h 30 ms"), nullptr);
+  ASSERT_EQ(again.at("not_measured").size(), 1U);
+  EXPECT_EQ(again.at("not_measured")[0].at("setting"), "t_h 30 ms");
+  // If the budget is too short for one training, the same command would never end.
+  EXPECT_NE(again.at("unfinished").get<std::string>().find("a larger --budget-minutes"), std::string::npos);
+  EXPECT_TRUE(whole.at("unfinished").is_null());
+  // Another dataset: all is measured again.
+  const auto redrawn = test::run_tactile("windows --seed 2", folder.path());
+  ASSERT_EQ(redrawn.exit_code, 0) << redrawn.err;
+  EXPECT_NE(redrawn.out.find("(seed 2 instead of 1)"), std::string::npos) << redrawn.out;
+  const auto other = test::run_tactile(few + "--th 40", folder.path());
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_NE(other.err.find("is another dataset than trade was measured on (seed 2 instead of 1)"), std::string::npos)
+      << other.err;
+}
+
+TEST(TradeCommand, NeedsRunsToChooseOn) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "fan");
+  const auto result = test::run_tactile(small + "--choice-runs 02,03", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("--choice-runs"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  const auto unconstrained = test::run_tactile("trade --apply best.json", folder.path());
+  EXPECT_EQ(unconstrained.exit_code, 1);
+  EXPECT_NE(unconstrained.err.find("--at-most-us"), std::string::npos) << unconstrained.err;
+}
+
+}  // namespace
+}  // namespace tactile

@@ -1,0 +1,101 @@
+"""Rows about exported models: other runtimes must compute the same logits."""
+
+import json
+
+import numpy as np
+
+import numpy_lenet
+from programs import MODEL_LOGITS, run, tactile
+from table import Difference, row
+
+HEATMAPS = 1000  # of the dataset, and as many random ones
+LOGIT_TOLERANCE = 1e-4
+NETWORKS = [(activation, pool, 0.2) for activation in ("relu", "tanh", "sigmoid") for pool in ("max", "average")] + [("relu", "max", 0.25)]
+
+
+class Model:
+    """A model that is trained for one epoch and exported, with its logits of heatmaps of its dataset and of random ones."""
+
+    def __init__(self, folder, data, activation, pool, factor):
+        self.name = f"{activation}-{pool}-{factor}"
+        rendering = ("--th", "40", "--factor", factor)
+        if not (folder / self.name).exists():
+            # At first sigmoids only unlearn what distinguishes heatmaps. At a low rate they keep it.
+            rate = "1e-5" if activation == "sigmoid" else "1e-3"
+            tactile("train", data, "--epochs", "1", "--lr", rate, "--activation", activation, "--pool", pool, "--models", folder,
+                    "--name", self.name, *rendering)
+        self.onnx, self.safetensors = folder / f"{self.name}.onnx", folder / f"{self.name}.safetensors"
+        tactile("export", "--models", folder, "--model", self.name, "--onnx", self.onnx, "--safetensors", self.safetensors, "--force")
+        stored = stored_heatmaps(data, rendering)
+        random = np.random.default_rng(1)
+        shape = (HEATMAPS, *stored.shape[1:])
+        noise = random.integers(0, 256, shape) * (random.random(shape) < random.random((HEATMAPS, 1, 1)))
+        self.heatmaps = np.concatenate([stored, noise.astype(np.uint8)])
+        self.heatmaps.tofile(folder / "heatmaps")
+        run(MODEL_LOGITS, folder / self.name, folder / "heatmaps", folder / "logits")
+        self.logits = np.fromfile(folder / "logits", np.float32).reshape(-1, 3)
+
+    def expect_same(self, found, runtime):
+        if found.shape != self.logits.shape or len(found) < 2 * HEATMAPS:
+            raise Difference(f"{self.name}: {runtime} has {found.shape} logits, tactile {self.logits.shape}; expected {2 * HEATMAPS} rows")
+        largest = float(np.abs(found - self.logits).max())
+        # A network of sigmoids that has learned little has nearly the same logits for all heatmaps: then the tolerance is smaller.
+        allowed = min(LOGIT_TOLERANCE, float(np.ptp(self.logits, axis=0).min()) / 20)
+        if not largest <= allowed:  # NaN differs, too
+            raise Difference(f"{self.name}: logits of {runtime} differ by up to {largest:.2g} from those of tactile, allowed {allowed:.2g}")
+        print(f"    {self.name}: logits of {runtime} for {len(found)} heatmaps differ by at most {largest:.1g}; "
+              f"those of tactile span {np.ptp(self.logits):.3g}", flush=True)
+
+
+def stored_heatmaps(data, rendering):
+    """HEATMAPS heatmaps, evenly spread over the samples of the dataset."""
+    import h5py
+    name = json.loads(tactile("heatmaps", data, "--json", *rendering))["histories"][0]["name"]
+    with h5py.File(data / "dataset.h5") as file:
+        heatmaps = file["heatmaps"][name][:]
+    if len(heatmaps) < HEATMAPS:
+        raise Difference(f"{data}: {len(heatmaps)} heatmaps, expected at least {HEATMAPS}")
+    return heatmaps[np.linspace(0, len(heatmaps) - 1, HEATMAPS).astype(int)]
+
+
+def models(folder):
+    """Models of every activation and pooling, and of another input size; trained once for both rows."""
+    data, place = folder.parent / "model-data", folder.parent / "models"
+    if not data.exists():
+        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
+        tactile("label", data)
+        tactile("windows", data)
+    for activation, pool, factor in NETWORKS:
+        yield Model(place, data, activation, pool, factor)
+
+
+@row("models in ONNX, run by onnxruntime: logits of stored and random heatmaps, every activation and pooling", "onnxruntime", "onnx", "h5py")
+def onnx_models(folder):
+    import onnx
+    import onnxruntime
+    onnxruntime.set_default_logger_severity(3)
+    for model in models(folder):
+        onnx.checker.check_model(onnx.load(model.onnx), full_check=True)
+        session = onnxruntime.InferenceSession(str(model.onnx), providers=["CPUExecutionProvider"])
+        x = model.heatmaps[:, np.newaxis].astype(np.float32) / np.float32(255)
+        batches = np.array_split(x, 19)  # of two sizes
+        found = [session.run(["logits", "probabilities"], {"heatmaps": batch}) for batch in batches]
+        logits, probabilities = (np.concatenate(parts) for parts in zip(*found))
+        model.expect_same(logits, "onnxruntime")
+        exponentials = np.exp(logits.astype(float) - logits.max(axis=1, keepdims=True))
+        if np.abs(probabilities - exponentials / exponentials.sum(axis=1, keepdims=True)).max() > 1e-5:
+            raise Difference(f"{model.name}: the probabilities are not the softmax of the logits")
+        metadata = session.get_modelmeta().custom_metadata_map
+        if json.loads(metadata["classes"]) != ["none", "press", "slip"] or json.loads(metadata["rendering"])["history_us"] != 40_000:
+            raise Difference(f"{model.name}: onnxruntime reads other metadata: {metadata}")
+
+
+@row("models in safetensors, read by its library: logits by NumPy, every activation and pooling", "safetensors", "h5py")
+def safetensors_models(folder):
+    import safetensors
+    import safetensors.numpy
+    for model in models(folder):
+        weights = safetensors.numpy.load_file(model.safetensors)
+        with safetensors.safe_open(model.safetensors, "numpy") as file:
+            metadata = file.metadata()
+        model.expect_same(numpy_lenet.logits_of(weights, metadata, model.heatmaps), "NumPy")

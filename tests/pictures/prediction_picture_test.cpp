@@ -1,0 +1,95 @@
+#include "tactile/pictures/prediction_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile {
+namespace {
+
+/// A second of ticks: a press from 200 to 400 ms that is seen, and nothing else.
+PredictionPicture small_picture() {
+  PredictionPicture picture;
+  picture.title = "fan/02 as a model sees it";
+  for (int i = 0; i < 500; ++i) {
+    const bool press = i > 100 && i <= 200;
+    picture.ticks.push_back(
+        {camera_time(5'000'000 + 2000 * i), press ? 50.0 : 1.0, press ? 1.0 : 0.0, 0.0, press ? Touch::press : Touch::none});
+  }
+  picture.has_labels = true;
+  picture.labels = {{{Touch::press, camera_time(5'200'000), camera_time(5'400'000)}, "2 ms"}};
+  return picture;
+}
+
+// [px] of the rows of what was said, labelled and true, without the words beside them
+constexpr int rows_top = 532, rows_bottom = 590, axis_left = 112;
+
+/// Columns in which those rows hold this strong colour somewhere, first to last; {0, -1} without.
+std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour, int bottom = rows_bottom) {
+  std::pair<int, int> found{0, -1};
+  for (int x = axis_left; x < picture.cols; ++x) {
+    for (int y = rows_top; y < bottom; ++y) {
+      if (picture.at<cv::Vec3b>(y, x) != colour) continue;
+      if (found.second < 0) found.first = x;
+      found.second = x;
+      break;
+    }
+  }
+  return found;
+}
+
+const cv::Vec3b blue(0xC8, 0x5A, 0x00), orange(0x00, 0x5A, 0xE6), grey(0xB8, 0xB8, 0xB8);
+
+TEST(PredictionPicture, DrawsWhatWasSaidWhereItWasSaid) {
+  const test::TemporaryFolder folder;
+  draw_prediction(small_picture(), folder / "a.png");
+  const cv::Mat picture = cv::imread((folder / "a.png").string());
+  ASSERT_EQ(picture.cols, 1100);
+  // The axis goes from 110 to 1070 px for 998 ms.
+  const auto [first, last] = columns_of(picture, blue);
+  EXPECT_NEAR(first, 110 + 960 * 0.200 / 0.998, 3);
+  EXPECT_NEAR(last, 110 + 960 * 0.400 / 0.998, 3);
+  EXPECT_EQ(columns_of(picture, orange).second, -1);
+  EXPECT_EQ(columns_of(picture, grey).second, -1);
+}
+
+TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
+  PredictionPicture with = small_picture();
+  with.has_truth = true;
+  with.truth = {{Touch::slip, camera_time(5'600'000), camera_time(5'700'000)}};
+  with.unlabelled = {{Touch::press, camera_time(5'800'000), camera_time(5'900'000)}};
+  const test::TemporaryFolder folder;
+  draw_prediction(with, folder / "a.png");
+  const cv::Mat picture = cv::imread((folder / "a.png").string());
+  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 960 * 0.600 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, grey, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
+}
+
+TEST(PredictionPicture, ASingleTickThatIsSaidIsSeen) {
+  PredictionPicture lone = small_picture();
+  lone.labels.clear();
+  lone.ticks.resize(100);
+  for (int i = 100; i < 20'000; ++i)
+    lone.ticks.push_back({camera_time(5'000'000 + 2000 * i), 1.0, 0.0, 0.0, i == 9000 ? Touch::slip : Touch::none});
+  const test::TemporaryFolder folder;
+  draw_prediction(lone, folder / "a.svg");
+  EXPECT_NE(read_text(folder / "a.svg").find("fill = 'rgb(230,  90,   0)'"), std::string::npos);
+}
+
+TEST(PredictionPicture, TakesAnyWordsAndNeedsATick) {
+  PredictionPicture odd = small_picture();
+  odd.title = "it's $x `date` %s \xff";
+  odd.labels[0].words = "'; exit";
+  const test::TemporaryFolder folder;
+  draw_prediction(odd, folder / "a.png");
+  EXPECT_FALSE(cv::imread((folder / "a.png").string()).empty());
+  odd.ticks.clear();
+  EXPECT_THROW(prediction_plot(odd), Error);
+}
+
+}  // namespace
+}  // namespace tactile

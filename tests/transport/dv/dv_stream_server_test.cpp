@@ -1,0 +1,334 @@
+#include "tactile/transport/dv/dv_stream_server.hpp"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "events/aedat4_bytes.hpp"
+#include "events/made_recording.hpp"
+#include "support/comes_true.hpp"
+#include "support/error_of.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/transport/connection.hpp"
+#include "tactile/transport/dv/dv_stream_client.hpp"
+
+namespace tactile::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Received = DvStreamClient::Received;
+
+const NetworkAddress any_port{.kind = NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
+const Stream event_declaration = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
+
+/// What the server said, from whatever thread.
+class Log {
+ public:
+  std::function<void(const std::string&)> sink() {
+    return [this](const std::string& text) {
+      const std::lock_guard lock(mutex_);
+      lines_.push_back(text);
+    };
+  }
+  std::size_t lines_with(const std::string& part) {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(),
+                                                  [&](const std::string& line) { return line.find(part) != std::string::npos; }));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+std::vector<Event> next_events(DvStreamClient& client) {
+  EXPECT_EQ(client.receive(long_enough), Received::packet);
+  return {client.events().begin(), client.events().end()};
+}
+
+TEST(DvStreamServer, ServesSeveralClientsTheSame) {
+  DvStreamServer server(any_port, event_declaration);
+  EXPECT_GT(server.address().port, 0);
+  std::vector<DvStreamClient> clients;
+  for (int i = 0; i < 3; ++i) clients.emplace_back(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 3; })) << "three clients";
+  const std::vector<Event> first = steady_events(1000, 0, 10, {640, 480});
+  const std::vector<Event> second = steady_events(10, 20'000, 10, {640, 480});
+  server.send(first);
+  server.send(std::span<const Event>());  // nothing is sent of it
+  server.send(second);
+  for (DvStreamClient& client : clients) {
+    EXPECT_EQ(client.stream().source, "DVXplorer_DXM00001");
+    EXPECT_EQ(client.stream().name, "events");
+    EXPECT_EQ(client.stream().size, (SensorSize{640, 480}));
+    EXPECT_EQ(next_events(client), first);
+    EXPECT_EQ(next_events(client), second);
+  }
+  EXPECT_EQ(server.joined_clients(), 3U);
+  EXPECT_EQ(server.dropped_clients(), 0U);
+}
+
+TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
+  const std::vector<Event> events = steady_events(500, 1'600'000'000'000'000, 10, {640, 480});
+  const std::vector<ImuSample> imu{{.t = camera_time(5),
+                                    .temperature_c = 30.5F,
+                                    .acceleration_g = {1, 2, 3},
+                                    .angular_rate_dps = {4, 5, 6},
+                                    .magnetic_field_ut = {7, 8, 9}},
+                                   {.t = camera_time(6)}};
+  const std::vector<Trigger> triggers{{.t = camera_time(7), .type = 1}, {.t = camera_time(8), .type = 2}};
+  Frame frame;
+  frame.t = camera_time(100);
+  frame.frame_end = camera_time(101);
+  frame.width = 4;
+  frame.height = 3;
+  frame.pixels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  Stream imu_stream = stream_of(3, StreamType::imu, "IMUS");
+  Stream trigger_stream = stream_of(4, StreamType::triggers, "TRIG");
+  Stream frame_stream = stream_of(5, StreamType::frames, "FRME");
+  frame_stream.size = SensorSize{4, 3};
+  imu_stream.info.insert(imu_stream.info.begin(), {"simulated", "true"});
+  for (const Compression compression :
+       {Compression::none, Compression::lz4, Compression::lz4_high, Compression::zstd, Compression::zstd_high}) {
+    const DvStreamServerOptions options{.compression = compression, .log = {}};
+    DvStreamServer event_server(any_port, event_declaration, options), imu_server(any_port, imu_stream, options),
+        trigger_server(any_port, trigger_stream, options), frame_server(any_port, frame_stream, options);
+    DvStreamClient event_client(event_server.address(), long_enough), imu_client(imu_server.address(), long_enough),
+        trigger_client(trigger_server.address(), long_enough), frame_client(frame_server.address(), long_enough);
+    EXPECT_EQ(event_client.compression(), compression);
+    event_server.send(events);
+    imu_server.send(imu);
+    trigger_server.send(triggers);
+    frame_server.send(frame);
+    EXPECT_EQ(next_events(event_client), events);
+    EXPECT_TRUE(event_client.imu().empty());
+
+    ASSERT_EQ(imu_client.receive(long_enough), Received::packet);
+    EXPECT_EQ(imu_client.stream().id, 3);
+    EXPECT_EQ(imu_client.stream().info, imu_stream.info);
+    ASSERT_EQ(imu_client.imu().size(), 2U);
+    EXPECT_EQ(imu_client.imu()[0].t, imu[0].t);
+    EXPECT_EQ(imu_client.imu()[0].temperature_c, 30.5F);
+    EXPECT_EQ(imu_client.imu()[0].acceleration_g[2], 3);
+    EXPECT_EQ(imu_client.imu()[0].angular_rate_dps[1], 5);
+    EXPECT_EQ(imu_client.imu()[0].magnetic_field_ut[0], 7);
+    EXPECT_TRUE(imu_client.events().empty());
+
+    ASSERT_EQ(trigger_client.receive(long_enough), Received::packet);
+    ASSERT_EQ(trigger_client.triggers().size(), 2U);
+    EXPECT_EQ(trigger_client.triggers()[1].t, triggers[1].t);
+    EXPECT_EQ(trigger_client.triggers()[1].type, 2);
+
+    ASSERT_EQ(frame_client.receive(long_enough), Received::packet);
+    ASSERT_TRUE(frame_client.frame());
+    EXPECT_EQ(frame_client.frame()->t, frame.t);
+    EXPECT_EQ(frame_client.frame()->frame_end, frame.frame_end);
+    EXPECT_EQ(frame_client.frame()->width, 4);
+    EXPECT_EQ(frame_client.frame()->pixels, frame.pixels);
+  }
+}
+
+TEST(DvStreamServer, LetsAClientJoinAtTheNextPacket) {
+  DvStreamServer server(any_port, event_declaration);
+  DvStreamClient early(server.address(), long_enough);
+  server.send(steady_events(10, 0, 1, {640, 480}));
+  EXPECT_EQ(next_events(early).size(), 10U);
+  DvStreamClient late(server.address(), long_enough);
+  server.send(steady_events(20, 100, 1, {640, 480}));
+  EXPECT_EQ(next_events(late).size(), 20U);
+  EXPECT_EQ(next_events(early).size(), 20U);
+}
+
+TEST(DvStreamServer, DropsAStalledClientAndServesTheOthersCompletely) {
+  Log log;
+  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
+  Connection stalled(server.address(), long_enough);  // reads nothing, ever
+  DvStreamClient good(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 2; })) << "two clients";
+  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  // The good client takes each packet before the next one is sent: only the stalled one can fall behind.
+  std::size_t sent = 0;
+  for (; server.dropped_clients() == 0 && sent < 4000; ++sent) {
+    server.send(events);
+    ASSERT_EQ(next_events(good).size(), events.size());
+  }
+  EXPECT_EQ(server.dropped_clients(), 1U);
+  server.send(events);
+  EXPECT_EQ(next_events(good), events);
+  EXPECT_EQ(server.clients(), 1U);
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: ") == 1; })) << "the message";
+  EXPECT_EQ(log.lines_with(" MB unsent"), 1U);
+  EXPECT_EQ(log.lines_with("joined"), 2U);
+}
+
+TEST(DvStreamServer, KeepsItsMemoryWithinTheQueueOfAStalledClient) {
+  DvStreamServer server(any_port, event_declaration, {.client_queue = 4 << 20, .log = {}});
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
+  const auto in_use = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  const std::size_t before = in_use();
+  std::size_t most = before;
+  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  for (int i = 0; i < 1000; ++i) {
+    server.send(events);
+    most = std::max(most, in_use());
+  }
+  EXPECT_LT(most - before, std::size_t{6} << 20);
+  EXPECT_EQ(server.dropped_clients(), 1U);
+}
+
+TEST(DvStreamServer, WaitsForRoomSoThatASlowClientLosesNothing) {
+  std::atomic<std::uint64_t> received{0};
+  std::thread reader;
+  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  {
+    DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
+    DvStreamClient client(server.address(), long_enough);
+    ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
+    reader = std::thread([&received, client = std::move(client)]() mutable {
+      while (client.receive(long_enough) == Received::packet) {
+        received += client.events().size();
+        std::this_thread::sleep_for(100us);
+      }
+    });
+    for (int i = 0; i < 500; ++i) {
+      server.send(events);
+      EXPECT_TRUE(server.wait_for_room(long_enough));
+    }
+    server.drain(long_enough);
+    EXPECT_EQ(server.dropped_clients(), 0U);
+  }
+  reader.join();
+  EXPECT_EQ(received.load(), 500 * events.size());
+}
+
+TEST(DvStreamServer, WaitsForRoomNoLongerThanItsPatienceWithAStalledClient) {
+  Log log;
+  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
+  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  for (int i = 0; i < 4000 && server.dropped_clients() == 0; ++i) {
+    server.send(events);
+    server.wait_for_room(200ms);
+  }
+  EXPECT_EQ(server.dropped_clients(), 1U);
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: it accepted no bytes for 0.2") == 1; })) << "the message";
+}
+
+TEST(DvStreamServer, EndsTheWaitForRoomOnRequest) {
+  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
+  Connection stalled(server.address(), long_enough);
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
+  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  bool told = false;
+  for (int i = 0; i < 4000 && !told; ++i) {
+    server.send(events);
+    told = !server.wait_for_room(3600s, [] { return true; });
+  }
+  EXPECT_TRUE(told);
+  EXPECT_EQ(server.dropped_clients(), 0U);
+}
+
+TEST(DvStreamServer, DetectsAClientThatCloses) {
+  Log log;
+  DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
+  {
+    DvStreamClient client(server.address(), long_enough);
+    ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
+  }
+  ASSERT_TRUE(comes_true([&] { return server.clients() == 0; })) << "its leaving";
+  ASSERT_TRUE(comes_true([&] { return log.lines_with(" left") == 1; })) << "the message";
+  EXPECT_EQ(server.dropped_clients(), 0U);
+  EXPECT_EQ(server.joined_clients(), 1U);
+  server.send(steady_events(10, 0, 1, {640, 480}));
+}
+
+TEST(DvStreamServer, DropsAClientThatSendsData) {
+  Log log;
+  DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
+  Connection talker(server.address(), long_enough);
+  talker.send(std::as_bytes(std::span("GET /", 5)), long_enough);
+  ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: it sent data") == 1; })) << "the message";
+  EXPECT_EQ(server.dropped_clients(), 1U);
+  EXPECT_EQ(server.clients(), 0U);
+}
+
+TEST(DvStreamServer, RejectsClientsAboveTheLimit) {
+  Log log;
+  DvStreamServer server(any_port, event_declaration, {.clients = 2, .log = log.sink()});
+  DvStreamClient first(server.address(), long_enough), second(server.address(), long_enough);
+  const std::string error = error_of([&] { DvStreamClient(server.address(), long_enough); });
+  EXPECT_NE(error.find("before its header"), std::string::npos) << error;
+  EXPECT_EQ(log.lines_with("rejected"), 1U);
+  EXPECT_EQ(server.clients(), 2U);
+}
+
+TEST(DvStreamServer, ServesAUnixSocketAndRemovesItsFile) {
+  const TemporaryFolder folder;
+  const NetworkAddress address = network_address("unix:" + (folder / "socket").string());
+  {
+    DvStreamServer server(address, event_declaration);
+    EXPECT_EQ(server.address().text(), address.text());
+    DvStreamClient client(address, long_enough);
+    server.send(steady_events(10, 0, 1, {640, 480}));
+    EXPECT_EQ(next_events(client).size(), 10U);
+    const std::string error = error_of([&] { DvStreamServer(address, event_declaration); });
+    EXPECT_NE(error.find("exists already"), std::string::npos) << error;
+    EXPECT_TRUE(std::filesystem::exists(address.path));
+  }
+  EXPECT_FALSE(std::filesystem::exists(address.path));
+}
+
+TEST(DvStreamServer, KeepsAFileInThePlaceOfItsSocket) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = write_bytes(folder / "precious", "data");
+  error_of([&] { DvStreamServer(network_address("unix:" + path.string()), event_declaration); });
+  EXPECT_EQ(bytes_of(path), "data");
+}
+
+TEST(DvStreamServer, RejectsAUsedPortAndAForeignHost) {
+  DvStreamServer server(any_port, event_declaration);
+  const std::string taken = error_of([&] { DvStreamServer(server.address(), event_declaration); });
+  EXPECT_NE(taken.find(server.address().text()), std::string::npos) << taken;
+  EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
+  NetworkAddress elsewhere = any_port;
+  elsewhere.host = "192.0.2.1";
+  EXPECT_NE(error_of([&] { DvStreamServer(elsewhere, event_declaration); }).find("expected an address of this machine"),
+            std::string::npos);
+  const NetworkAddress nowhere = network_address("unix:/no-such-folder/socket");
+  EXPECT_NE(error_of([&] { DvStreamServer(nowhere, event_declaration); }).find("expected a path in a folder"), std::string::npos);
+}
+
+TEST(DvStreamServer, RejectsAStreamThatReadersReject) {
+  for (const auto& spoil : std::vector<std::function<void(Stream&)>>{
+           [](Stream& s) { s.source.clear(); }, [](Stream& s) { s.name.clear(); }, [](Stream& s) { s.size.reset(); },
+           [](Stream& s) { s.type = StreamType::other; }, [](Stream& s) { s.id = -1; }}) {
+    Stream stream = event_declaration;
+    spoil(stream);
+    EXPECT_NE(error_of([&] { DvStreamServer(any_port, stream); }).find("expected"), std::string::npos);
+  }
+}
+
+TEST(DvStreamServer, RejectsElementsOfAnotherType) {
+  DvStreamServer server(any_port, event_declaration);
+  EXPECT_THROW(server.send(std::vector<ImuSample>(1)), Error);
+  EXPECT_THROW(server.send(std::vector<Trigger>(1)), Error);
+  EXPECT_THROW(server.send(Frame{}), Error);
+  EXPECT_THROW(server.send(std::vector<Event>(dv_packet_limit / sizeof(Event))), Error);
+}
+
+}  // namespace
+}  // namespace tactile::test
