@@ -6,14 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/pictures/word_places.hpp"
 #include "tactile/report/figure_parts.hpp"
 
 namespace tactile {
 namespace {
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 
 constexpr int curve_left = 90, curve_right = 40, curve_top = 84, delay_bottom = curve_top + 290;
 constexpr double x_margin = 0.03;                 // of the axis, on both sides
@@ -163,7 +162,7 @@ Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, con
     }
   }
   PlotScript script(title, page_width, bottom + below);
-  script.note("Blue circles: press; orange squares: slip. Share of ticks predicted correctly." + whiskers.in_words());
+  script.note("Blue circles: press; orange squares: slip. Correct ticks." + whiskers.in_words());
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
