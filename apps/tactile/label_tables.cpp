@@ -9,15 +9,14 @@
 #include <optional>
 #include <tuple>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "text_table.hpp"
 
 namespace tactile {
 namespace {
 
-double ms_of(microseconds time) { return static_cast<double>(time.count()) / 1000.0; }
-
-std::string ms(const std::optional<microseconds>& time) { return time ? fmt::format("{:.1f}", ms_of(*time)) : "-"; }
+std::string ms(const std::optional<microseconds>& time) { return time ? fmt::format("{:.1f}", in_ms(*time)) : "-"; }
 
 nlohmann::json us_or_null(const std::optional<microseconds>& time) {
   return time ? nlohmann::json(time->count()) : nlohmann::json(nullptr);
@@ -148,7 +147,7 @@ std::map<std::string, ObjectSummary> objects_of(const std::vector<LabelledRun>& 
     ObjectSummary& object = objects[labelled.run.object];
     ++object.runs;
     object.flagged += is_flagged(labelled) ? 1 : 0;
-    if (const auto lag = lag_of(labelled.labels)) object.lags_ms.push_back(ms_of(*lag));
+    if (const auto lag = lag_of(labelled.labels)) object.lags_ms.push_back(in_ms(*lag));
   }
   return objects;
 }
@@ -181,7 +180,7 @@ std::map<DifferenceKind, std::vector<double>> differences_of(const std::vector<L
             const FittedClock* clock = labelled.labels.robot_clock_at(interval.start.at);
             kind.clock_method = clock == nullptr ? "" : clock->method;
           }
-          differences[kind].push_back(ms_of(between(*b, *a)));
+          differences[kind].push_back(in_ms(between(*b, *a)));
         }
       }
     }

@@ -55,9 +55,9 @@ void add_run(RecordingReport& report, const ReportOptions& options, const Progre
     health.notes.push_back("run.json counts as dropped: " + drops);
   report.files = check_files(folder, *report.run, options.check ? FileComparison::contents : FileComparison::size, progress);
   health.reasons.insert(health.reasons.end(), report.files.reasons.begin(), report.files.reasons.end());
-  if (!report.files.told && report.run->complete) {
+  if (!report.files.is_listed && report.run->complete) {
     health.notes.emplace_back("run.json lists no files, so that changes cannot be detected");
-  } else if (report.files.told && !report.files.not_listed.empty()) {
+  } else if (report.files.is_listed && !report.files.not_listed.empty()) {
     health.notes.push_back(fmt::format("run.json does not list {}", fmt::join(report.files.not_listed, ", ")));
   }
 }

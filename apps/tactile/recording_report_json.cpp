@@ -114,7 +114,7 @@ nlohmann::json json_of(const RecordingReport& report, const ReportOptions& optio
   json["run"] = report.run ? json_of(*report.run) : nlohmann::json();
   json["run_files"] =
       !report.run ? nlohmann::json()
-                  : nlohmann::json{{"listed", report.files.told},         {"compared", options.check ? "sha256" : "bytes"},
+                  : nlohmann::json{{"listed", report.files.is_listed},    {"compared", options.check ? "sha256" : "bytes"},
                                    {"as_listed", report.files.as_listed}, {"missing", report.files.missing},
                                    {"changed", report.files.changed},     {"not_listed", report.files.not_listed}};
   return json;

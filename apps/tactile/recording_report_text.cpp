@@ -130,7 +130,7 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   const RecordingHealth& health = report.health;
   Lines head("  ");
   if (report.run) head.add("run", text_of(*report.run));
-  if (report.run && report.files.told) head.add("files", files_text(report.files, options));
+  if (report.run && report.files.is_listed) head.add("files", files_text(report.files, options));
   if (const StreamHealth* camera = main_stream(health)) {
     const auto& size = camera->stream.size;
     head.add("camera", fmt::format("{}, {}{}", camera->stream.source.empty() ? "not named" : camera->stream.source,

@@ -59,7 +59,7 @@ bool is_damaged(const RunFolder& run) {
   const RunInfo info = read_run_info(run);
   if (!info.complete) return true;
   const RunFiles files = check_files(run, info, FileComparison::size);
-  return files.told && !(files.missing.empty() && files.changed.empty());
+  return files.is_listed && !(files.missing.empty() && files.changed.empty());
 }
 
 std::string session_of(const RunFolder& run) {

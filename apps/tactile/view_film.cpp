@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/pictures/event_film.hpp"
@@ -24,8 +25,6 @@ constexpr microseconds around_labels = 250ms;  ///< shown before the first onset
 constexpr microseconds default_length = 10s;   ///< of a recording without labels
 constexpr std::size_t most_pictures = 1'000'000, metered_moments = 200;
 constexpr int quality = 20;
-
-double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
 
 /// The default range: all touches, or the recording's begin.
 TickRange range_for(const ViewedRecording& recording, const ViewRequest& request) {
@@ -103,7 +102,7 @@ EventFilm film_of(ViewedRecording& recording, const ViewRequest& request, const 
   const CameraTime end = std::max(plan.times.back(), after(begin, microseconds{1}));
   const std::string speed = plan.form == FilmForm::mp4 ? speed_text(request.speed) + ", " : "";
   return EventFilm({.title = recording.title(),
-                    .remark = fmt::format("{}t_h {:g} ms", speed, ms_of(request.options.history)),
+                    .remark = fmt::format("{}t_h {:g} ms", speed, in_ms(request.options.history)),
                     .sensor = recording.sensor(),
                     .rendering = request.options,
                     .brightness = plan.brightness,

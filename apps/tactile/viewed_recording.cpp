@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
@@ -14,8 +15,6 @@ namespace tactile {
 namespace {
 
 namespace fs = std::filesystem;
-
-double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
 
 }  // namespace
 
@@ -58,7 +57,7 @@ std::string ViewedRecording::camera() const {
 
 std::string ViewedRecording::file_stem() const { return run_ ? run_->object + "-" + run_->run : reader_.file().stem().string(); }
 
-double ViewedRecording::ms_from_first(CameraTime t) const { return ms_of(between(first_, t)); }
+double ViewedRecording::ms_from_first(CameraTime t) const { return in_ms(between(first_, t)); }
 
 std::optional<Touch> ViewedRecording::touch_at(CameraTime t) const {
   if (!labelled_) return std::nullopt;
@@ -72,7 +71,7 @@ TickRange ViewedRecording::ticks(const HeatmapOptions& options) const {
   if (range.count == 0) {
     throw Error(
         fmt::format("{}: {:.1f} ms long, which holds no full history of {:g} ms; expected a longer recording or a smaller --th",
-                    reader_.file().string(), ms_from_first(last_), ms_of(options.history)));
+                    reader_.file().string(), ms_from_first(last_), in_ms(options.history)));
   }
   return range;
 }

@@ -37,7 +37,7 @@ TEST_F(RunFilesTest, AreListedByNameWithDigestAndSize) {
 
 TEST_F(RunFilesTest, AreAsListedUntilOneChanges) {
   EXPECT_EQ(check().as_listed, (Names{"events.aedat4", "robot.csv"}));
-  EXPECT_TRUE(check().told);
+  EXPECT_TRUE(check().is_listed);
   EXPECT_TRUE(check().reasons.empty());
   write_whole(run.events(), "EVENTS");
   EXPECT_EQ(check().changed, Names{"events.aedat4"});
@@ -75,7 +75,7 @@ TEST_F(RunFilesTest, TellOfAListThatIsNone) {
   info.extra["files"] = {{"events.aedat4", {{"bytes", -6}, {"sha256", 7}}}};
   EXPECT_EQ(check().changed, Names{"events.aedat4"});
   info.extra.erase("files");
-  EXPECT_FALSE(check().told);
+  EXPECT_FALSE(check().is_listed);
   EXPECT_TRUE(check().reasons.empty());
 }
 

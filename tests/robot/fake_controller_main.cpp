@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   app.add_option("--drop", options.drop_share, "Share of packages that are never sent")->check(CLI::Range(0.0, 1.0));
   app.add_option("--text-every", options.text_every, "A text message ahead of each so manieth package");
   app.add_option("--not-found", options.not_found, "Outputs that it does not have")->delimiter(',');
-  app.add_option("--restart-at", restart_at, "Its clock starts anew after so long [s]");
+  app.add_option("--restart-at", restart_at, "Its clock starts again after so long [s]");
   app.add_option("--garbage-at", garbage_at, "It sends garbage after so long [s]");
   app.add_option("--stall", stall, "It stays silent: begin, length [s]")->expected(2);
   app.add_option("--away", away, "It closes all connections and refuses new ones: begin, length [s]")->expected(2);

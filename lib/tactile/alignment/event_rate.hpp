@@ -19,7 +19,7 @@ struct EventRate {
   CameraTime last{};                    ///< the last event's time
   std::vector<std::uint32_t> hot = {};  ///< their places, y * width + x, ascending
   /// Bins with as many events as the path to the host allows: more events were lost, and the rate is cut off there. Fewer than 20
-  /// cannot be told from chance and count as 0.
+  /// cannot be distinguished from chance and count as 0.
   std::size_t saturated_bins = 0;
   /// The frequency at which the rate varies throughout the recording, as under lamps without a filter. It hides touches where it
   /// is most of the rate's variation.

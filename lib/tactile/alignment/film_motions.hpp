@@ -28,7 +28,7 @@ struct FilmedMotion {
   VideoSpan start, end;
   double energy = 0;       ///< mean [grey levels/s]
   bool start_cut = false;  ///< it moves in the film's first frames: it may have started at any time before
-  bool end_cut = false;    ///< likewise in its last frames
+  bool end_cut = false;    ///< it moves in the film's last frames: it may have ended at any time after
   bool faint = false;      ///< hardly visible: it may have begun long before and ended long after
 };
 

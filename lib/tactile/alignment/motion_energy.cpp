@@ -266,7 +266,7 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   const std::size_t level = threshold_level(read.frames);
   energy.threshold = threshold_at(level);
   const NoiseFloor floor = noise_floor(read.frames, level);
-  constexpr double least_pixels = 5;  // fewer moving pixels cannot be told from noise
+  constexpr double least_pixels = 5;  // fewer moving pixels cannot be distinguished from noise
   energy.noise = std::max(floor.deviation, least_pixels * energy.threshold / read.region_pixels);
   add_steps(energy, read, rows, level, floor, film);
   return energy;

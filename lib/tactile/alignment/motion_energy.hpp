@@ -46,7 +46,7 @@ struct MotionEnergy {
   std::size_t rows_without_frame = 0;  ///< given times whose frames the file lacks
   std::size_t frames_without_row = 0;  ///< decoded frames without a given time: they follow the container's own
   microseconds median_step{0};         ///< from frame to frame
-  microseconds longest_gap{0};         ///< likewise
+  microseconds longest_gap{0};         ///< from frame to frame
   std::optional<VideoTime> gap_begin;  ///< where that begins; nothing with fewer than two frames
 
   VideoTime begin() const { return steps.empty() ? VideoTime{} : steps.front().begin; }

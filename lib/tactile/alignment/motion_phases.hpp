@@ -25,7 +25,7 @@ struct MotionPhase {
   RobotTime end{};    ///< the commanded speed is zero again
   /// Standard deviation; infinite if the arm already moves where the rows begin, in the log or after a gap.
   double start_sigma_us = 0;
-  double end_sigma_us = 0;          ///< likewise; infinite if it still moves where the rows end
+  double end_sigma_us = 0;          ///< standard deviation; infinite if the arm still moves where the rows end
   std::optional<RobotTime> turn{};  ///< of a tap: the far end of its path
   double turn_sigma_us = 0;
   double peak_speed = 0;                  ///< [m/s] commanded, if that is known

@@ -18,7 +18,7 @@ double usual_step_s(const std::vector<double>& times);
 
 constexpr double fastest_seen = 0.45;   ///< periods of a ringing from row to row: a faster one is not seen
 constexpr double usual_decay_s = 0.08;  ///< of a ringing, before one is seen
-constexpr double usual_share = 0.2;     ///< likewise
+constexpr double usual_share = 0.2;     ///< of a ringing, before one is seen
 
 /// The least-squares problem of a speed profile. Its parameters are the knots, then log w, log decay and the log-odds of the
 /// ringing's share. The commanded speeds follow from them by linear least squares.

@@ -35,12 +35,13 @@ class CsvRows {
   explicit CsvRows(std::string_view text) : rest_(text) {
     next();
     names_ = cells_;
+    line_ = 1;  // also of an empty text
   }
 
   /// Advances to the next row. @return  false at the end of the text
   bool next() {
-    ++line_;
     if (rest_.empty()) return false;
+    ++line_;
     const std::size_t end = std::min(rest_.find('\n'), rest_.size());
     row_ = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));

@@ -59,7 +59,7 @@ RunFiles check_files(const RunFolder& run, const RunInfo& info, FileComparison c
   RunFiles files;
   const auto found = info.extra.find("files");
   const nlohmann::json listed = found == info.extra.end() ? nlohmann::json::object() : *found;
-  files.told = found != info.extra.end();
+  files.is_listed = found != info.extra.end();
   if (!listed.is_object()) {
     files.reasons.push_back(run.info().string() + ": 'files' is no object; expected {name: {sha256, bytes}}");
     return files;

@@ -20,7 +20,7 @@ enum class FileComparison : std::uint8_t { size, contents };  ///< contents: siz
 
 /// How a run's files differ from what its run.json says of them, by name.
 struct RunFiles {
-  bool told = false;  ///< run.json has a member `files`
+  bool is_listed = false;  ///< run.json has a member `files`
   std::vector<std::string> as_listed;
   std::vector<std::string> missing;
   std::vector<std::string> changed;     ///< of another size or SHA-256, or not comparable

@@ -71,7 +71,7 @@ class LiveDetector {
   void check_silence(HostTime now);
   /// Restarts if work that was due at `due` was only done at `now`, much later: what waits belongs to the past.
   void check_stop(HostTime due, HostTime now);
-  void rehearse(HostTime now);                  ///< if it is planned for now
+  void rehearse(HostTime now);                  ///< runs the network without use if a run is due
   void note_lost(std::uint64_t events_so_far);  ///< events that the queue had no room for, in total
 
   /// Whether `run` must wake up for a packet: it closes a tick, or has so many events that counting them later takes long. Other

@@ -58,7 +58,7 @@ std::map<std::string, std::vector<std::size_t>> runs_with(std::span<const RunOve
   return runs_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
 }
 
-/// The parts of intervals that shares are told of.
+/// The parts of intervals whose shares are reported.
 struct Parts {
   Part first, later, last, last_of_long, before_last, after;
 };

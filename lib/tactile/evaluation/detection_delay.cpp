@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -17,8 +18,6 @@ std::int64_t first_tick_after(CameraTime t, const TickRange& ticks) {
   const std::int64_t floor = us / tick_us - (us % tick_us < 0 ? 1 : 0);
   return floor + 1;
 }
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000.0; }
 
 std::vector<double> delays_ms(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch) {
   std::vector<double> delays;

@@ -10,7 +10,6 @@
 namespace tactile {
 namespace {
 
-double in_min(microseconds us) { return static_cast<double>(us.count()) / 60e6; }
 std::int64_t in_whole_ms(microseconds us) { return us.count() / 1000; }
 
 class Table {
@@ -62,11 +61,11 @@ class Table {
     figure(group, "all", "", "per_min", table.per_min);
     for (const auto& [name, per_min] : table.objects) figure(group, name, "", "per_min", per_min);
     count(group, "all", "", "count", table.total.alarms);
-    number(group, "all", "", "none_min", in_min(table.total.none_time));
+    number(group, "all", "", "none_min", in_minutes(table.total.none_time));
     count(group, "all", "", "after_intervals", table.total.after_intervals);
-    number(group, "all", "", "after_intervals_min", in_min(table.total.after_intervals_time));
+    number(group, "all", "", "after_intervals_min", in_minutes(table.total.after_intervals_time));
     count(group, "all", "", "unlabelled", table.total.unlabelled);
-    number(group, "all", "", "unlabelled_min", in_min(table.total.unlabelled_time));
+    number(group, "all", "", "unlabelled_min", in_minutes(table.total.unlabelled_time));
   }
 
   void over_time(std::string_view group, std::string_view touch, const AccuracyOverTime& accuracy) {

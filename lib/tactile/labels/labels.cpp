@@ -66,7 +66,7 @@ json json_of(const FittedClock& clock) {
   return object;
 }
 
-/// A clock that ran through is an object, one that started anew a list of its pieces, as `truth.json` has it.
+/// A clock that ran through is an object, one that started again is a list of its pieces, as `truth.json` has it.
 json json_of(const std::vector<FittedClock>& pieces) {
   if (pieces.empty()) return nullptr;
   if (pieces.size() == 1) return json_of(pieces.front());

@@ -14,7 +14,7 @@ namespace tactile {
 /// Connected cells that a burst lights: a marker or two. Each place is touched at a time of its own.
 struct LitPlace {
   std::vector<std::uint32_t> counts;   ///< by the bins of `LitRate::rate`
-  std::vector<std::uint32_t> repeats;  ///< likewise of `LitRate::repeats`
+  std::vector<std::uint32_t> repeats;  ///< by the bins of `LitRate::repeats`
   double quiet_per_bin = 0;
   double dispersion = 1;
 };

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/pictures/drawing.hpp"
 
 namespace tactile {
@@ -17,8 +18,6 @@ namespace {
 constexpr int left = 58, right = 16, label_row = 24, axis_row = 32;
 constexpr double tick_size = 0.42, label_size = 0.5;
 const cv::Scalar curve_line{70, 70, 70}, curve_area{160, 160, 160}, grid{225, 225, 225};
-
-double ms_of(microseconds d) { return static_cast<double>(d.count()) / 1000; }
 
 /// 1, 2 or 5 times a power of ten, at least `least`.
 double round_step(double least) {
@@ -46,7 +45,7 @@ cv::Rect RateStrip::area() const {
 
 int RateStrip::column_of(CameraTime t) const {
   const cv::Rect curve = area();
-  const double share = ms_of(between(begin_, t)) / ms_of(between(begin_, end_));
+  const double share = in_ms(between(begin_, t)) / in_ms(between(begin_, end_));
   return curve.x + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * (curve.width - 1)));
 }
 
@@ -108,7 +107,7 @@ void RateStrip::draw_rate_axis(cv::Mat& picture, double highest_root) const {
 
 void RateStrip::draw_time_axis(cv::Mat& picture) const {
   const cv::Rect plot = area();
-  const double from_ms = ms_of(between(zero_, begin_)), to_ms = ms_of(between(zero_, end_));
+  const double from_ms = in_ms(between(zero_, begin_)), to_ms = in_ms(between(zero_, end_));
   const double step = round_step((to_ms - from_ms) * 90 / plot.width);
   const double first = std::ceil(from_ms / step) * step;
   for (int i = 0; first + i * step <= to_ms + 1e-9 && i < plot.width; ++i) {

@@ -5,7 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "tactile/core/csv.hpp"
 
 namespace tactile {
 
@@ -27,14 +28,11 @@ class CsvReader {
   /// A field of this row; nothing where there is no such column, or the row is too short.
   std::optional<std::string_view> operator[](std::string_view column) const;
 
-  std::size_t line() const { return line_; }  ///< of the file, from 1
+  std::size_t line() const { return rows_.line(); }  ///< of the file, from 1
 
  private:
-  std::vector<std::string_view> take_line();
-
   std::string text_;
-  std::size_t at_ = 0, line_ = 0;
-  std::vector<std::string_view> columns_, fields_;
+  CsvRows rows_;
 };
 
 }  // namespace tactile

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/report/axis_tics.hpp"
@@ -89,8 +90,6 @@ struct GrowthPanel {
   std::string label, conditions;
   std::vector<GrowthStep> steps;
 };
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 
 /// 300k for 300'000, 10M for ten million.
 std::string short_number(double value) {

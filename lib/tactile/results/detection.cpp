@@ -4,14 +4,10 @@
 
 #include <algorithm>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile {
-namespace {
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
-
-}  // namespace
 
 std::string words_of(const Detection& detection) {
   switch (detection.outcome) {

@@ -2,12 +2,11 @@
 
 #include <fmt/core.h>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/version.hpp"
 
 namespace tactile {
 namespace {
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
 
 nlohmann::json detector_json(const DetectorScore& score) {
   return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}},

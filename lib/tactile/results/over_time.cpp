@@ -1,11 +1,8 @@
 #include "tactile/results/over_time.hpp"
 
+#include "tactile/core/duration_units.hpp"
+
 namespace tactile {
-namespace {
-
-double in_ms(microseconds us) { return static_cast<double>(us.count()) / 1000; }
-
-}  // namespace
 
 void to_json(nlohmann::json& json, const ShareOverTime& share) {
   json = {{"first", share.first},

@@ -206,7 +206,7 @@ class Pieces {
   /// @return false if the row repeats the one before
   bool add(const RobotState& state) {
     const bool was_lost = std::exchange(lost_, false);
-    if (pieces_.empty() || starts_anew(state, was_lost)) {
+    if (pieces_.empty() || starts_again(state, was_lost)) {
       pieces_.emplace_back().states.push_back(state);
       outputs_.clear();
       return true;
@@ -247,7 +247,7 @@ class Pieces {
   std::vector<RobotLog> take() { return std::move(pieces_); }
 
  private:
-  bool starts_anew(const RobotState& state, bool was_lost) const {
+  bool starts_again(const RobotState& state, bool was_lost) const {
     const RobotState& before = pieces_.back().states.back();
     if (state.t < before.t) return true;
     const bool leaps = state.t - before.t > longest_leap;

@@ -35,7 +35,7 @@ struct RobotGap {
 struct OutputChange {
   std::string output;           ///< "digital output 0" ..., "output_bit_register_0" ..., "output_int_register_0" ...
   std::int64_t from = 0;        ///< a bit is 0 or 1
-  std::int64_t to = 0;          ///< likewise
+  std::int64_t to = 0;          ///< a bit is 0 or 1
   RobotTime last_before{}, at;  ///< the last row before the change, and the first row with the new value
 };
 

@@ -89,10 +89,11 @@ struct RobotMonitor::State {
   std::vector<std::string> columns;  ///< of a data package
   std::size_t time_column = 0;
   std::vector<std::size_t> needed_columns;
-  std::unique_ptr<RtdeSession> session;  ///< used by the monitor's thread only, once that runs
-  RtdeRecipe recipe;                     ///< likewise
-  bool reported_bad_numbers = false;     ///< likewise
-  RepeatedMessages messages{[this](const std::string& text) { tell(text); }};  ///< likewise
+  // The next four are used by the monitor's thread only, once that runs.
+  std::unique_ptr<RtdeSession> session;
+  RtdeRecipe recipe;
+  bool reported_bad_numbers = false;
+  RepeatedMessages messages{[this](const std::string& text) { tell(text); }};
 
   mutable std::mutex mutex;  ///< guards all that follows
   std::condition_variable woken;

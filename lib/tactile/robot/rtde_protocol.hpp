@@ -109,7 +109,8 @@ std::vector<std::byte> rtde_protocol_version_request(std::uint16_t version);
 std::vector<std::byte> rtde_bare_request(RtdePackageType type);  ///< controller_version, start, pause
 /// @throws Error  if the names are longer than `rtde_longest_field_list`, or one is empty or holds a comma
 std::vector<std::byte> rtde_setup_outputs_request(const RtdeOutputsRequest& request);
-std::vector<std::byte> rtde_setup_inputs_request(const std::vector<std::string>& names);  ///< @throws Error likewise
+/// @throws Error  under the same conditions
+std::vector<std::byte> rtde_setup_inputs_request(const std::vector<std::string>& names);
 
 // What either sends: a controller its outputs, a client the controller's inputs.
 /// `numbers` as `columns_of` the recipe.

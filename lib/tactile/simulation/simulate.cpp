@@ -66,7 +66,7 @@ std::uint64_t bytes_in(const fs::path& folder) {
 /// Whether every file exists and has its original size.
 bool is_whole(const RunFolder& run) {
   const RunFiles files = check_files(run, read_run_info(run), FileComparison::size);
-  return files.told && files.missing.empty() && files.changed.empty() && files.not_listed.empty();
+  return files.is_listed && files.missing.empty() && files.changed.empty() && files.not_listed.empty();
 }
 
 struct PlannedRun {

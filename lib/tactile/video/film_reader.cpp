@@ -164,7 +164,7 @@ struct FilmReader::State {
   int stream_index = -1;
   bool ended = false;
   std::int64_t first = AV_NOPTS_VALUE;     ///< of the first packet, in the stream's units
-  std::vector<std::int64_t> packet_times;  ///< likewise, in the file's order
+  std::vector<std::int64_t> packet_times;  ///< of all packets, in the stream's units and the file's order
 };
 
 FilmReader::FilmReader(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}

@@ -136,7 +136,7 @@ class Film {
 struct VideoCapture::State {
   VideoCaptureOptions options;
   VideoSource source;               // used by the grabbing thread only, once it runs
-  std::optional<FrameClock> clock;  // likewise
+  std::optional<FrameClock> clock;  // used by the grabbing thread only, once it runs
 
   mutable std::mutex guard;  // of all that follows
   std::condition_variable work, room, changed;
