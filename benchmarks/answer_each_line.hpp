@@ -6,7 +6,7 @@
 #include <iostream>
 #include <string>
 
-namespace tactile {
+namespace tactile::bench {
 
 /// Prints "ready", then `answer(line)` for each line of standard input. workers.py starts such programs and measures them in
 /// turn.
@@ -20,4 +20,4 @@ void answer_each_line(const Answer& answer) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::bench

@@ -50,12 +50,12 @@ double mean_share(const std::vector<Heatmap>& heatmaps) {
 }
 
 /// Heatmaps of press and slip in the dataset, sorted by the share of lit cells.
-std::vector<Heatmap> heatmaps_in_action(const Dataset& dataset, const ModelDescription& model) {
+std::vector<Heatmap> heatmaps_in_action(const windows::Dataset& dataset, const model::ModelDescription& model) {
   std::vector<std::uint32_t> indexes;
   for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
     if (dataset.samples()[i].touch != Touch::none) indexes.push_back(i);
   }
-  const auto all = sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
+  const auto all = model::sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
   const std::size_t cells = all.size() / indexes.size();
   std::vector<Heatmap> heatmaps;
   for (std::size_t i = 0; i < indexes.size(); ++i) heatmaps.emplace_back(&all[i * cells], &all[i * cells] + cells);
@@ -78,7 +78,7 @@ std::vector<Heatmap> noise_like(std::size_t cells, double share) {
 
 /// Heatmaps in action with a given share of lit cells: only the lit cells closest to the centre are kept. If a heatmap has too
 /// few, the maximum of several heatmaps is used.
-std::vector<Heatmap> marker_like(const std::vector<Heatmap>& in_action, SensorSize size, double share) {
+std::vector<Heatmap> marker_like(const std::vector<Heatmap>& in_action, events::SensorSize size, double share) {
   Random random(2);
   std::vector<Heatmap> heatmaps;
   const auto wanted = static_cast<std::size_t>(share * static_cast<double>(in_action.front().size()));
@@ -108,8 +108,8 @@ std::vector<Heatmap> marker_like(const std::vector<Heatmap>& in_action, SensorSi
 }
 
 void write_heatmaps(const fs::path& dataset_file, const fs::path& bundle, const fs::path& folder) {
-  const Dataset dataset(dataset_file);
-  const ModelDescription model = read_description({bundle});
+  const windows::Dataset dataset(dataset_file);
+  const model::ModelDescription model = model::read_description({bundle});
   const auto in_action = heatmaps_in_action(dataset, model);
   const std::size_t cells = in_action.front().size(), middle = in_action.size() / 2;
   nlohmann::json groups = nlohmann::json::object();
@@ -133,25 +133,25 @@ void write_heatmaps(const fs::path& dataset_file, const fs::path& bundle, const 
 
 /// Prints the accuracies of int8 and float32 on the samples of the test runs, and how far they differ.
 void print_int8_accuracy(const fs::path& dataset_file, const fs::path& bundle) {
-  const Dataset dataset(dataset_file);
-  const ModelDescription model = read_description({bundle});
-  const Weights weights = read_bundle_weights({bundle}, model);
-  LeNetEngine exact(model.input, weights, model.settings.network);
-  LeNetEngine bytes(model.input, weights, model.settings.network, {.precision = Precision::int8});
+  const windows::Dataset dataset(dataset_file);
+  const model::ModelDescription model = model::read_description({bundle});
+  const model::Weights weights = model::read_bundle_weights({bundle}, model);
+  model::LeNetEngine exact(model.input, weights, model.settings.network);
+  model::LeNetEngine bytes(model.input, weights, model.settings.network, {.precision = model::Precision::int8});
   std::size_t samples = 0, right = 0, right_in_bytes = 0, other = 0;
   double largest_difference = 0;
-  for (const std::uint32_t run : split_of(dataset, model.settings.split).test_runs) {
-    const auto indexes = samples_of_runs(dataset, {&run, 1});
-    const auto heatmaps = sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
+  for (const std::uint32_t run : model::split_of(dataset, model.settings.split).test_runs) {
+    const auto indexes = model::samples_of_runs(dataset, {&run, 1});
+    const auto heatmaps = model::sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
     const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
     for (std::size_t i = 0; i < indexes.size(); ++i) {
       const auto heatmap = std::span(heatmaps).subspan(i * cells, cells);
-      const Logits of_exact = exact.classify(heatmap), of_bytes = bytes.classify(heatmap);
+      const model::Logits of_exact = exact.classify(heatmap), of_bytes = bytes.classify(heatmap);
       const Touch truth = dataset.samples()[indexes[i]].touch;
       ++samples;
-      right += verdict_of(of_exact) == truth ? 1 : 0;
-      right_in_bytes += verdict_of(of_bytes) == truth ? 1 : 0;
-      other += verdict_of(of_exact) != verdict_of(of_bytes) ? 1 : 0;
+      right += model::verdict_of(of_exact) == truth ? 1 : 0;
+      right_in_bytes += model::verdict_of(of_bytes) == truth ? 1 : 0;
+      other += model::verdict_of(of_exact) != model::verdict_of(of_bytes) ? 1 : 0;
       for (std::size_t k = 0; k < touch_count; ++k)
         largest_difference =
             std::max(largest_difference, std::abs(static_cast<double>(of_exact[k]) - static_cast<double>(of_bytes[k])));
@@ -166,18 +166,18 @@ void print_int8_accuracy(const fs::path& dataset_file, const fs::path& bundle) {
 
 using Work = std::function<float(const Heatmap&, const std::vector<float>&)>;
 
-Work work_of(const std::string& kind, const ModelDescription& model, const Weights& weights) {
-  const LeNetLayers layers = lenet_layers(model.input);
-  const auto engine = [&](const EngineOptions& options) -> Work {
-    return [engine = LeNetEngine(model.input, weights, model.settings.network, options)](
+Work work_of(const std::string& kind, const model::ModelDescription& model, const model::Weights& weights) {
+  const model::LeNetLayers layers = model::lenet_layers(model.input);
+  const auto engine = [&](const model::EngineOptions& options) -> Work {
+    return [engine = model::LeNetEngine(model.input, weights, model.settings.network, options)](
                const Heatmap& heatmap, const std::vector<float>&) mutable { return engine.classify(heatmap)[0]; };
   };
   if (kind == "fast") return engine({});
   if (kind == "dense") return engine({.skip_empty = false});
-  if (kind == "int8") return engine({.precision = Precision::int8});
+  if (kind == "int8") return engine({.precision = model::Precision::int8});
   if (kind.starts_with("fast-")) return engine({.target = kind.substr(5)});
   if (kind == "libtorch") {
-    const auto network = std::make_shared<LeNet>(model.input, weights, model.settings.network);
+    const auto network = std::make_shared<model::LeNet>(model.input, weights, model.settings.network);
     return [network](const Heatmap& heatmap, const std::vector<float>&) { return network->logits(heatmap, 1)[0][0]; };
   }
   if (kind == "reading") {
@@ -185,7 +185,7 @@ Work work_of(const std::string& kind, const ModelDescription& model, const Weigh
         [values = weights[4].values](const Heatmap&, const std::vector<float>&) { return sum_of(values.data(), values.size()); };
   }
   if (kind == "multiply-adds") {
-    const auto outputs = [](SensorSize size) {
+    const auto outputs = [](events::SensorSize size) {
       return static_cast<std::size_t>(4 * size.width) * static_cast<std::size_t>(size.height);
     };
     const std::size_t count = outputs(layers.first_pooled) * weights[0].values.size() +
@@ -197,7 +197,7 @@ Work work_of(const std::string& kind, const ModelDescription& model, const Weigh
   if (kind == "onednn") {
     const auto network = std::make_shared<OneDnnLeNet>(layers, weights);
     return [network](const Heatmap&, const std::vector<float>& input) {
-      Logits logits;
+      model::Logits logits;
       network->classify(input.data(), logits.data());
       return logits[0];
     };
@@ -207,8 +207,8 @@ Work work_of(const std::string& kind, const ModelDescription& model, const Weigh
 }
 
 int classify_each_line(const std::string& kind, const fs::path& bundle, const fs::path& folder) {
-  const ModelDescription model = read_description({bundle});
-  const Work work = work_of(kind, model, read_bundle_weights({bundle}, model));
+  const model::ModelDescription model = model::read_description({bundle});
+  const Work work = work_of(kind, model, model::read_bundle_weights({bundle}, model));
   if (!work) {
     fmt::print(stderr, "engine_benchmark: this build has no engine '{}'\n", kind);
     return 1;

@@ -8,7 +8,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -39,11 +39,11 @@ HWY_ATTR float sum_of_here(const float* values, std::size_t count) {
   return hn::GetLane(hn::SumOfLanes(floats, hn::Add(hn::Add(a, b), hn::Add(c, d))));
 }
 
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactile {
+namespace tactile::bench {
 
 HWY_EXPORT(multiply_adds_here);
 HWY_EXPORT(sum_of_here);
@@ -51,5 +51,5 @@ HWY_EXPORT(sum_of_here);
 float multiply_adds(std::size_t count) { return HWY_DYNAMIC_DISPATCH(multiply_adds_here)(count); }
 float sum_of(const float* values, std::size_t count) { return HWY_DYNAMIC_DISPATCH(sum_of_here)(values, count); }
 
-}  // namespace tactile
+}  // namespace tactile::bench
 #endif

@@ -24,7 +24,7 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/training/lenet.hpp"
 
-namespace tactile {
+namespace tactile::bench {
 namespace {
 
 constexpr int rounds = 9;
@@ -36,25 +36,25 @@ double seconds_of(const std::function<void()>& work) {
   return cpu_seconds() - before;
 }
 
-SensorSize sensor_of(const std::filesystem::path& recording) {
-  const RecordingReader reader(recording);
-  const auto size = event_stream(reader).size;
+events::SensorSize sensor_of(const std::filesystem::path& recording) {
+  const events::RecordingReader reader(recording);
+  const auto size = events::event_stream(reader).size;
   if (!size) throw Error(recording.string() + ": the event stream has no sensor size");
   return *size;
 }
 
 void measure(const std::filesystem::path& folder, const std::filesystem::path& recording) {
-  ModelDescription description;
-  description.input = heatmap_size(sensor_of(recording), description.settings.rendering.factor);
-  const ModelBundle bundle{folder / "model"};
-  write_bundle(bundle, description, {LeNet(description.input, std::uint64_t{1}).weights(), {}}, {});
-  const Classifier classifier(bundle.folder, 1);
+  model::ModelDescription description;
+  description.input = heatmaps::heatmap_size(sensor_of(recording), description.settings.rendering.factor);
+  const model::ModelBundle bundle{folder / "model"};
+  model::write_bundle(bundle, description, {model::LeNet(description.input, std::uint64_t{1}).weights(), {}}, {});
+  const model::Classifier classifier(bundle.folder, 1);
 
   std::vector<std::uint8_t> heatmaps;
   std::size_t ticks = 0;
-  const auto render = [&](const TickCallback& use) {
-    RecordingReader reader(recording);
-    for_every_tick(reader, event_stream(reader).id, classifier.rendering(), use);
+  const auto render = [&](const heatmaps::TickCallback& use) {
+    events::RecordingReader reader(recording);
+    heatmaps::for_every_tick(reader, events::event_stream(reader).id, classifier.rendering(), use);
   };
   render([&](CameraTime, std::span<const std::uint8_t> heatmap, std::uint64_t) {
     ++ticks;
@@ -70,11 +70,11 @@ void measure(const std::filesystem::path& folder, const std::filesystem::path& r
       for (std::size_t first = 0; first < ticks; first += batch)
         classifier.classify(std::span(heatmaps).subspan(first * cells, std::min(batch, ticks - first) * cells), 1);
     }));
-    whole.push_back(seconds_of([&] { classify_full_run(recording, classifier, 1); }));
+    whole.push_back(seconds_of([&] { evaluation::classify_full_run(recording, classifier, 1); }));
     rendering.push_back(seconds_of([&] { render([](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}); }));
     reading.push_back(seconds_of([&] {
-      RecordingReader reader(recording);
-      for_all_events(reader, event_stream(reader).id, [](std::span<const Event>) {});
+      events::RecordingReader reader(recording);
+      events::for_all_events(reader, events::event_stream(reader).id, [](std::span<const events::Event>) {});
     }));
     ratio.push_back(whole.back() / network.back());
     share.push_back(rendering.back() / whole.back());
@@ -86,7 +86,7 @@ void measure(const std::filesystem::path& folder, const std::filesystem::path& r
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::bench
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
     fmt::print(
         "| run | ticks | evaluation | network alone | ratio | rendering, reading included | reading | share of rendering |\n");
     fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-    for (int i = 2; i < argc; ++i) tactile::measure(argv[1], argv[i]);
+    for (int i = 2; i < argc; ++i) tactile::trade::measure(argv[1], argv[i]);
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());
     return 1;

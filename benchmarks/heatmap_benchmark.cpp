@@ -26,19 +26,19 @@
 #include "tactile/experiments/trade/dense_heatmaps.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::bench {
 namespace {
 
-constexpr SensorSize sensor{640, 480};
+constexpr events::SensorSize sensor{640, 480};
 constexpr std::size_t pieces = 10;          // of the events, spread evenly over them
 constexpr std::size_t ticks_of_piece = 20;  // that are measured, after a full history
 
 /// The steps as the definition gives them: at every tick the counts of its window, the mean of the counts above zero, exp,
 /// multiply, minMaxLoc, resize.
-cv::Mat1b plain_heatmap(std::span<const Event> window) {
+cv::Mat1b plain_heatmap(std::span<const events::Event> window) {
   cv::Mat1f counts, denoised;
   counts = cv::Mat1f::zeros(sensor.height, sensor.width);
-  for (const Event& event : window) counts(event.y, event.x) += 1;
+  for (const events::Event& event : window) counts(event.y, event.x) += 1;
   const double mean = cv::mean(counts, counts > 0)[0];
   cv::Mat1f exponential;
   cv::exp(counts - mean, exponential);
@@ -52,10 +52,10 @@ cv::Mat1b plain_heatmap(std::span<const Event> window) {
   return heatmap;
 }
 
-std::vector<Event> events_anywhere(std::size_t count) {
+std::vector<events::Event> events_anywhere(std::size_t count) {
   Random random(1);
-  std::vector<Event> events(count);
-  for (Event& event : events) {
+  std::vector<events::Event> events(count);
+  for (events::Event& event : events) {
     event.x = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(sensor.width)));
     event.y = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(sensor.height)));
   }
@@ -84,14 +84,15 @@ void expect_alike(std::span<const std::uint8_t> ours, std::span<const std::uint8
 }
 
 /// Measures every tick of every piece with each method in turn, in several rounds.
-void compare(benchmark::State& state, const std::vector<Event>& source, double events_per_s, const HeatmapOptions& options) {
+void compare(benchmark::State& state, const std::vector<events::Event>& source, double events_per_s,
+             const heatmaps::HeatmapOptions& options) {
   const auto events_until = [&](std::size_t tick) {
     return static_cast<std::size_t>(events_per_s * 1e-6 * static_cast<double>(options.tick.count()) * static_cast<double>(tick));
   };
   const auto history = static_cast<std::size_t>(options.history / options.tick);
-  std::vector<Event> events(events_until(history + ticks_of_piece));
+  std::vector<events::Event> events(events_until(history + ticks_of_piece));
   const auto events_between = [&](std::size_t tick, std::size_t later_tick) {
-    return std::span<const Event>(events).subspan(events_until(tick), events_until(later_tick) - events_until(tick));
+    return std::span<const events::Event>(events).subspan(events_until(tick), events_until(later_tick) - events_until(tick));
   };
   const auto time_of = [&](std::size_t tick) { return camera_time(options.tick.count() * static_cast<std::int64_t>(tick)); };
   Shortest ours_us, kept_us, plain_us;
@@ -104,7 +105,7 @@ void compare(benchmark::State& state, const std::vector<Event>& source, double e
         events[i] = source[(source.size() * piece / pieces + i) % source.size()];
         events[i].t = before(time_of(tick), 1us);
       }
-      HeatmapRenderer ours(sensor, options);
+      heatmaps::HeatmapRenderer ours(sensor, options);
       const std::size_t size = static_cast<std::size_t>(ours.size().width) * static_cast<std::size_t>(ours.size().height);
       std::vector<std::uint8_t> heatmaps(ticks_of_piece * size);
       const auto heatmap = [&](std::size_t i) { return std::span(heatmaps).subspan(i * size, size); };
@@ -121,7 +122,7 @@ void compare(benchmark::State& state, const std::vector<Event>& source, double e
         });
         active += ours.counts().histogram().active_pixels();
       }
-      DenseHeatmaps kept(sensor, 0.2);
+      trade::DenseHeatmaps kept(sensor, 0.2);
       kept.add(events_between(0, history));
       kept.render();
       for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
@@ -150,7 +151,7 @@ void compare(benchmark::State& state, const std::vector<Event>& source, double e
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::bench
 
 int main(int count, char** texts) {
   using namespace tactile;
@@ -158,9 +159,9 @@ int main(int count, char** texts) {
     cv::setNumThreads(1);
     benchmark::Initialize(&count, texts);
     const std::vector<std::filesystem::path> recordings(texts + 1, texts + count);
-    const std::vector<Event> simulated = moving_events(recordings);
-    const std::vector<Event> anywhere = events_anywhere(4'000'000);
-    const auto measure = [&](const std::string& curve, const std::vector<Event>& source, double events_per_s,
+    const std::vector<events::Event> simulated = trade::moving_events(recordings);
+    const std::vector<events::Event> anywhere = events_anywhere(4'000'000);
+    const auto measure = [&](const std::string& curve, const std::vector<events::Event>& source, double events_per_s,
                              std::chrono::milliseconds history) {
       benchmark::RegisterBenchmark(fmt::format("{}/{:.0f}/{}", curve, events_per_s, history.count()).c_str(),
                                    [&source, events_per_s, history](benchmark::State& state) {
@@ -169,12 +170,12 @@ int main(int count, char** texts) {
           ->Iterations(15);
     };
     for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) {
-      measure("rate/simulated", simulated, rate, 40ms);
-      measure("rate/anywhere", anywhere, rate, 40ms);
+      trade::measure("rate/simulated", simulated, rate, 40ms);
+      trade::measure("rate/anywhere", anywhere, rate, 40ms);
     }
     for (const auto history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms, 500ms, 1000ms}) {
-      measure("history/simulated", simulated, 3e5, history);
-      measure("history/anywhere", anywhere, 3e5, history);
+      trade::measure("history/simulated", simulated, 3e5, history);
+      trade::measure("history/anywhere", anywhere, 3e5, history);
     }
     benchmark::RunSpecifiedBenchmarks();
   } catch (const std::exception& e) {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace tactile {
+namespace tactile::bench {
 
 inline double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -16,4 +16,4 @@ inline double cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-}  // namespace tactile
+}  // namespace tactile::bench

@@ -24,7 +24,7 @@ namespace {
 
 using namespace tactile;
 
-constexpr SensorSize size{128, 96};
+constexpr events::SensorSize size{128, 96};
 constexpr std::size_t batch = 32, call = 256;
 constexpr std::size_t batches = 64;  // enough that the network cannot learn them by heart, which takes another time
 constexpr std::size_t cells = 128 * 96;
@@ -54,8 +54,8 @@ void answer_with_rate(std::size_t images, std::size_t images_per_call, const Cal
 int main(int argc, char** argv) {
   const std::string what = argc == 4 || argc == 5 ? argv[1] : "";
   if (argc == 3 && argv[1] == std::string("onnx")) {
-    const LeNet network(size, 1);
-    write_whole(argv[2], onnx_model(network.layers(), {}, network.weights(), "benchmark", {}));
+    const model::LeNet network(size, 1);
+    write_whole(argv[2], model::onnx_model(network.layers(), {}, network.weights(), "benchmark", {}));
     return 0;
   }
   if (what != "train" && what != "train-libtorch" && what != "infer") {
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   const auto threads = static_cast<unsigned>(std::stoul(argv[2]));
   const std::size_t images = std::stoul(argv[3]);
   const double share = argc == 5 ? std::stod(argv[4]) : 0.2;
-  LeNet network(size, 1);
+  model::LeNet network(size, 1);
   if (what == "infer") {
     const auto heatmaps = random_heatmaps(call, share);
     answer_with_rate(images, call, [&] { network.logits(heatmaps, threads); });
@@ -74,8 +74,8 @@ int main(int argc, char** argv) {
   const auto heatmaps = random_heatmaps(batches * batch, share);
   std::vector<Touch> truth(batches * batch);
   for (std::size_t i = 0; i < truth.size(); ++i) truth[i] = all_touches[i % touch_count];
-  const auto engine = what == "train" ? EngineKind::fast : EngineKind::libtorch;
-  LeNetTrainer trainer(network, OptimizerKind::adam, {1, 1, 1}, threads, {.engine = engine});
+  const auto engine = what == "train" ? model::EngineKind::fast : model::EngineKind::libtorch;
+  model::LeNetTrainer trainer(network, model::OptimizerKind::adam, {1, 1, 1}, threads, {.engine = engine});
   std::size_t next = 0;
   answer_with_rate(images, batch, [&] {
     const std::size_t first = next++ % batches * batch;

@@ -10,13 +10,14 @@
 #ifdef TACTILE_HAS_ONEDNN
 #include <dnnl.hpp>
 
-namespace tactile {
+namespace tactile::bench {
 
 /// LeNet of primitives of oneDNN, for one heatmap at a time. The library chooses the layouts; ReLU is fused into convolutions and
 /// fully connected layers, as its manual recommends.
 class OneDnnLeNet {
  public:
-  OneDnnLeNet(const LeNetLayers& layers, const Weights& weights) : engine_(dnnl::engine::kind::cpu, 0), stream_(engine_) {
+  OneDnnLeNet(const model::LeNetLayers& layers, const model::Weights& weights)
+      : engine_(dnnl::engine::kind::cpu, 0), stream_(engine_) {
     const dnnl::memory::dims input{1, 1, layers.input.height, layers.input.width};
     input_ = dnnl::memory({input, Type::f32, Tag::nchw}, engine_);
     dnnl::memory at = input_;
@@ -52,7 +53,7 @@ class OneDnnLeNet {
     return attributes;
   }
 
-  dnnl::memory laid_out(const Parameter& parameter, const dnnl::memory::dims& sizes, Tag tag, const Desc& wanted) {
+  dnnl::memory laid_out(const model::Parameter& parameter, const dnnl::memory::dims& sizes, Tag tag, const Desc& wanted) {
     dnnl::memory plain({sizes, Type::f32, tag}, engine_), result(wanted, engine_);
     std::copy(parameter.values.begin(), parameter.values.end(), static_cast<float*>(plain.get_data_handle()));
     dnnl::reorder(plain, result).execute(stream_, plain, result);
@@ -72,7 +73,7 @@ class OneDnnLeNet {
     arguments_.push_back(arguments);
   }
 
-  dnnl::memory convolution(const dnnl::memory& at, const Parameter& weight, const Parameter& bias,
+  dnnl::memory convolution(const dnnl::memory& at, const model::Parameter& weight, const model::Parameter& bias,
                            const dnnl::memory::dims& out) {
     const dnnl::memory::dims kernel(weight.shape.sizes.begin(), weight.shape.sizes.end());
     const Desc source(at.get_desc().dims(), Type::f32, Tag::any), weights(kernel, Type::f32, Tag::any),
@@ -98,8 +99,8 @@ class OneDnnLeNet {
     return result;
   }
 
-  dnnl::memory connected(const dnnl::memory& at, const Parameter& weight, const Parameter& bias, const dnnl::memory::dims& kernel,
-                         bool relu) {
+  dnnl::memory connected(const dnnl::memory& at, const model::Parameter& weight, const model::Parameter& bias,
+                         const dnnl::memory::dims& kernel, bool relu) {
     const bool flattens = kernel.size() == 4;
     const Desc source(at.get_desc().dims(), Type::f32, Tag::any), weights(kernel, Type::f32, Tag::any),
         biases({kernel[0]}, Type::f32, Tag::x), target({1, kernel[0]}, Type::f32, Tag::any);
@@ -121,5 +122,5 @@ class OneDnnLeNet {
   std::vector<std::unordered_map<int, dnnl::memory>> arguments_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::bench
 #endif

@@ -27,36 +27,37 @@ struct RunCounts {
 
 struct Method {
   const char* name;
-  EngineKind engine;
+  model::EngineKind engine;
   bool float64;
 };
-constexpr std::array methods{Method{"float32, fast", EngineKind::fast, false},
-                             Method{"float32, libtorch", EngineKind::libtorch, false},
-                             Method{"float64", EngineKind::libtorch, true}};
+constexpr std::array methods{Method{"float32, fast", model::EngineKind::fast, false},
+                             Method{"float32, libtorch", model::EngineKind::libtorch, false},
+                             Method{"float64", model::EngineKind::libtorch, true}};
 
-std::vector<Touch> truth_of(const Dataset& dataset, const std::vector<std::uint32_t>& samples) {
+std::vector<Touch> truth_of(const windows::Dataset& dataset, const std::vector<std::uint32_t>& samples) {
   std::vector<Touch> truth;
   for (const std::uint32_t sample : samples) truth.push_back(dataset.samples()[sample].touch);
   return truth;
 }
 
-std::string text_of(const Figure& figure) {
+std::string text_of(const results::Figure& figure) {
   if (!figure.low) return fmt::format("{:+.2f} | -", 100 * figure.value);
   return fmt::format("{:+.2f} | {:+.2f} to {:+.2f}", 100 * figure.value, 100 * *figure.low, 100 * *figure.high);
 }
 
-void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned threads) {
-  ModelSettings settings;
+void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, unsigned threads) {
+  model::ModelSettings settings;
   settings.training.epochs = epochs;
-  const Split split = split_of(dataset, settings.split);
-  const auto training = samples_of_runs(dataset, split.train_runs), testing = samples_of_runs(dataset, split.test_runs);
-  const auto training_maps = sample_heatmaps(dataset, settings.rendering, training, threads);
-  const auto testing_maps = sample_heatmaps(dataset, settings.rendering, testing, threads);
+  const windows::Split split = model::split_of(dataset, settings.split);
+  const auto training = model::samples_of_runs(dataset, split.train_runs),
+             testing = model::samples_of_runs(dataset, split.test_runs);
+  const auto training_maps = model::sample_heatmaps(dataset, settings.rendering, training, threads);
+  const auto testing_maps = model::sample_heatmaps(dataset, settings.rendering, testing, threads);
   const auto training_truth = truth_of(dataset, training), testing_truth = truth_of(dataset, testing);
 
   std::map<std::string, std::vector<std::size_t>> runs_of_objects;
   for (const std::uint32_t run : split.test_runs) runs_of_objects[dataset.runs()[run].object].push_back(run);
-  RunsByObject runs;
+  evaluation::RunsByObject runs;
   for (const auto& [object, its_runs] : runs_of_objects) runs.push_back(its_runs);
 
   // Of each method and seed; the last element is the sum over all seeds.
@@ -72,15 +73,15 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
     for (std::size_t method = 0; method < methods.size(); ++method) {
       settings.training.seed = seed;
       settings.training.engine = methods[method].engine;
-      const auto trained = train_lenet({.size = heatmap_size(dataset.sensor(), settings.rendering.factor),
-                                        .training = {training_maps, training_truth},
-                                        .options = settings.training,
-                                        .threads = threads,
-                                        .float64 = methods[method].float64});
+      const auto trained = model::train_lenet({.size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor),
+                                               .training = {training_maps, training_truth},
+                                               .options = settings.training,
+                                               .threads = threads,
+                                               .float64 = methods[method].float64});
       const auto logits = trained.network.logits(testing_maps, threads);
       double right = 0;
       for (std::size_t i = 0; i < logits.size(); ++i) {
-        const double hit = verdict_of(logits[i]) == testing_truth[i] ? 1 : 0;
+        const double hit = model::verdict_of(logits[i]) == testing_truth[i] ? 1 : 0;
         right += hit;
         for (const std::size_t place : {std::size_t{seed} - 1, std::size_t{seeds}}) {
           RunCounts& of_run = counts[method][place][dataset.samples()[testing[i]].run_index];
@@ -103,11 +104,11 @@ void measure(const Dataset& dataset, unsigned seeds, unsigned epochs, unsigned t
     return sum.all > 0 ? std::optional(sum.right / sum.all) : std::nullopt;
   };
   const auto difference = [&](std::size_t method, std::size_t place, std::size_t other_method, std::size_t other_place) {
-    return figure_over_objects(runs, mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
-                                 const auto ours = accuracy(method, place, of_runs),
-                                            theirs = accuracy(other_method, other_place, of_runs);
-                                 return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
-                               }));
+    return evaluation::figure_over_objects(
+        runs, evaluation::mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
+          const auto ours = accuracy(method, place, of_runs), theirs = accuracy(other_method, other_place, of_runs);
+          return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
+        }));
   };
   fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
   for (std::size_t method = 0; method + 1 < methods.size(); ++method)
@@ -126,7 +127,7 @@ int main(int argc, char** argv) {
   }
   try {
     const auto number = [&](int i) { return static_cast<unsigned>(std::stoul(argv[i])); };
-    measure(Dataset(argv[1]), number(2), number(3), number(4));
+    measure(windows::Dataset(argv[1]), number(2), number(3), number(4));
   } catch (const std::exception& error) {
     fmt::print(stderr, "precision_benchmark: {}\n", error.what());
     return 1;

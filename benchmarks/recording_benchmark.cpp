@@ -34,7 +34,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,10 +58,11 @@ void compare(benchmark::State& state, const Step& ours, const Step& alone, const
     return now() - begin;
   };
   std::vector<double> ours_s, alone_s, ratios;
-  seconds_of(ours), seconds_of(alone);
+  simulation::seconds_of(ours), simulation::seconds_of(alone);
   for (bool ours_first = true; auto _ : state) {
     static_cast<void>(_);
-    const double first = seconds_of(ours_first ? ours : alone), second = seconds_of(ours_first ? alone : ours);
+    const double first = simulation::seconds_of(ours_first ? ours : alone),
+                 second = simulation::seconds_of(ours_first ? alone : ours);
     ours_s.push_back(ours_first ? first : second);
     alone_s.push_back(ours_first ? second : first);
     ratios.push_back(alone_s.back() / ours_s.back());
@@ -77,20 +78,20 @@ void compare(benchmark::State& state, const Step& ours, const Step& alone, const
 }
 
 /// The events of the recordings, repeated until there are enough, in ascending time.
-std::vector<Event> events_of(const std::vector<fs::path>& recordings) {
-  std::vector<Event> all;
+std::vector<events::Event> events_of(const std::vector<fs::path>& recordings) {
+  std::vector<events::Event> all;
   all.reserve(events_in_all);
   std::int64_t begin = 1'700'000'000'000'000;
   while (all.size() < events_in_all) {
     const std::size_t before = all.size();
     for (const fs::path& file : recordings) {
-      RecordingReader recording(file);
+      events::RecordingReader recording(file);
       std::int64_t first = 0, last = 0;
       bool any = false;
-      for_all_events(recording, event_stream(recording).id, [&](std::span<const Event> events) {
+      events::for_all_events(recording, events::event_stream(recording).id, [&](std::span<const events::Event> events) {
         if (!any) first = us_of(events.front().t);
         any = true;
-        for (Event event : events.first(std::min(events.size(), events_in_all - all.size()))) {
+        for (events::Event event : events.first(std::min(events.size(), events_in_all - all.size()))) {
           last = us_of(event.t) - first + begin;
           event.t = camera_time(last);
           all.push_back(event);
@@ -103,9 +104,10 @@ std::vector<Event> events_of(const std::vector<fs::path>& recordings) {
   return all;
 }
 
-void write_recording(const fs::path& file, std::span<const Event> events, Compression compression) {
-  RecordingWriter writer(file, {event_stream_declaration({640, 480}, "DVXplorer_DXM00000")},
-                         {.compression = compression, .packet_span = std::chrono::hours(1), .packet_events = packet_events});
+void write_recording(const fs::path& file, std::span<const events::Event> events, events::Compression compression) {
+  events::RecordingWriter writer(
+      file, {events::event_stream_declaration({640, 480}, "DVXplorer_DXM00000")},
+      {.compression = compression, .packet_span = std::chrono::hours(1), .packet_events = packet_events});
   for (std::size_t i = 0; i < events.size(); i += packet_events)
     writer.write_events(0, events.subspan(i, std::min(packet_events, events.size() - i)));
   writer.close();
@@ -113,31 +115,31 @@ void write_recording(const fs::path& file, std::span<const Event> events, Compre
 
 /// Reads the file from the disk into the page cache. It was there in the pieces in which it was written.
 void read_from_disk(const fs::path& file) {
-  const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const events::FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   ::posix_fadvise(in.number(), 0, 0, POSIX_FADV_DONTNEED);
   std::vector<std::byte> buffer(std::size_t{1} << 20);
   while (::read(in.number(), buffer.data(), buffer.size()) > 0) continue;
 }
 
 void read_recording(const fs::path& file, unsigned threads) {
-  RecordingReader recording(file, threads);
+  events::RecordingReader recording(file, threads);
   std::size_t count = 0;
-  for (const PacketRecord& packet : recording.packets()) count += recording.read_events(packet).size();
+  for (const events::PacketRecord& packet : recording.packets()) count += recording.read_events(packet).size();
   if (count != events_in_all) throw Error(file.string() + ": not all events were read; expected them all");
 }
 
 /// A file in memory, and where its packets are.
 struct StoredFile {
   explicit StoredFile(const fs::path& file) : bytes(read_text(file)) {
-    const RecordingReader recording(file);
-    for (const PacketRecord& packet : recording.packets())
+    const events::RecordingReader recording(file);
+    for (const events::PacketRecord& packet : recording.packets())
       packets.push_back(std::as_bytes(std::span(bytes)).subspan(packet.payload_offset, packet.payload_size));
   }
   std::string bytes;
   std::vector<std::span<const std::byte>> packets;
 };
 
-constexpr std::size_t content_size = event_packet_head + packet_events * sizeof(Event);
+constexpr std::size_t content_size = events::event_packet_head + packet_events * sizeof(events::Event);
 constexpr std::size_t lz4_block = std::size_t{64} << 10;
 
 /// One context and one buffer with room for LZ4's last block: all that the library needs to be at its fastest.
@@ -178,7 +180,7 @@ void decompress_zstd(std::span<const std::span<const std::byte>> packets) {
 
 /// Reads the file in pieces of a packet's length into one buffer, and sums the 64-bit words.
 void read_and_sum(const fs::path& file) {
-  const FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const events::FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   std::vector<std::uint64_t> buffer((content_size + 8) / sizeof(std::uint64_t));
   std::uint64_t sum = 0;
   for (;;) {
@@ -191,12 +193,12 @@ void read_and_sum(const fs::path& file) {
 }
 
 /// The contents of packets before compression.
-std::vector<std::byte> contents_of(std::span<const Event> events) {
+std::vector<std::byte> contents_of(std::span<const events::Event> events) {
   std::vector<std::byte> contents(events.size() / packet_events * content_size);
   for (std::size_t i = 0; i < events.size() / packet_events; ++i) {
     std::byte* packet = contents.data() + i * content_size;
-    write_event_packet_head(packet, packet_events);
-    std::memcpy(packet + event_packet_head, events.data() + i * packet_events, packet_events * sizeof(Event));
+    events::write_event_packet_head(packet, packet_events);
+    std::memcpy(packet + events::event_packet_head, events.data() + i * packet_events, packet_events * sizeof(events::Event));
   }
   return contents;
 }
@@ -220,7 +222,7 @@ void compress_lz4(std::span<const std::byte> contents) {
 }
 
 void write_plainly(const fs::path& file, std::span<const std::byte> contents) {
-  const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  const events::FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   for (std::size_t at = 0; at < contents.size(); at += content_size) {
     if (::write(out.number(), contents.data() + at, content_size) != static_cast<ssize_t>(content_size))
       throw Error(file.string() + ": cannot be written; expected a folder with free space");
@@ -228,14 +230,15 @@ void write_plainly(const fs::path& file, std::span<const std::byte> contents) {
 }
 
 void run(const fs::path& folder, const std::vector<fs::path>& recordings, int argc, char** argv) {
-  const std::vector<Event> events = events_of(recordings);
-  const auto file_of = [&](Compression compression) { return folder / (std::string(name_of(compression)) + ".aedat4"); };
-  for (const Compression compression : {Compression::none, Compression::lz4, Compression::zstd}) {
+  const std::vector<events::Event> events = events_of(recordings);
+  const auto file_of = [&](events::Compression compression) { return folder / (std::string(name_of(compression)) + ".aedat4"); };
+  for (const events::Compression compression : {events::Compression::none, events::Compression::lz4, events::Compression::zstd}) {
     fs::remove(file_of(compression));
     write_recording(file_of(compression), events, compression);
     read_from_disk(file_of(compression));
   }
-  const fs::path none = file_of(Compression::none), lz4 = file_of(Compression::lz4), zstd = file_of(Compression::zstd);
+  const fs::path none = file_of(events::Compression::none), lz4 = file_of(events::Compression::lz4),
+                 zstd = file_of(events::Compression::zstd);
   // In memory, so that the time of syncing to a disk is not measured.
   const fs::path memory = "/dev/shm";
   const fs::path output = (fs::is_directory(memory) ? memory : folder) / fmt::format("written-{}.aedat4", ::getpid());
@@ -263,9 +266,10 @@ void run(const fs::path& folder, const std::vector<fs::path>& recordings, int ar
   add(
       "read_zstd", [&] { read_recording(zstd, 1); }, [&] { decompress_zstd(zstd_file.packets); }, repetitions / 2);
   add(
-      "write_lz4", [&] { write_recording(output, events, Compression::lz4); }, [&] { compress_lz4(contents); }, repetitions / 2);
+      "write_lz4", [&] { write_recording(output, events, events::Compression::lz4); }, [&] { compress_lz4(contents); },
+      repetitions / 2);
   add(
-      "write_none", [&] { write_recording(output, events, Compression::none); }, [&] { write_plainly(output, contents); },
+      "write_none", [&] { write_recording(output, events, events::Compression::none); }, [&] { write_plainly(output, contents); },
       repetitions);
 
   benchmark::Initialize(&argc, argv);
@@ -274,7 +278,7 @@ void run(const fs::path& folder, const std::vector<fs::path>& recordings, int ar
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::bench
 
 int main(int argc, char** argv) {
   using namespace tactile;
@@ -284,8 +288,9 @@ int main(int argc, char** argv) {
       const auto threads = static_cast<unsigned>(arguments.size() > 2 ? std::stoul(arguments[2]) : 1);
       std::size_t count = 0;
       const double begin = wall_seconds();
-      RecordingReader recording(arguments[1], threads);
-      for_all_events(recording, event_stream(recording).id, [&](std::span<const Event> events) { count += events.size(); });
+      events::RecordingReader recording(arguments[1], threads);
+      events::for_all_events(recording, events::event_stream(recording).id,
+                             [&](std::span<const events::Event> events) { count += events.size(); });
       fmt::print("{} {:.6f}\n", count, wall_seconds() - begin);
       return 0;
     }

@@ -29,7 +29,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -46,8 +46,8 @@ bool send_all(int socket, std::span<const std::byte> bytes) {
   return true;
 }
 
-FileDescriptor first_client() {
-  const FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+events::FileDescriptor first_client() {
+  const events::FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -58,7 +58,7 @@ FileDescriptor first_client() {
   }
   fmt::print("{}\n", ntohs(address.sin_port));
   std::fflush(stdout);
-  FileDescriptor client(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+  events::FileDescriptor client(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
   const int at_once = 1;  // else small packets are held back for up to 40 ms
   ::setsockopt(client.number(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
   if (!client.is_open())
@@ -67,31 +67,32 @@ FileDescriptor first_client() {
 }
 
 /// At least `wanted` events with the pixels and polarities of the recording. Their times are set when they are sent.
-std::vector<Event> events_of(const std::string& file, std::size_t wanted) {
-  std::vector<Event> all;
+std::vector<events::Event> events_of(const std::string& file, std::size_t wanted) {
+  std::vector<events::Event> all;
   while (all.size() < wanted) {
     const std::size_t before = all.size();
-    RecordingReader recording(file);
-    for_all_events(recording, event_stream(recording).id,
-                   [&](std::span<const Event> events) { all.insert(all.end(), events.begin(), events.end()); });
+    events::RecordingReader recording(file);
+    events::for_all_events(recording, events::event_stream(recording).id,
+                           [&](std::span<const events::Event> events) { all.insert(all.end(), events.begin(), events.end()); });
     if (all.size() == before) throw Error(file + ": no events; expected some");
   }
   return all;
 }
 
 void serve(const std::string& file, double million_per_s, int seconds, int packet_ms) {
-  RecordingReader recording(file);
-  Stream stream = event_stream_declaration(event_stream(recording).size.value_or(SensorSize{640, 480}), "DVXplorer_BENCH000");
+  events::RecordingReader recording(file);
+  events::Stream stream = events::event_stream_declaration(
+      events::event_stream(recording).size.value_or(events::SensorSize{640, 480}), "DVXplorer_BENCH000");
   const auto in_packet = static_cast<std::size_t>(1000 * packet_ms * million_per_s);
-  const std::vector<Event> events = events_of(file, std::max(in_packet, std::size_t{1} << 21));
-  const std::size_t packet_header = 8, head = packet_header + event_packet_head;
-  std::vector<std::byte> packet(head + in_packet * sizeof(Event));
+  const std::vector<events::Event> events = events_of(file, std::max(in_packet, std::size_t{1} << 21));
+  const std::size_t packet_header = 8, head = packet_header + events::event_packet_head;
+  std::vector<std::byte> packet(head + in_packet * sizeof(events::Event));
   const auto payload = static_cast<std::int32_t>(packet.size() - packet_header);
   std::memcpy(packet.data() + 4, &payload, sizeof payload);
-  write_event_packet_head(packet.data() + packet_header, in_packet);
+  events::write_event_packet_head(packet.data() + packet_header, in_packet);
 
-  const FileDescriptor client = first_client();
-  const std::string header = header_image(Compression::none, std::span(&stream, 1)).bytes;
+  const events::FileDescriptor client = first_client();
+  const std::string header = events::header_image(events::Compression::none, std::span(&stream, 1)).bytes;
   bool there = send_all(client.number(), std::as_bytes(std::span(header)));
 
   const std::int64_t begin_us = 1'700'000'000'000'000;
@@ -103,7 +104,7 @@ void serve(const std::string& file, double million_per_s, int seconds, int packe
     if (next + in_packet > events.size()) next = 0;
     auto* place = packet.data() + head;
     for (std::size_t k = 0; k < in_packet; ++k) {  // five read-outs per ms
-      Event event = events[next + k];
+      events::Event event = events[next + k];
       event.t = camera_time(begin_us + 1000 * std::int64_t{i} * packet_ms +
                             200 * static_cast<std::int64_t>(5 * static_cast<std::size_t>(packet_ms) * k / in_packet));
       std::memcpy(place + k * sizeof event, &event, sizeof event);
@@ -121,7 +122,7 @@ void serve(const std::string& file, double million_per_s, int seconds, int packe
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::bench
 
 int main(int argc, char** argv) {
   try {

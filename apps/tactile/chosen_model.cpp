@@ -6,21 +6,23 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/folders_in.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 namespace fs = std::filesystem;
 
-ModelBundle named_model(const std::string& model, const std::string& models) {
+model::ModelBundle named_model(const std::string& model, const std::string& models) {
   const fs::path given(model);
   if (!fs::is_directory(given)) return {fs::path(models) / given};
   return {given.filename().empty() ? given.parent_path() : given};
 }
 
-ModelBundle chosen_model(const std::string& model, const std::string& models) {
+model::ModelBundle chosen_model(const std::string& model, const std::string& models) {
   if (!model.empty()) return named_model(model, models);
-  const auto is_single_run = [](const ModelDescription& found) { return found.settings.split.kind == SplitKind::single_run; };
-  if (const auto newest = newest_bundle(models, is_single_run)) return *newest;
-  if (const auto newest = newest_bundle(models, [](const ModelDescription&) { return true; })) return *newest;
+  const auto is_single_run = [](const model::ModelDescription& found) {
+    return found.settings.split.kind == windows::SplitKind::single_run;
+  };
+  if (const auto newest = model::newest_bundle(models, is_single_run)) return *newest;
+  if (const auto newest = model::newest_bundle(models, [](const model::ModelDescription&) { return true; })) return *newest;
   throw Error(models + ": no model; expected one, run 'tactile train' first, or name it by --model");
 }
 
@@ -28,9 +30,9 @@ std::vector<std::string> model_names(const std::string& models) {
   std::vector<std::string> names;
   for (const fs::path& folder : folders_in(models)) {
     std::error_code unknown;
-    if (fs::exists(ModelBundle{folder}.description(), unknown)) names.push_back(folder.filename().string());
+    if (fs::exists(model::ModelBundle{folder}.description(), unknown)) names.push_back(folder.filename().string());
   }
   return names;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -5,17 +5,17 @@
 
 #include "tactile/model/bundle/model_bundle.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The model that `--model` names: a folder, or a name in the folder `models`.
-ModelBundle named_model(const std::string& model, const std::string& models);
+model::ModelBundle named_model(const std::string& model, const std::string& models);
 
 /// That model; if `model` is empty, the newest single-run model in `models`, else the newest model: a study trains the models
 /// with held-out objects last.
 /// @throws Error  if there is none
-ModelBundle chosen_model(const std::string& model, const std::string& models);
+model::ModelBundle chosen_model(const std::string& model, const std::string& models);
 
 /// The names of the models in the folder `models`, in order.
 std::vector<std::string> model_names(const std::string& models);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -18,7 +18,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/json_text.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 std::vector<std::string> texts_of(const nlohmann::json& value, const std::string& where) {
@@ -144,4 +144,4 @@ std::string clock_text(double seconds) {
                       : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

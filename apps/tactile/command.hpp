@@ -11,7 +11,7 @@
 #include "options.hpp"
 #include "tactile/core/progress.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The options of every command.
 struct CommonArguments {
@@ -53,4 +53,4 @@ ProgressCallback progress_line(const CommonArguments& common);
 /// A duration: "0:42", "1:05:09".
 std::string clock_text(double seconds);
 
-}  // namespace tactile
+}  // namespace tactile::cli

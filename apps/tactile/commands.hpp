@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }
 
-namespace tactile {
+namespace tactile::cli {
 
 void add_simulate_command(CLI::App& app);
 void add_record_command(CLI::App& app);
@@ -103,4 +103,4 @@ constexpr std::optional<Program> program_of(std::string_view command) {
   return std::nullopt;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -21,7 +21,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct ConvertArguments {
@@ -29,18 +29,18 @@ struct ConvertArguments {
   std::string compression, size, source, crop;
   std::vector<std::string> streams;
   std::string from_us, to_us;
-  BagImportOptions bag;
+  conversion::BagImportOptions bag;
   bool force = false;
 };
 
-std::optional<SensorSize> size_in(std::string_view text) {
+std::optional<events::SensorSize> size_in(std::string_view text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string_view::npos) return std::nullopt;
   const auto width = whole_number_in(text.substr(0, cross));
   const auto height = whole_number_in(text.substr(cross + 1));
   constexpr int most = std::numeric_limits<std::int16_t>::max();
   if (!width || !height || *width < 1 || *height < 1 || *width > most || *height > most) return std::nullopt;
-  return SensorSize{static_cast<int>(*width), static_cast<int>(*height)};
+  return events::SensorSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
 
 std::string check_size(const std::string& text) {
@@ -48,14 +48,14 @@ std::string check_size(const std::string& text) {
                        : fmt::format("'{}' is not a sensor size; expected WxH, such as 640x480, each from 1 to 32767", text);
 }
 
-std::optional<PixelRegion> region_in(std::string_view text) {
+std::optional<conversion::PixelRegion> region_in(std::string_view text) {
   const std::size_t first = text.find(','), second = first == text.npos ? text.npos : text.find(',', first + 1);
   if (second == text.npos) return std::nullopt;
   const auto x = whole_number_in(text.substr(0, first)), y = whole_number_in(text.substr(first + 1, second - first - 1));
   const auto size = size_in(text.substr(second + 1));
   constexpr int most = std::numeric_limits<std::int16_t>::max();
   if (!x || !y || !size || *x < 0 || *y < 0 || *x > most || *y > most) return std::nullopt;
-  return PixelRegion{static_cast<int>(*x), static_cast<int>(*y), size->width, size->height};
+  return conversion::PixelRegion{static_cast<int>(*x), static_cast<int>(*y), size->width, size->height};
 }
 
 std::string check_region(const std::string& text) {
@@ -85,9 +85,9 @@ std::string check_moment(const std::string& text) {
                                text);
 }
 
-ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
-  ConvertOptions options;
-  if (!args.compression.empty()) options.compression = compression_named(args.compression);
+conversion::ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
+  conversion::ConvertOptions options;
+  if (!args.compression.empty()) options.compression = events::compression_named(args.compression);
   if (const auto from = moment_in(args.from_us)) {
     options.from = from->t;
     options.from_counts_from_first = from->counts_from_first;
@@ -105,8 +105,8 @@ ConvertOptions options_of(const ConvertArguments& args, unsigned threads) {
   return options;
 }
 
-void warn(const ConvertArguments& args, const ConvertSummary& summary) {
-  const RecordingProblems& problems = summary.problems;
+void warn(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
+  const events::RecordingProblems& problems = summary.problems;
   if (summary.size_guessed) {
     spdlog::info("{}: assuming a sensor of {}x{} pixels, which contains all events; use --size WxH for another size", args.in,
                  summary.size->width, summary.size->height);
@@ -116,7 +116,7 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
     spdlog::warn("--from-us {}: cuts nothing, because the first element of {} is at {} us; '+{}' counts from there", args.from_us,
                  args.in, us_of(*summary.first_in), std::max<std::int64_t>(us_of(from->t), 0));
   }
-  for (const Stream& stream : summary.left_out)
+  for (const events::Stream& stream : summary.left_out)
     spdlog::info("{}: stream {} ({}) is left out", args.in, stream.id, stream.name.empty() ? name_of(stream.type) : stream.name);
   const std::uint64_t packets = problems.broken_packets + problems.mismatched_packets + problems.undeclared_packets;
   if (problems.truncated_bytes > 0)
@@ -134,9 +134,9 @@ void warn(const ConvertArguments& args, const ConvertSummary& summary) {
     spdlog::warn("{}: time steps back {}; times are written unchanged", args.out, counted(summary.steps_back, "time"));
 }
 
-nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summary) {
+nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
   nlohmann::json streams = nlohmann::json::array();
-  for (const ConvertedStream& stream : summary.streams) {
+  for (const conversion::ConvertedStream& stream : summary.streams) {
     streams.push_back({{"id", stream.stream.id},
                        {"type", name_of(stream.stream.type)},
                        {"name", stream.stream.name},
@@ -144,7 +144,7 @@ nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summa
                        {"elements", stream.elements}});
   }
   nlohmann::json left_out = nlohmann::json::array();
-  for (const Stream& stream : summary.left_out) left_out.push_back(stream.id);
+  for (const events::Stream& stream : summary.left_out) left_out.push_back(stream.id);
   return {{"in", args.in},
           {"out", args.out},
           {"bytes_in", summary.bytes_in},
@@ -160,10 +160,10 @@ nlohmann::json json_of(const ConvertArguments& args, const ConvertSummary& summa
           {"cropped_events", summary.cropped_events},
           {"cropped_frames", summary.cropped_frames},
           {"steps_back", summary.steps_back},
-          {"problems", json_of(summary.problems)}};
+          {"problems", cli::json_of(summary.problems)}};
 }
 
-std::string text_of(const ConvertArguments& args, const ConvertSummary& summary) {
+std::string text_of(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, {}, {}", args.in, name_of(summary.from), bytes_text(summary.bytes_in)));
@@ -175,23 +175,23 @@ std::string text_of(const ConvertArguments& args, const ConvertSummary& summary)
     text += line("duration", duration_text(between(*summary.first, *summary.last)));
   }
   for (std::size_t i = 0; i < summary.streams.size(); ++i) {
-    const ConvertedStream& stream = summary.streams[i];
+    const conversion::ConvertedStream& stream = summary.streams[i];
     text += line(i == 0 ? "streams" : "",
                  fmt::format("{}  {:<8}  {}", stream.stream.id, name_of(stream.stream.type), stream.elements));
   }
   return text;
 }
 
-nlohmann::json json_of(const ConvertArguments& args, const BagImportSummary& summary) {
+nlohmann::json json_of(const ConvertArguments& args, const conversion::BagImportSummary& summary) {
   nlohmann::json topics = nlohmann::json::array();
-  for (const BagTopic& topic : summary.topics) {
+  for (const conversion::BagTopic& topic : summary.topics) {
     topics.push_back({{"name", topic.name},
                       {"type", topic.type},
                       {"messages", topic.messages},
                       {"use", topic.use.empty() ? nlohmann::json() : nlohmann::json(topic.use)}});
   }
-  const BagImportDrops& drops = summary.drops;
-  const BagProblems& problems = summary.problems;
+  const conversion::BagImportDrops& drops = summary.drops;
+  const conversion::BagProblems& problems = summary.problems;
   return {{"in", args.in},
           {"out", args.out},
           {"run", summary.run.name()},
@@ -224,7 +224,7 @@ nlohmann::json json_of(const ConvertArguments& args, const BagImportSummary& sum
             {"unknown_messages", problems.unknown_messages}}}};
 }
 
-std::string text_of(const ConvertArguments& args, const BagImportSummary& summary) {
+std::string text_of(const ConvertArguments& args, const conversion::BagImportSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, ROS 1 bag, {}", args.in, bytes_text(summary.bytes_in)));
@@ -236,19 +236,19 @@ std::string text_of(const ConvertArguments& args, const BagImportSummary& summar
   if (summary.robot_states > 0)
     text += line("robot", fmt::format("{}, {}", summary.robot_states, summary.has_joints ? "pose and joints" : "pose"));
   if (summary.frames > 0) text += line("video", counted(summary.frames, "frame"));
-  for (const BagTopic& topic : summary.topics) {
+  for (const conversion::BagTopic& topic : summary.topics) {
     text += line(&topic == &summary.topics.front() ? "topics" : "",
                  fmt::format("{:<8}{}  {}  {}", topic.use.empty() ? "-" : topic.use, topic.name, topic.type, topic.messages));
   }
   return text;
 }
 
-void warn(const ConvertArguments& args, const BagImportSummary& summary) {
+void warn(const ConvertArguments& args, const conversion::BagImportSummary& summary) {
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   const auto say = [&](std::uint64_t count, const char* what, const char* happened) {
     if (count > 0) spdlog::warn("{}: {} {}", args.in, counted(count, what), happened);
   };
-  const BagImportDrops& drops = summary.drops;
+  const conversion::BagImportDrops& drops = summary.drops;
   say(drops.events, "event", "outside the sensor dropped");
   say(drops.late_events, "event", "too far out of order dropped");
   say(drops.event_packets, "event packet", "lost before the bag");
@@ -272,22 +272,23 @@ void import(const ConvertArguments& args, const CommonArguments& common) {
                 ": a bag is converted completely; expected no --from-us, --to-us, --crop, --stream, --size and --source: " +
                 "the run's events.aedat4 can be cut and cropped afterwards");
   }
-  BagImportOptions options = args.bag;
-  if (!args.compression.empty()) options.compression = compression_named(args.compression);
-  const BagImportSummary summary = import_bag(args.in, args.out, options, progress_line(common));
+  conversion::BagImportOptions options = args.bag;
+  if (!args.compression.empty()) options.compression = events::compression_named(args.compression);
+  const conversion::BagImportSummary summary = conversion::import_bag(args.in, args.out, options, progress_line(common));
   warn(args, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
 void convert(ConvertArguments args, const CommonArguments& common) {
-  refuse_ros2_bag(args.in);
+  conversion::refuse_ros2_bag(args.in);
   if (std::filesystem::is_directory(args.in)) args.in = recording_in(args.in).string();
-  if (is_ros_bag(args.in)) return import(args, common);
-  const BagImportOptions& bag = args.bag;
+  if (conversion::is_ros_bag(args.in)) return import(args, common);
+  const conversion::BagImportOptions& bag = args.bag;
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
     if (!topic->empty()) throw Error(args.in + ": is not a bag; expected no options for topics");
   }
-  const ConvertSummary summary = convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
+  const conversion::ConvertSummary summary =
+      conversion::convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
   warn(args, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
@@ -334,4 +335,4 @@ void add_convert_command(CLI::App& app) {
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

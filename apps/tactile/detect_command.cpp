@@ -29,7 +29,7 @@
 #include "tactile/pictures/gnuplot.hpp"
 #include "tick_reader.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 struct DetectArguments {
   std::string model, models = "models";
   std::string from;
-  CameraSourceOptions source;
+  capture::CameraSourceOptions source;
   double reconnect_s = 10, duration_s = 0;
   std::string engine = "fast", precision = "fp32";
   std::string confirm = "1/1";
@@ -52,27 +52,30 @@ struct DetectArguments {
 };
 
 /// Checks a recording before the first verdict, as `eval` does. @throws Error  if it seems to have too many ticks
-void check_tick_count(const DetectArguments& args, const HeatmapOptions& rendering) {
+void check_tick_count(const DetectArguments& args, const heatmaps::HeatmapOptions& rendering) {
   if (!args.from.starts_with("file:") || args.duration_s > 0) return;
   const fs::path path = args.from.substr(5);
   if (!fs::exists(path)) return;  // opening the source reports it
   const fs::path file = fs::is_directory(path) ? recording_in(path) : path;
-  const RecordingReader reader(file);
-  const std::string why = why_too_many(listed_ticks(reader, event_stream(reader, args.source.stream).id, rendering));
+  const events::RecordingReader reader(file);
+  const std::string why =
+      why_too_many(heatmaps::listed_ticks(reader, events::event_stream(reader, args.source.stream).id, rendering));
   if (!why.empty()) throw Error(file.string() + ": " + why);
 }
 
 /// Runs the network on one thread.
-ClassifyHeatmap network_of(const DetectArguments& args, const ModelBundle& bundle, const ModelDescription& model) {
-  const EngineKind kind = engine_named(args.engine);
-  const Precision precision = precision_named(args.precision);
-  if (kind == EngineKind::fast) {
-    const auto engine = std::make_shared<LeNetEngine>(model.input, read_bundle_weights(bundle, model), model.settings.network,
-                                                      EngineOptions{.precision = precision});
+detect::ClassifyHeatmap network_of(const DetectArguments& args, const model::ModelBundle& bundle,
+                                   const model::ModelDescription& model) {
+  const model::EngineKind kind = model::engine_named(args.engine);
+  const model::Precision precision = model::precision_named(args.precision);
+  if (kind == model::EngineKind::fast) {
+    const auto engine =
+        std::make_shared<model::LeNetEngine>(model.input, model::read_bundle_weights(bundle, model), model.settings.network,
+                                             model::EngineOptions{.precision = precision});
     return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
   }
-  if (precision != Precision::fp32) throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
-  const auto classifier = std::make_shared<const Classifier>(open_classifier(bundle.folder, 1, kind));
+  if (precision != model::Precision::fp32) throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
+  const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(bundle.folder, 1, kind));
   return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
 }
 
@@ -99,27 +102,28 @@ microseconds tick_within(microseconds history, std::int64_t tick_us, const std::
 }
 
 /// @throws Error  unless `udp` is HOST:PORT
-NetworkAddress udp_address(const std::string& udp) {
+transport::NetworkAddress udp_address(const std::string& udp) {
   try {
-    return network_address("tcp://" + udp);
+    return transport::network_address("tcp://" + udp);
   } catch (const Error&) {
     throw Error("--udp '" + udp + "': is no address; expected HOST:PORT with a port from 1 to 65535");
   }
 }
 
 /// All but the network and the messages.
-DetectionOptions session_options(const DetectArguments& args, const ModelBundle& bundle, const ModelDescription& model) {
-  DetectionOptions options;
+detect::DetectionOptions session_options(const DetectArguments& args, const model::ModelBundle& bundle,
+                                         const model::ModelDescription& model) {
+  detect::DetectionOptions options;
   options.source_options = args.source;
   options.robot = robot_options(args.robot);
   if (!args.udp.empty()) options.udp = udp_address(args.udp);
   options.input = model.input;
-  HeatmapOptions& rendering = options.detector.rendering;
+  heatmaps::HeatmapOptions& rendering = options.detector.rendering;
   rendering = model.settings.rendering;
   check(rendering);
   if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
   options.detector.confirmation = confirmation_in(args.confirm);
-  if (args.gate) options.detector.gate = gate_limit(bundle, model);
+  if (args.gate) options.detector.gate = model::gate_limit(bundle, model);
   options.slack = microseconds{args.slack_us};
   options.rehearses = !args.no_rehearsal;
   options.reconnect = std::chrono::milliseconds{std::llround(1000 * args.reconnect_s)};
@@ -131,8 +135,8 @@ DetectionOptions session_options(const DetectArguments& args, const ModelBundle&
 }
 
 /// @return  a sentence that names the picture; empty without --plot or ticks
-std::string draw(const DetectArguments& args, const DetectionSummary& summary, const std::string& model,
-                 const std::vector<ReportedTick>& ticks) {
+std::string draw(const DetectArguments& args, const detect::DetectionSummary& summary, const std::string& model,
+                 const std::vector<detect::ReportedTick>& ticks) {
   if (args.plot.empty() || ticks.empty()) return {};
   std::optional<RunFolder> run = played_run(args.from);
   if (summary.recorded && fs::exists(summary.recorded->run.truth())) run = summary.recorded->run;
@@ -146,11 +150,11 @@ std::string draw(const DetectArguments& args, const DetectionSummary& summary, c
 void detect(DetectArguments args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
-  if (!args.plot.empty()) check_is_picture(args.plot);
-  const ModelBundle bundle = chosen_model(args.model, args.models);
-  const ModelDescription model = read_description(bundle);
+  if (!args.plot.empty()) pictures::check_is_picture(args.plot);
+  const model::ModelBundle bundle = chosen_model(args.model, args.models);
+  const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
-  DetectionOptions options = session_options(args, bundle, model);
+  detect::DetectionOptions options = session_options(args, bundle, model);
   options.inform = [&line](const std::string& text) { line.inform(text); };
   options.warn = [&line](const std::string& text) { line.warn(text); };
   line.inform("detecting with " + bundle.folder.string());
@@ -158,9 +162,9 @@ void detect(DetectArguments args, const CommonArguments& common) {
   check_tick_count(args, options.detector.rendering);
   options.source = args.from;
 
-  DetectionSession session(std::move(options), network_of(args, bundle, model));
+  detect::DetectionSession session(std::move(options), network_of(args, bundle, model));
   TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
-  DetectionSummary summary = session.run(reader.output());
+  detect::DetectionSummary summary = session.run(reader.output());
   line.clear();
   summary.ticks_left_out += reader.not_kept();
   const DetectModel used{.name = bundle.name(), .engine = args.engine, .precision = args.precision};
@@ -243,4 +247,4 @@ void add_detect_command(CLI::App& app) {
   add_real_time_options(command, *args);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

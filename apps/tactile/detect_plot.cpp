@@ -10,19 +10,19 @@
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/pictures/prediction_picture.hpp"
 
-namespace tactile {
-void draw_ticks(const std::vector<ReportedTick>& ticks, const HeatmapOptions& rendering, const std::string& title,
-                const std::optional<RunFolder>& run, const std::filesystem::path& file) {
+namespace tactile::cli {
+void draw_ticks(const std::vector<detect::ReportedTick>& ticks, const heatmaps::HeatmapOptions& rendering,
+                const std::string& title, const std::optional<RunFolder>& run, const std::filesystem::path& file) {
   if (ticks.empty()) throw Error(file.string() + ": there is no tick to draw; expected a stream longer than the history");
   const auto first = std::find_if(ticks.begin(), ticks.end(),
-                                  [&](const ReportedTick& tick) { return tick.beginning == ticks.back().beginning; });
+                                  [&](const detect::ReportedTick& tick) { return tick.beginning == ticks.back().beginning; });
   const std::uint32_t beginnings = first->beginning - ticks.front().beginning;
-  PredictionPicture picture;
+  pictures::PredictionPicture picture;
   picture.title = title;
   const double history_ms = static_cast<double>(rendering.history.count()) / 1000;
   TickRange range{.first = first->verdict.t, .count = 0, .tick = rendering.tick};
   std::vector<Touch> verdicts;
-  const auto add = [&](CameraTime t, const TickVerdict& verdict) {
+  const auto add = [&](CameraTime t, const detect::TickVerdict& verdict) {
     picture.ticks.push_back({t, static_cast<double>(verdict.events) / history_ms, static_cast<double>(verdict.probabilities[1]),
                              static_cast<double>(verdict.probabilities[2]), verdict.verdict});
     verdicts.push_back(verdict.verdict);
@@ -40,7 +40,7 @@ void draw_ticks(const std::vector<ReportedTick>& ticks, const HeatmapOptions& re
     picture.remarks.push_back(
         fmt::format("The stream restarted {} before; earlier ticks are not drawn.", counted(beginnings, "time")));
   if (run) {
-    const RunTruth truth = read_run_truth(*run);
+    const evaluation::RunTruth truth = evaluation::read_run_truth(*run);
     picture.has_labels = !truth.labels.empty();
     picture.has_truth = truth.has_truth;
     picture.truth = truth.true_ones;
@@ -49,15 +49,16 @@ void draw_ticks(const std::vector<ReportedTick>& ticks, const HeatmapOptions& re
     std::erase_if(wanted, [&](const TouchInterval& interval) {
       return interval.end < range.first || interval.start > range.at(range.count - 1);
     });
-    for (const Detection& detection : detections_of(range, verdicts, wanted)) {
-      PredictedInterval& interval = picture.labels.emplace_back(PredictedInterval{detection.interval, words_of(detection), {}});
-      if (detection.outcome == DetectionOutcome::detected) interval.first_right = detection.first_right;
+    for (const results::Detection& detection : evaluation::detections_of(range, verdicts, wanted)) {
+      pictures::PredictedInterval& interval =
+          picture.labels.emplace_back(pictures::PredictedInterval{detection.interval, results::words_of(detection), {}});
+      if (detection.outcome == results::DetectionOutcome::detected) interval.first_right = detection.first_right;
     }
     if (!picture.labels.empty())
       picture.remarks.push_back(fmt::format("Line: onset, {}; dashed: first right verdict; over them the detection delay.",
                                             picture.has_labels ? "as labelled" : "as it truly was"));
   }
-  draw_prediction(picture, file);
+  pictures::draw_prediction(picture, file);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

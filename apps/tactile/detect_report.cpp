@@ -9,15 +9,15 @@
 #include "tactile/core/duration_units.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct NamedHistogram {
   const char *key, *words;
-  const DurationHistogram* histogram;
+  const detect::DurationHistogram* histogram;
 };
 
-std::vector<NamedHistogram> histograms_of(const DeadlineMonitor& monitor) {
+std::vector<NamedHistogram> histograms_of(const detect::DeadlineMonitor& monitor) {
   return {{"waiting", "waiting for data", &monitor.waiting()},
           {"queued", "waiting for detect", &monitor.queued()},
           {"rendering", "rendering", &monitor.rendering()},
@@ -28,10 +28,10 @@ std::vector<NamedHistogram> histograms_of(const DeadlineMonitor& monitor) {
           {"whole", "from the tick's end", &monitor.whole()}};
 }
 
-std::string latency_text(const DetectionSummary& summary) {
+std::string latency_text(const detect::DetectionSummary& summary) {
   std::vector<std::vector<std::string>> rows;
   const auto us = [](std::chrono::nanoseconds ns) { return fmt::format("{:.0f}", 1e-3 * static_cast<double>(ns.count())); };
-  const auto add = [&](const char* words, const DurationHistogram& histogram) {
+  const auto add = [&](const char* words, const detect::DurationHistogram& histogram) {
     if (histogram.count() == 0) return;
     rows.push_back({words, us(histogram.percentile(0.5)), us(histogram.percentile(0.99)), us(histogram.percentile(0.999)),
                     us(histogram.max())});
@@ -41,11 +41,11 @@ std::string latency_text(const DetectionSummary& summary) {
   if (rows.empty()) return {};
   std::string text = "\n" + text_table({"time of a tick [us]", "p50", "p99", "p99.9", "max"}, rows);
   const bool answers = summary.deadlines.answer().count() > 0;
-  const DurationHistogram& shown = answers ? summary.deadlines.answer() : summary.deadlines.work();
+  const detect::DurationHistogram& shown = answers ? summary.deadlines.answer() : summary.deadlines.work();
   std::uint64_t most = 1;
-  for (const DurationHistogram::Bin& bin : shown.octaves()) most = std::max(most, bin.count);
+  for (const detect::DurationHistogram::Bin& bin : shown.octaves()) most = std::max(most, bin.count);
   std::vector<std::vector<std::string>> bars;
-  for (const DurationHistogram::Bin& bin : shown.octaves()) {
+  for (const detect::DurationHistogram::Bin& bin : shown.octaves()) {
     const auto length = static_cast<std::size_t>((40 * bin.count + most - 1) / most);
     bars.push_back({fmt::format("to {:.4g}", bin.to_us), std::to_string(bin.count), std::string(length, '#')});
   }
@@ -54,7 +54,7 @@ std::string latency_text(const DetectionSummary& summary) {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
-std::string verdicts_text(const VerdictCounts& counts) {
+std::string verdicts_text(const detect::VerdictCounts& counts) {
   std::string text;
   for (const Touch touch : all_touches) {
     const auto index = static_cast<std::size_t>(touch);
@@ -64,8 +64,8 @@ std::string verdicts_text(const VerdictCounts& counts) {
   return text;
 }
 
-void add_ticks(const DetectionSummary& summary, Lines& lines) {
-  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
+void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
+  const detect::DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   lines.emplace_back("ticks", summary.plays ? fmt::format("{} reported, none skipped; no deadline for a replay", ticks.reported)
                                             : fmt::format("{} reported, {} skipped, {} more than a tick late: {:.3f} % missed",
                                                           ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
@@ -78,14 +78,14 @@ void add_ticks(const DetectionSummary& summary, Lines& lines) {
         "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
 }
 
-void add_events(const DetectionSummary& summary, Lines& lines) {
-  const LiveCounts& counts = summary.counts;
+void add_events(const detect::DetectionSummary& summary, Lines& lines) {
+  const detect::LiveCounts& counts = summary.counts;
   std::string events = fmt::format("{} in {}", counts.events, counted(counts.packets, "packet"));
   if (counts.late_events > 0) events += fmt::format(", {} too late", counts.late_events);
   if (counts.lost_events > 0)
     events += fmt::format(", {} dropped ({} incomplete)", counts.lost_events, counted(counts.incomplete, "tick"));
   lines.emplace_back("events", events);
-  const LostElements unsound = summary.drops.total();
+  const capture::LostElements unsound = summary.drops.total();
   if (unsound.packets + unsound.events > 0)
     lines.emplace_back("unsound", fmt::format("{}, {}", counted(unsound.packets, "packet"), counted(unsound.events, "event")));
   if (!summary.plays) lines.emplace_back("packets", fmt::format("{} at the longest", duration_text(summary.longest_packet)));
@@ -94,7 +94,7 @@ void add_events(const DetectionSummary& summary, Lines& lines) {
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
 }
 
-void add_outputs(const DetectionSummary& summary, Lines& lines) {
+void add_outputs(const detect::DetectionSummary& summary, Lines& lines) {
   if (summary.robot) {
     lines.emplace_back(
         "robot", fmt::format("{}, {} of bits, {}", counted(summary.robot->state.writes, "write"),
@@ -103,7 +103,7 @@ void add_outputs(const DetectionSummary& summary, Lines& lines) {
   if (summary.udp) lines.emplace_back("udp", fmt::format("{} sent, {} failed", (*summary.udp)[0], (*summary.udp)[1]));
 }
 
-void add_machine(const DetectionSummary& summary, Lines& lines) {
+void add_machine(const detect::DetectionSummary& summary, Lines& lines) {
   if (summary.counts.rehearsals > 0) lines.emplace_back("rehearsed", counted(summary.counts.rehearsals, "time"));
   const double elapsed = in_s(summary.elapsed);
   lines.emplace_back("lasted", fmt::format("{}, {:.1f} % of one core", duration_text(summary.elapsed),
@@ -117,8 +117,8 @@ void add_machine(const DetectionSummary& summary, Lines& lines) {
     lines.emplace_back("awake", summary.awake_refused->empty() ? "processor cores do not sleep" : *summary.awake_refused);
 }
 
-nlohmann::json ticks_json(const DetectionSummary& summary) {
-  const DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
+nlohmann::json ticks_json(const detect::DetectionSummary& summary) {
+  const detect::DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   const auto us_or_null = [](const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
   return {{"told", ticks.reported},
           {"skipped", ticks.skipped},
@@ -132,8 +132,8 @@ nlohmann::json ticks_json(const DetectionSummary& summary) {
           {"last_us", us_or_null(summary.verdicts.last_tick)}};
 }
 
-nlohmann::json events_json(const DetectionSummary& summary) {
-  const LostElements unsound = summary.drops.total();
+nlohmann::json events_json(const detect::DetectionSummary& summary) {
+  const capture::LostElements unsound = summary.drops.total();
   return {{"counted", summary.counts.events},
           {"late", summary.counts.late_events},
           {"dropped", summary.counts.lost_events},
@@ -143,33 +143,34 @@ nlohmann::json events_json(const DetectionSummary& summary) {
           {"unsound_events", unsound.events}};
 }
 
-void add_verdicts(const VerdictCounts& counts, nlohmann::json& json) {
+void add_verdicts(const detect::VerdictCounts& counts, nlohmann::json& json) {
   for (const Touch touch : all_touches)
     json["verdicts"][std::string(name_of(touch))] = counts.ticks[static_cast<std::size_t>(touch)];
   json["episodes"] = {{"press", counts.episodes[1]}, {"slip", counts.episodes[2]}, {"first", nlohmann::json::array()}};
-  for (const VerdictEpisode& episode : counts.first_episodes)
+  for (const detect::VerdictEpisode& episode : counts.first_episodes)
     json["episodes"]["first"].push_back(
         {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});
 }
 
-void add_faults(const DetectionSummary& summary, nlohmann::json& json) {
+void add_faults(const detect::DetectionSummary& summary, nlohmann::json& json) {
   json["faults"] = {{"kinds", summary.faults}, {"first", nlohmann::json::array()}};
-  for (const DetectionFault& fault : summary.first_faults)
+  for (const detect::DetectionFault& fault : summary.first_faults)
     json["faults"]["first"].push_back({{"kind", fault.kind}, {"text", fault.text}, {"host_time_us", us_of(fault.at)}});
 }
 
-void add_latencies(const DeadlineMonitor& deadlines, nlohmann::json& json) {
+void add_latencies(const detect::DeadlineMonitor& deadlines, nlohmann::json& json) {
   for (const NamedHistogram& named : histograms_of(deadlines)) {
     json["latency_us"][named.key] = *named.histogram;
     nlohmann::json bins = nlohmann::json::array();
-    for (const DurationHistogram::Bin& bin : named.histogram->octaves()) bins.push_back({bin.from_us, bin.to_us, bin.count});
+    for (const detect::DurationHistogram::Bin& bin : named.histogram->octaves())
+      bins.push_back({bin.from_us, bin.to_us, bin.count});
     json["histogram_us"][named.key] = bins;
   }
 }
 
 }  // namespace
 
-std::string text_of(const DetectionSummary& summary, const DetectModel& model) {
+std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model) {
   Lines lines;
   add_ticks(summary, lines);
   add_events(summary, lines);
@@ -186,8 +187,8 @@ std::string text_of(const DetectionSummary& summary, const DetectModel& model) {
   return text;
 }
 
-nlohmann::json json_of(const DetectionSummary& summary, const DetectModel& model) {
-  const TickDetectorOptions& detector = summary.detector;
+nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectModel& model) {
+  const detect::TickDetectorOptions& detector = summary.detector;
   nlohmann::json json = {
       {"model", model.name},
       {"engine", model.engine},
@@ -229,4 +230,4 @@ nlohmann::json json_of(const DetectionSummary& summary, const DetectModel& model
   return json;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -5,14 +5,14 @@
 
 #include "tactile/detect/detection_session.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The model of a detection, and what ran it.
 struct DetectModel {
   std::string name, engine, precision;
 };
 
-std::string text_of(const DetectionSummary& summary, const DetectModel& model);
-nlohmann::json json_of(const DetectionSummary& summary, const DetectModel& model);
+std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model);
+nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectModel& model);
 
-}  // namespace tactile
+}  // namespace tactile::cli

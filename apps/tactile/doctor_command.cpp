@@ -25,7 +25,7 @@
 #include "tactile/model/training/torch_version.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,7 +138,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 void examine_machine(const CommonArguments& common, const fs::path& data) {
   const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
-  const std::string torch = torch_version();  // loads libtorch, and with it its BLAS
+  const std::string torch = model::torch_version();  // loads libtorch, and with it its BLAS
   const Blas blas = blas_in_use();
   const std::vector<std::string> features = cpu_features();
   stop_if_interrupted();
@@ -206,4 +206,4 @@ void add_doctor_command(CLI::App& app) {
       .show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

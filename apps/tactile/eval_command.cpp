@@ -25,13 +25,13 @@
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common) {
-  EvaluationOptions options;
+evaluation::EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common) {
+  evaluation::EvaluationOptions options;
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   options.confirmation = confirmation_in(args.confirm);
   options.gate = args.gate;
@@ -40,16 +40,17 @@ EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& c
 }
 
 /// Writes the result to `file`, and as a table beside it. @return  a sentence that names both
-std::string write_result(const fs::path& file, const nlohmann::json& json, const Evaluation& evaluation) {
+std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation) {
   fs::path table = file;
   table.replace_extension(".csv");
   write_json(file, json);
-  write_whole(table, table_of(evaluation));
+  write_whole(table, evaluation::table_of(evaluation));
   return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
 }
 
 /// The file of results. Options that change the figures have their own file, so that none replaces another.
-fs::path result_file(const fs::path& usual, const EvalArguments& args, const EvaluationOptions& options, const Dataset& dataset) {
+fs::path result_file(const fs::path& usual, const EvalArguments& args, const evaluation::EvaluationOptions& options,
+                     const windows::Dataset& dataset) {
   std::string name = usual.stem().string();
   if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
   if (options.confirmation != Confirmation{})
@@ -72,11 +73,12 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
     throw Error(
         fmt::format("{}: no such dataset; expected one with a model, run '{}' first", file.string(), train_command(args, {})));
   }
-  const Dataset dataset(file);
-  const auto bundle = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
+  const windows::Dataset dataset(file);
+  const auto bundle = args.model.empty() ? newest_of(args, dataset, windows::SplitKind::single_run) : bundle_named(args);
   if (!bundle) {
-    const auto other = newest_bundle(
-        args.models, [](const ModelDescription& model) { return model.settings.split.kind == SplitKind::single_run; });
+    const auto other = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
+      return model.settings.split.kind == windows::SplitKind::single_run;
+    });
     const std::string way_out =
         other ? fmt::format("; {} belongs to another state of it, or to another dataset, and is evaluated on it with --model {}",
                             other->name(), shell_word(other->name()))
@@ -86,17 +88,17 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   }
   check_writable(bundle->folder);
   spdlog::info("evaluating {}", bundle->folder.string());
-  const Classifier classifier = open_classifier(bundle->folder, common.threads, engine_named(args.engine));
-  const auto runs = test_runs_of(dataset, classifier.model());
-  EvaluationOptions options = options_of(args, common);
+  const model::Classifier classifier = model::open_classifier(bundle->folder, common.threads, model::engine_named(args.engine));
+  const auto runs = model::test_runs_of(dataset, classifier.model());
+  evaluation::EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
   if (options.of_another_dataset) {
     spdlog::warn("{} was trained on another dataset than {}; it is evaluated on the {} runs that it was not trained on",
                  bundle->name(), file.string(), runs.size());
   }
-  const std::vector<SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
+  const std::vector<windows::SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
   const std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
-  const Evaluation evaluation = evaluate(dataset, classifier, runs, options, progress_line(common));
+  const results::Evaluation evaluation = evaluation::evaluate(dataset, classifier, runs, options, progress_line(common));
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
@@ -110,35 +112,38 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
     throw Error(
         fmt::format("{}: no such dataset; expected one with models, run '{}' first", file.string(), train_command(args, {})));
   }
-  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
-  const Dataset dataset(file);
-  std::optional<ModelBundle> known = args.model.empty() ? newest_of(args, dataset, SplitKind::single_run) : bundle_named(args);
-  if (!known) known = newest_of(args, dataset, SplitKind::unseen);
-  ModelSettings settings;
-  if (known) settings = read_description(*known).settings;
-  const bool knows_unseen = known && settings.split.kind == SplitKind::unseen;
-  const ModelBundle seen =
-      known && !knows_unseen ? *known : partner_of(args, common, dataset, with_split(settings, SplitKind::single_run, {}));
+  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  const windows::Dataset dataset(file);
+  std::optional<model::ModelBundle> known =
+      args.model.empty() ? newest_of(args, dataset, windows::SplitKind::single_run) : bundle_named(args);
+  if (!known) known = newest_of(args, dataset, windows::SplitKind::unseen);
+  model::ModelSettings settings;
+  if (known) settings = model::read_description(*known).settings;
+  const bool knows_unseen = known && settings.split.kind == windows::SplitKind::unseen;
+  const model::ModelBundle seen =
+      known && !knows_unseen ? *known
+                             : partner_of(args, common, dataset, with_split(settings, windows::SplitKind::single_run, {}));
   const auto unseen_settings = [&] {
-    return with_split(settings, SplitKind::unseen, objects_to_hold_out(args.held_out, dataset));
+    return with_split(settings, windows::SplitKind::unseen, objects_to_hold_out(args.held_out, dataset));
   };
-  const ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings());
+  const model::ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings());
   check_writable(seen.folder);
   spdlog::info("evaluating {} and {}", held_out.folder.string(), seen.folder.string());
 
-  const EngineKind engine = engine_named(args.engine);
-  const Classifier with = open_classifier(seen.folder, common.threads, engine);
-  const Classifier without = open_classifier(held_out.folder, common.threads, engine);
-  const std::vector<SplitOptions> splits{with.model().settings.split, without.model().settings.split};
+  const model::EngineKind engine = model::engine_named(args.engine);
+  const model::Classifier with = model::open_classifier(seen.folder, common.threads, engine);
+  const model::Classifier without = model::open_classifier(held_out.folder, common.threads, engine);
+  const std::vector<windows::SplitOptions> splits{with.model().settings.split, without.model().settings.split};
   std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
-  const auto runs = runs_neither_saw(dataset, with.model(), without.model());
-  for (const std::string& object : objects_only_in(dataset, test_runs_of(dataset, without.model()), runs)) {
+  const auto runs = evaluation::runs_neither_saw(dataset, with.model(), without.model());
+  for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without.model()), runs)) {
     warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
     spdlog::warn("{}", warnings.back());
   }
-  const EvaluationOptions options = options_of(args, common);
-  const UnseenComparison comparison = compare_unseen(dataset, with, without, runs, options, progress_line(common));
-  const Evaluation evaluation = evaluate(dataset, without, runs, options, progress_line(common));
+  const evaluation::EvaluationOptions options = options_of(args, common);
+  const results::UnseenComparison comparison =
+      evaluation::compare_unseen(dataset, with, without, runs, options, progress_line(common));
+  const results::Evaluation evaluation = evaluation::evaluate(dataset, without, runs, options, progress_line(common));
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
   json["warnings"] = warnings;
@@ -195,4 +200,4 @@ void add_eval_command(CLI::App& app) {
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

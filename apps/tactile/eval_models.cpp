@@ -13,23 +13,24 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 namespace fs = std::filesystem;
 
-std::string train_command(const EvalArguments& args, const ModelSettings& settings) {
+std::string train_command(const EvalArguments& args, const model::ModelSettings& settings) {
   std::string command = "tactile train";
-  const ModelSettings defaults;
+  const model::ModelSettings defaults;
   const auto add = [&](const std::string& option, const auto& value, const auto& usual) {
     if (value != usual) command += fmt::format(" --{} {}", option, value);
   };
   if (args.data != "data") command += " " + shell_word(args.data);
   command += fmt::format(" --th {}", static_cast<double>(settings.rendering.history.count()) / 1000);
-  if (settings.split.kind == SplitKind::unseen) {
+  if (settings.split.kind == windows::SplitKind::unseen) {
     command += " --split unseen";
-    ModelSettings with_default = settings;
-    with_default.split.held_out = default_held_out();
-    if (!same_settings(settings, with_default)) command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
+    model::ModelSettings with_default = settings;
+    with_default.split.held_out = windows::default_held_out();
+    if (!model::same_settings(settings, with_default))
+      command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
   }
   add("train-run", settings.split.train_run, defaults.split.train_run);
   add("seed", settings.training.seed, defaults.training.seed);
@@ -47,7 +48,8 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
   add("early-stop", settings.training.early_stop, defaults.training.early_stop);
   // With other objects held out, a training starts from another model, which only the user knows.
-  if (settings.from) command += settings.split.kind == SplitKind::unseen ? " --from MODEL" : " --from " + settings.from->name;
+  if (settings.from)
+    command += settings.split.kind == windows::SplitKind::unseen ? " --from MODEL" : " --from " + settings.from->name;
   const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
   add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
   add("resize", rendering.at("resize").get<std::string>(), usual.at("resize").get<std::string>());
@@ -57,10 +59,10 @@ std::string train_command(const EvalArguments& args, const ModelSettings& settin
   return command;
 }
 
-ModelBundle bundle_named(const EvalArguments& args) {
-  const ModelBundle bundle = named_model(args.model, args.models);
+model::ModelBundle bundle_named(const EvalArguments& args) {
+  const model::ModelBundle bundle = named_model(args.model, args.models);
   if (fs::exists(bundle.description())) return bundle;
-  if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder))) {
+  if (model::CheckpointFolder::holds_state(model::CheckpointFolder::beside(bundle.folder))) {
     throw Error(
         fmt::format("{}: its training was interrupted; expected a finished model: 'tactile train' with the same options and "
                     "--resume resumes it",
@@ -72,41 +74,42 @@ ModelBundle bundle_named(const EvalArguments& args) {
                   names.empty() ? ", as 'tactile train' creates it" : fmt::format(", such as {}", fmt::join(names, ", "))));
 }
 
-std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind) {
-  return newest_bundle(args.models, [&](const ModelDescription& model) {
+std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const windows::Dataset& dataset, windows::SplitKind kind) {
+  return model::newest_bundle(args.models, [&](const model::ModelDescription& model) {
     return model.manifest_hash == dataset.manifest_hash() && model.settings.split.kind == kind;
   });
 }
 
-ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out) {
+model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind,
+                                const std::vector<std::string>& held_out) {
   settings.split.kind = kind;
-  if (kind == SplitKind::unseen) settings.split.held_out = held_out;
+  if (kind == windows::SplitKind::unseen) settings.split.held_out = held_out;
   return settings;
 }
 
-ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
-                       const ModelSettings& settings) {
+model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
+                              const model::ModelSettings& settings) {
   // If a model started from another model, its partner does, too, but from a different one that never saw the held-out objects.
-  const auto like_ours = [&](ModelSettings model) {
+  const auto like_ours = [&](model::ModelSettings model) {
     if (model.from && settings.from) model.from = settings.from;
     return model;
   };
-  const auto same = [&](const ModelDescription& model) {
+  const auto same = [&](const model::ModelDescription& model) {
     return model.manifest_hash == dataset.manifest_hash() && same_settings(like_ours(model.settings), settings);
   };
-  const auto same_but_held_out = [&](const ModelDescription& model) {
-    ModelSettings alike = like_ours(model.settings);
+  const auto same_but_held_out = [&](const model::ModelDescription& model) {
+    model::ModelSettings alike = like_ours(model.settings);
     alike.split.held_out = settings.split.held_out;
     return model.manifest_hash == dataset.manifest_hash() && same_settings(alike, settings);
   };
-  if (const auto found = newest_bundle(args.models, same)) return *found;
+  if (const auto found = model::newest_bundle(args.models, same)) return *found;
   if (args.held_out.empty()) {
-    if (const auto found = newest_bundle(args.models, same_but_held_out)) return *found;
+    if (const auto found = model::newest_bundle(args.models, same_but_held_out)) return *found;
   }
-  const ModelBundle bundle{fs::path(args.models) / default_name(settings)};
+  const model::ModelBundle bundle{fs::path(args.models) / model::default_name(settings)};
   const std::string command = train_command(args, settings);
   if (settings.from) {
-    const bool holds_out = settings.split.kind == SplitKind::unseen;
+    const bool holds_out = settings.split.kind == windows::SplitKind::unseen;
     throw Error(
         fmt::format("{}: no model of these settings that goes on from another{}, and such a one is not trained by itself; "
                     "expected it, run '{}' first{}",
@@ -123,12 +126,12 @@ ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common,
   spdlog::info("{} is missing: it is trained first, as with '{}': {}", bundle.folder.string(), command,
                training_size(dataset, settings));
   TrainingEstimate estimate(settings.training.epochs, progress_line(common));
-  train_model(dataset, settings, bundle,
-              {.threads = common.threads,
-               .resume = true,
-               .begins = [&estimate](unsigned epoch, double done) { estimate.begin(epoch, done); }},
-              [&estimate](const Progress& progress) { estimate.see(progress); });
+  model::train_model(dataset, settings, bundle,
+                     {.threads = common.threads,
+                      .resume = true,
+                      .begins = [&estimate](unsigned epoch, double done) { estimate.begin(epoch, done); }},
+                     [&estimate](const Progress& progress) { estimate.see(progress); });
   return bundle;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -9,7 +9,7 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 struct EvalArguments {
   std::string data = "data";
@@ -25,19 +25,19 @@ struct EvalArguments {
 };
 
 /// The command that trains a model with these settings.
-std::string train_command(const EvalArguments& args, const ModelSettings& settings);
+std::string train_command(const EvalArguments& args, const model::ModelSettings& settings);
 
 /// The model of `--model`. @throws Error  if it is not there or not finished
-ModelBundle bundle_named(const EvalArguments& args);
+model::ModelBundle bundle_named(const EvalArguments& args);
 
 /// The newest model of this dataset with this kind of split.
-std::optional<ModelBundle> newest_of(const EvalArguments& args, const Dataset& dataset, SplitKind kind);
+std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const windows::Dataset& dataset, windows::SplitKind kind);
 
 /// The same settings with another split. @param held_out  for the split unseen
-ModelSettings with_split(ModelSettings settings, SplitKind kind, const std::vector<std::string>& held_out);
+model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind, const std::vector<std::string>& held_out);
 
 /// The model with the same settings and the other split. Trains it if it is missing.
-ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const Dataset& dataset,
-                       const ModelSettings& settings);
+model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
+                              const model::ModelSettings& settings);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -23,7 +23,7 @@
 #include "tactile/pictures/prediction_picture.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,10 +34,10 @@ struct ChosenRun {
   std::optional<std::uint32_t> in_dataset;
 };
 
-ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const std::optional<Dataset>& dataset) {
+ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const std::optional<windows::Dataset>& dataset) {
   if (dataset) {
     for (std::uint32_t i = 0; i < dataset->runs().size(); ++i) {
-      const DatasetRun& run = dataset->runs()[i];
+      const windows::DatasetRun& run = dataset->runs()[i];
       std::error_code unreadable;
       if (name_of(run) == given || fs::equivalent(dataset->run_folder(i), given, unreadable))
         return {{dataset->run_folder(i), run.object, run.run}, i};
@@ -53,38 +53,38 @@ ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const 
   return {named_run_at(folder), {}};
 }
 
-ModelBundle model_for_runs(const EvalArguments& args, const std::optional<Dataset>& dataset) {
+model::ModelBundle model_for_runs(const EvalArguments& args, const std::optional<windows::Dataset>& dataset) {
   if (!args.model.empty()) return bundle_named(args);
-  std::optional<ModelBundle> found;
-  if (dataset) found = newest_of(args, *dataset, SplitKind::single_run);
-  if (!found) found = newest_bundle(args.models, [](const ModelDescription&) { return true; });
+  std::optional<model::ModelBundle> found;
+  if (dataset) found = newest_of(args, *dataset, windows::SplitKind::single_run);
+  if (!found) found = model::newest_bundle(args.models, [](const model::ModelDescription&) { return true; });
   if (!found) throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
   return *found;
 }
 
 /// The outcome of an interval; "in doubt" if its labels are.
-std::string words_of(const TouchInterval& interval, const RunPrediction& prediction) {
-  for (const Detection& detection : prediction.detections) {
+std::string words_of(const TouchInterval& interval, const evaluation::RunPrediction& prediction) {
+  for (const results::Detection& detection : prediction.detections) {
     if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return words_of(detection);
   }
   return "in doubt";
 }
 
-PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& classifier, const Confirmation& confirmation,
-                             bool learned_from) {
-  PredictionPicture picture;
+pictures::PredictionPicture picture_of(const evaluation::RunPrediction& prediction, const model::Classifier& classifier,
+                                       const Confirmation& confirmation, bool learned_from) {
+  pictures::PredictionPicture picture;
   picture.title = fmt::format("{}{}, predicted by {}{}", prediction.run, prediction.simulated ? " (simulated)" : "",
                               classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
   const double history_ms = in_ms(classifier.rendering().history);
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
-    const Probabilities& p = prediction.full.probabilities[k];
+    const model::Probabilities& p = prediction.full.probabilities[k];
     picture.ticks.push_back({prediction.full.ticks.at(static_cast<std::int64_t>(k)),
                              static_cast<double>(prediction.full.events[k]) / history_ms,
                              static_cast<double>(p[static_cast<std::size_t>(Touch::press)]),
                              static_cast<double>(p[static_cast<std::size_t>(Touch::slip)]), prediction.verdicts[k]});
   }
   picture.has_labels = !prediction.truth.labels.empty();
-  for (const SampledInterval& label : prediction.truth.labels)
+  for (const windows::SampledInterval& label : prediction.truth.labels)
     picture.labels.push_back({label.interval, words_of(label.interval, prediction)});
   picture.has_truth = prediction.truth.has_truth;
   picture.truth = prediction.truth.true_ones;
@@ -94,7 +94,7 @@ PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& 
     settings += fmt::format("; predicted in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
   picture.remarks.push_back(settings + ".");
   if (picture.has_labels) {
-    const FalseAlarms& alarms = prediction.false_alarms;
+    const results::FalseAlarms& alarms = prediction.false_alarms;
     picture.remarks.push_back(fmt::format(
         "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion "
         "without labels: {}.",
@@ -103,7 +103,8 @@ PredictionPicture picture_of(const RunPrediction& prediction, const Classifier& 
   return picture;
 }
 
-nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundle, bool learned_from, const fs::path& stem) {
+nlohmann::json json_of(const evaluation::RunPrediction& prediction, const model::ModelBundle& bundle, bool learned_from,
+                       const fs::path& stem) {
   nlohmann::json json{{"run", prediction.run},
                       {"model", bundle.name()},
                       {"simulated", prediction.simulated},
@@ -115,46 +116,47 @@ nlohmann::json json_of(const RunPrediction& prediction, const ModelBundle& bundl
                       {"png", stem.string() + ".png"},
                       {"svg", stem.string() + ".svg"},
                       {"intervals", nlohmann::json::array()}};
-  for (const Detection& detection : prediction.detections) {
-    const bool detected = detection.outcome == DetectionOutcome::detected;
+  for (const results::Detection& detection : prediction.detections) {
+    const bool detected = detection.outcome == results::DetectionOutcome::detected;
     json["intervals"].push_back({{"class", name_of(detection.interval.touch)},
                                  {"start_us", us_of(detection.interval.start)},
                                  {"end_us", us_of(detection.interval.end)},
-                                 {"outcome", detected                                        ? "detected"
-                                             : detection.outcome == DetectionOutcome::missed ? "missed"
-                                                                                             : "early"},
+                                 {"outcome", detected                                                 ? "detected"
+                                             : detection.outcome == results::DetectionOutcome::missed ? "missed"
+                                                                                                      : "early"},
                                  {"delay_ms", detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}});
   }
   json["false_alarms"] = prediction.truth.labels.empty() ? nlohmann::json() : nlohmann::json(prediction.false_alarms.alarms);
   return json;
 }
 
-fs::path stem_of(const EvalArguments& args, const ModelBundle& bundle, const RunFolder& run) {
+fs::path stem_of(const EvalArguments& args, const model::ModelBundle& bundle, const RunFolder& run) {
   return (args.out.empty() ? bundle.folder / "runs" : fs::path(args.out)) / (run.object + "-" + run.run);
 }
 
-PredictionOptions prediction_options(const EvalArguments& args, unsigned threads, const std::optional<Dataset>& dataset,
-                                     const ModelBundle& bundle, const ModelDescription& model) {
-  PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = threads};
-  if (args.gate) options.gate = gate_limit(bundle, model);
+evaluation::PredictionOptions prediction_options(const EvalArguments& args, unsigned threads,
+                                                 const std::optional<windows::Dataset>& dataset, const model::ModelBundle& bundle,
+                                                 const model::ModelDescription& model) {
+  evaluation::PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = threads};
+  if (args.gate) options.gate = model::gate_limit(bundle, model);
   if (dataset) options.guard = dataset->sampling().guard;
   if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   return options;
 }
 
-std::map<CameraTime, Touch> samples_of(const Dataset& dataset, std::uint32_t run) {
+std::map<CameraTime, Touch> samples_of(const windows::Dataset& dataset, std::uint32_t run) {
   std::map<CameraTime, Touch> samples;
-  for (const Sample& sample : dataset.samples()) {
+  for (const windows::Sample& sample : dataset.samples()) {
     if (sample.run_index == run) samples[sample.t] = sample.touch;
   }
   return samples;
 }
 
 /// The row of a run in the table.
-std::vector<std::string> row_of(const RunPrediction& prediction, bool learned_from) {
+std::vector<std::string> row_of(const evaluation::RunPrediction& prediction, bool learned_from) {
   std::string outcomes;
-  for (const Detection& detection : prediction.detections)
+  for (const results::Detection& detection : prediction.detections)
     outcomes += fmt::format("{}{} {}", outcomes.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
   return {prediction.run + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
           prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
@@ -164,10 +166,10 @@ std::vector<std::string> row_of(const RunPrediction& prediction, bool learned_fr
 /// Predicts runs at every tick with one model, and writes the files of each.
 struct RunsOfModel {
   const EvalArguments& args;
-  const std::optional<Dataset>& dataset;
-  const ModelBundle& bundle;
-  const Classifier& classifier;
-  const PredictionOptions& options;
+  const std::optional<windows::Dataset>& dataset;
+  const model::ModelBundle& bundle;
+  const model::Classifier& classifier;
+  const evaluation::PredictionOptions& options;
   nlohmann::json json = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows = {};
 
@@ -182,18 +184,19 @@ struct RunsOfModel {
 void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_t)>& progress) {
   const std::optional<std::uint32_t> index = index_of(run);
   // `check_unchanged` has compared the hash of a run in the dataset with its file.
-  const bool learned_from = tactile::learned_from(
+  const bool learned_from = tactile::model::learned_from(
       classifier.model(), index ? dataset->runs()[*index].events_sha256 : sha256_of_file(run.folder.events()));
-  const RunPrediction prediction = predict_run(run.folder, classifier, options, progress);
+  const evaluation::RunPrediction prediction = evaluation::predict_run(run.folder, classifier, options, progress);
   if (prediction.verdicts.empty()) {
     throw Error(fmt::format("{}: shorter than the history of {} ms; expected at least one full tick", run.folder.name(),
                             in_ms(classifier.rendering().history)));
   }
   const fs::path stem = stem_of(args, bundle, run.folder);
-  write_prediction(stem.string() + ".csv", prediction, index ? samples_of(*dataset, *index) : std::map<CameraTime, Touch>());
-  write_json(stem.string() + ".json", outcome_json(prediction));
-  const PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
-  for (const char* extension : {".png", ".svg"}) draw_prediction(picture, stem.string() + extension);
+  evaluation::write_prediction(stem.string() + ".csv", prediction,
+                               index ? samples_of(*dataset, *index) : std::map<CameraTime, Touch>());
+  write_json(stem.string() + ".json", evaluation::outcome_json(prediction));
+  const pictures::PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
+  for (const char* extension : {".png", ".svg"}) pictures::draw_prediction(picture, stem.string() + extension);
   json.push_back(json_of(prediction, bundle, learned_from, stem));
   rows.push_back(row_of(prediction, learned_from));
   spdlog::info("{}: {}", run.folder.name(), stem.string() + ".csv, .png, .svg");
@@ -203,7 +206,7 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
 
 void show_runs(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  std::optional<Dataset> dataset;
+  std::optional<windows::Dataset> dataset;
   if (fs::exists(dataset_file(args.data))) dataset.emplace(dataset_file(args.data));
   std::vector<std::string> errors;  // of runs that cannot be shown; the others are shown
   const auto attempt = [&errors](const auto& step) {
@@ -216,18 +219,18 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   std::vector<ChosenRun> chosen;
   for (const std::string& given : args.runs) attempt([&] { chosen.push_back(chosen_run(given, args, dataset)); });
   if (chosen.empty()) return end_with(errors);
-  const ModelBundle bundle = model_for_runs(args, dataset);
-  const Classifier classifier = open_classifier(bundle.folder, common.threads, engine_named(args.engine));
+  const model::ModelBundle bundle = model_for_runs(args, dataset);
+  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
   spdlog::info("every tick, predicted by {}", bundle.folder.string());
-  const PredictionOptions options = prediction_options(args, common.threads, dataset, bundle, classifier.model());
+  const evaluation::PredictionOptions options = prediction_options(args, common.threads, dataset, bundle, classifier.model());
   RunsOfModel shown{.args = args, .dataset = dataset, .bundle = bundle, .classifier = classifier, .options = options};
 
   std::vector<ChosenRun> runs;
   std::uint64_t total = 0, done = 0;
   for (const ChosenRun& run : chosen) {
     attempt([&] {
-      if (const auto index = shown.index_of(run)) check_unchanged(*dataset, *index);
-      total += expected_ticks(run.folder.events(), classifier.rendering());
+      if (const auto index = shown.index_of(run)) windows::check_unchanged(*dataset, *index);
+      total += evaluation::expected_ticks(run.folder.events(), classifier.rendering());
       runs.push_back(run);
     });
   }
@@ -249,4 +252,4 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   end_with(errors);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -3,9 +3,9 @@
 #include "command.hpp"
 #include "eval_models.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// `tactile eval --run`: what a model says over the whole of each run, as CSV, PNG and SVG.
 void show_runs(const EvalArguments& args, const CommonArguments& common);
 
-}  // namespace tactile
+}  // namespace tactile::cli

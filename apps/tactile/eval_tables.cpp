@@ -9,47 +9,49 @@
 
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using Row = std::vector<std::string>;
 
-std::string percent(const Figure& figure) {
+std::string percent(const results::Figure& figure) {
   return std::isfinite(figure.value) ? fmt::format("{:.2f}", 100 * figure.value) : "-";
 }
 
 /// "[lower, upper]", both times `scale`.
-std::string bounds(const Figure& figure, double scale) {
+std::string bounds(const results::Figure& figure, double scale) {
   return figure.low ? fmt::format("[{:.2f}, {:.2f}]", scale * *figure.low, scale * *figure.high) : "-";
 }
 
-std::string baselines_not_below(const Evaluation& evaluation) {
+std::string baselines_not_below(const results::Evaluation& evaluation) {
   std::string names;
-  for (const BaselineScore& baseline : evaluation.baselines) {
+  for (const results::BaselineScore& baseline : evaluation.baselines) {
     if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
   }
   return names;
 }
 
-std::string number(const Figure& figure) { return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-"; }
+std::string number(const results::Figure& figure) {
+  return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-";
+}
 
-std::string misses_and_early(const DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); }
+std::string misses_and_early(const results::DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); }
 
-std::string accuracy_text(const Evaluation& evaluation) {
+std::string accuracy_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
   for (const auto& [name, figure] : evaluation.accuracy.objects)
     rows.push_back({name, percent(figure), bounds(figure, 100), std::to_string(figure.n) + (figure.n == 1 ? " run" : " runs")});
-  const Figure& mean = evaluation.accuracy.mean;
+  const results::Figure& mean = evaluation.accuracy.mean;
   rows.push_back({"mean over objects", percent(mean), bounds(mean, 100), std::to_string(mean.n) + " objects"});
   if (evaluation.truth) {
-    const Figure& by_truth = evaluation.truth->accuracy.mean;
+    const results::Figure& by_truth = evaluation.truth->accuracy.mean;
     rows.push_back({"mean, by the truth", percent(by_truth), bounds(by_truth, 100), std::to_string(by_truth.n) + " objects"});
   }
   std::string text = text_table({"accuracy on balanced samples [%]", "", "95 %", ""}, rows) + "\n";
 
   rows.clear();
   rows.push_back({"network", percent(mean), bounds(mean, 100)});
-  for (const BaselineScore& baseline : evaluation.baselines)
+  for (const results::BaselineScore& baseline : evaluation.baselines)
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
   text += text_table({"compared with baselines, mean over objects [%]", "", "95 %"}, rows);
   const auto above = evaluation.above_baselines();
@@ -63,14 +65,14 @@ std::string accuracy_text(const Evaluation& evaluation) {
   return text;
 }
 
-std::string classes_text(const Evaluation& evaluation) {
+std::string classes_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows, score_rows;
   for (const Touch truth : all_touches) {
     const auto index = static_cast<std::size_t>(truth);
     Row row{std::string(name_of(truth))};
     for (const std::uint64_t count : evaluation.confusion.counts[index]) row.push_back(std::to_string(count));
     rows.push_back(row);
-    const ClassScore& score = evaluation.classes.all[index];
+    const results::ClassScore& score = evaluation.classes.all[index];
     score_rows.push_back({std::string(name_of(truth)), percent(score.precision), bounds(score.precision, 100),
                           percent(score.recall), bounds(score.recall, 100), percent(score.f1), bounds(score.f1, 100)});
   }
@@ -81,9 +83,9 @@ std::string classes_text(const Evaluation& evaluation) {
          "\n\n";
 }
 
-std::string guards_text(const Evaluation& evaluation) {
+std::string guards_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
-  for (const GuardScore& score : evaluation.guards) {
+  for (const results::GuardScore& score : evaluation.guards) {
     const bool own = score.guard == evaluation.sampling_guard;
     rows.push_back({fmt::format("{} ms{}", static_cast<double>(score.guard.count()) / 1000, own ? ", the dataset's" : ""),
                     percent(score.accuracy.mean), bounds(score.accuracy.mean, 100), own ? "" : percent(score.difference.mean),
@@ -92,16 +94,16 @@ std::string guards_text(const Evaluation& evaluation) {
   return text_table({"guard around intervals", "accuracy [%]", "95 %", "difference", "95 %"}, rows) + "\n";
 }
 
-std::string over_time_text(const Evaluation& evaluation) {
+std::string over_time_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
-  const OverTime* truth = evaluation.truth ? &evaluation.truth->over_time : nullptr;
-  const auto row = [&](const std::string& name, const Figure& by_labels, const Figure* by_truth) {
+  const results::OverTime* truth = evaluation.truth ? &evaluation.truth->over_time : nullptr;
+  const auto row = [&](const std::string& name, const results::Figure& by_labels, const results::Figure* by_truth) {
     rows.push_back({name, percent(by_labels), bounds(by_labels, 100), by_truth != nullptr ? percent(*by_truth) : "",
                     by_truth != nullptr ? bounds(*by_truth, 100) : ""});
   };
-  const auto add = [&](const std::string& name, const ShareOverTime& labels, const ShareOverTime* by_truth) {
+  const auto add = [&](const std::string& name, const results::ShareOverTime& labels, const results::ShareOverTime* by_truth) {
     const auto ms = [](microseconds us) { return us.count() / 1000; };
-    const OverTimeOptions& options = evaluation.over_time.options;
+    const results::OverTimeOptions& options = evaluation.over_time.options;
     row(fmt::format("{}, first {} ms", name, ms(options.first)), labels.first, by_truth ? &by_truth->first : nullptr);
     row(fmt::format("{}, later", name), labels.later, by_truth ? &by_truth->later : nullptr);
     row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
@@ -117,24 +119,30 @@ std::string over_time_text(const Evaluation& evaluation) {
   return text_table(header, rows) + "\n";
 }
 
-std::string gate_text(const Evaluation& evaluation) {
+std::string gate_text(const results::Evaluation& evaluation) {
   if (!evaluation.gate_off) return {};
-  const GateOff& off = *evaluation.gate_off;
+  const results::GateOff& off = *evaluation.gate_off;
   // Two columns side by side: all figures of each would be a long row.
   std::vector<Row> rows;
   const auto add = [&](const std::string& name, const auto& text_of) {
     rows.push_back({name, text_of(evaluation.accuracy, evaluation.network), text_of(off.accuracy, off.network)});
   };
-  add("accuracy [%]", [](const Accuracy& accuracy, const DetectorScore&) { return percent(accuracy.mean); });
-  for (const auto& [name, table] : {std::pair("press", &DetectorScore::press), std::pair("slip", &DetectorScore::slip)}) {
+  add("accuracy [%]", [](const results::Accuracy& accuracy, const results::DetectorScore&) { return percent(accuracy.mean); });
+  for (const auto& [name, table] :
+       {std::pair("press", &results::DetectorScore::press), std::pair("slip", &results::DetectorScore::slip)}) {
     add(fmt::format("mean delay of {} [ms]", name),
-        [table = table](const Accuracy&, const DetectorScore& score) { return number((score.*table).all.mean_ms); });
-    add(fmt::format("{}, misses + early", name),
-        [table = table](const Accuracy&, const DetectorScore& score) { return misses_and_early((score.*table).all); });
+        [table = table](const results::Accuracy&, const results::DetectorScore& score) {
+          return number((score.*table).all.mean_ms);
+        });
+    add(fmt::format("{}, misses + early", name), [table = table](const results::Accuracy&, const results::DetectorScore& score) {
+      return misses_and_early((score.*table).all);
+    });
   }
-  add("false alarms",
-      [](const Accuracy&, const DetectorScore& score) { return std::to_string(score.false_alarms.total.alarms); });
-  add("false alarms per min", [](const Accuracy&, const DetectorScore& score) { return number(score.false_alarms.per_min); });
+  add("false alarms", [](const results::Accuracy&, const results::DetectorScore& score) {
+    return std::to_string(score.false_alarms.total.alarms);
+  });
+  add("false alarms per min",
+      [](const results::Accuracy&, const results::DetectorScore& score) { return number(score.false_alarms.per_min); });
   const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
   return text_table({fmt::format("gate: none below {} events", off.limit), "on", "off"}, rows) +
          fmt::format("The gate skips the network at {:.1f} % of {} ticks.\n\n", share, off.ticks);
@@ -145,9 +153,9 @@ constexpr const char* operating_legend =
     "alarms: "
     "false alarms.";
 
-std::string operating_text(const Evaluation& evaluation) {
+std::string operating_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
-  for (const OperatingPoint& point : evaluation.operating_curve) {
+  for (const results::OperatingPoint& point : evaluation.operating_curve) {
     // A selection; eval.json has them all.
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
@@ -174,7 +182,7 @@ constexpr const char* false_alarm_legend =
     "minutes: "
     "total time without touch, and of the other two kinds. The interval per minute also allows for few alarms in a short time.";
 
-Row delay_row(const std::string& name, const DelaySummary& delay) {
+Row delay_row(const std::string& name, const results::DelaySummary& delay) {
   return {name,
           number(delay.mean_ms),
           bounds(delay.mean_ms, 1),
@@ -185,8 +193,8 @@ Row delay_row(const std::string& name, const DelaySummary& delay) {
           std::to_string(delay.early)};
 }
 
-std::string delay_text(const std::string& title, const DelayTable& network,
-                       const std::vector<std::pair<std::string, const DelayTable*>>& others) {
+std::string delay_text(const std::string& title, const results::DelayTable& network,
+                       const std::vector<std::pair<std::string, const results::DelayTable*>>& others) {
   std::vector<Row> rows;
   for (const auto& [name, delay] : network.objects) rows.push_back(delay_row(name, delay));
   rows.push_back(delay_row("all", network.all));
@@ -194,8 +202,8 @@ std::string delay_text(const std::string& title, const DelayTable& network,
   return text_table({title, "mean", "95 %", "sem", "median", "of", "misses", "early"}, rows) + "\n";
 }
 
-std::string delays_text(const Evaluation& evaluation) {
-  std::vector<std::pair<std::string, const DelayTable*>> press, slip;
+std::string delays_text(const results::Evaluation& evaluation) {
+  std::vector<std::pair<std::string, const results::DelayTable*>> press, slip;
   for (const auto& [name, score] : evaluation.trivial) {
     press.emplace_back("(" + name + ")", &score.press);
     slip.emplace_back("(" + name + ")", &score.slip);
@@ -209,16 +217,16 @@ std::string delays_text(const Evaluation& evaluation) {
          delay_text("delay of slip [ms]", evaluation.network.slip, slip) + wrapped(delay_legend) + "\n\n";
 }
 
-std::string false_alarms_text(const Evaluation& evaluation) {
+std::string false_alarms_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
-  const auto add = [&](const std::string& name, const FalseAlarmTable& table) {
-    const FalseAlarms& total = table.total;
+  const auto add = [&](const std::string& name, const results::FalseAlarmTable& table) {
+    const results::FalseAlarms& total = table.total;
     rows.push_back({name, number(table.per_min), bounds(table.per_min, 1), std::to_string(total.alarms),
                     std::to_string(total.after_intervals), std::to_string(total.unlabelled)});
   };
-  const auto add_minutes = [&](const std::string& name, const FalseAlarmTable& table) {
+  const auto add_minutes = [&](const std::string& name, const results::FalseAlarmTable& table) {
     const auto minutes = [](microseconds us) { return fmt::format("{:.3f}", static_cast<double>(us.count()) / 60e6); };
-    const FalseAlarms& total = table.total;
+    const results::FalseAlarms& total = table.total;
     rows.push_back({name, "", "", minutes(total.none_time), minutes(total.after_intervals_time), minutes(total.unlabelled_time)});
   };
   add("network", evaluation.network.false_alarms);
@@ -230,7 +238,7 @@ std::string false_alarms_text(const Evaluation& evaluation) {
          "\n\n";
 }
 
-std::string engine_text(const Evaluation& evaluation) {
+std::string engine_text(const results::Evaluation& evaluation) {
   return "\n" +
          wrapped(fmt::format(
              "Engine {}: at {} of {} ticks the two largest logits differ by less than 0.0001; there another engine can predict "
@@ -241,8 +249,8 @@ std::string engine_text(const Evaluation& evaluation) {
 
 }  // namespace
 
-std::string text_of(const Evaluation& evaluation) {
-  std::string title = title_of(evaluation);
+std::string text_of(const results::Evaluation& evaluation) {
+  std::string title = results::title_of(evaluation);
   if (evaluation.confirm != "1/1") title += ", confirmed in " + evaluation.confirm + " ticks";
   if (evaluation.gate_off) title += ", gated";
   return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
@@ -250,9 +258,9 @@ std::string text_of(const Evaluation& evaluation) {
          operating_text(evaluation) + engine_text(evaluation);
 }
 
-std::string text_of(const UnseenComparison& comparison, bool simulated) {
+std::string text_of(const results::UnseenComparison& comparison, bool simulated) {
   std::vector<Row> rows;
-  const auto add_row = [&](const std::string& name, const SeenAndHeldOut& of) {
+  const auto add_row = [&](const std::string& name, const results::SeenAndHeldOut& of) {
     rows.push_back({name, percent(of.seen), bounds(of.seen, 100), percent(of.held_out), bounds(of.held_out, 100),
                     percent(of.difference), bounds(of.difference, 100)});
   };
@@ -264,4 +272,4 @@ std::string text_of(const UnseenComparison& comparison, bool simulated) {
          "\n\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows) + "\n";
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

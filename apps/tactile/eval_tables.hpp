@@ -4,11 +4,11 @@
 
 #include "tactile/evaluation/evaluation.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 // The results of an evaluation as tables.
 
-std::string text_of(const Evaluation& evaluation);
-std::string text_of(const UnseenComparison& comparison, bool simulated);
+std::string text_of(const results::Evaluation& evaluation);
+std::string text_of(const results::UnseenComparison& comparison, bool simulated);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-namespace tactile {
+namespace tactile::cli {
 
 void log_step(const std::string& description, bool kept) {
   if (kept) {
@@ -22,4 +22,4 @@ std::string figure_text(const nlohmann::json& figure, double factor, int decimal
   return fmt::format("{} [{}, {}]", number("value", "-"), number("low", "?"), number("high", "?"));
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Logs a step that begins, or, at level debug, one that is kept: the `StepCallback` of reproduce and trade.
 void log_step(const std::string& description, bool kept);
@@ -12,4 +12,4 @@ void log_step(const std::string& description, bool kept);
 /// @param figure  {"value", "low", "high"}   @param factor  100 for percent
 std::string figure_text(const nlohmann::json& figure, double factor, int decimals);
 
-}  // namespace tactile
+}  // namespace tactile::cli

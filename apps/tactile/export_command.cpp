@@ -16,7 +16,7 @@
 #include "tactile/model/bundle/onnx_model.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,11 +59,11 @@ nlohmann::json json_of(const std::vector<ExportedFile>& files) {
 
 void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
-  const ModelBundle bundle = chosen_model(args.model, args.models);
-  const ModelDescription model = read_description(bundle);
+  const model::ModelBundle bundle = chosen_model(args.model, args.models);
+  const model::ModelDescription model = model::read_description(bundle);
   if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
-  const Weights weights = read_bundle_weights(bundle, model);
-  auto metadata = weights_metadata(model);
+  const model::Weights weights = model::read_bundle_weights(bundle, model);
+  auto metadata = model::weights_metadata(model);
   metadata["model"] = bundle.name();
 
   const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
@@ -77,12 +77,13 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
     about.erase("format");  // of safetensors only
     about["weights_sha256"] = model.weights_sha256;
     onnx.emplace(args.onnx, if_there);
-    write_whole(onnx->path(), onnx_model(lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
+    write_whole(onnx->path(),
+                model::onnx_model(model::lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
     written("onnx", args.onnx, *onnx);
   }
   if (!args.safetensors.empty()) {
     safetensors.emplace(args.safetensors, if_there);
-    write_weights(safetensors->path(), weights, metadata);
+    model::write_weights(safetensors->path(), weights, metadata);
     written("safetensors", args.safetensors, *safetensors);
   }
   stop_if_interrupted();
@@ -96,11 +97,11 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
                          {"classes", nlohmann::json::parse(metadata.at("classes"))},
                          {"input", nlohmann::json::parse(metadata.at("input"))},
                          {"settings", {{"rendering", model.settings.rendering}, {"network", model.settings.network}}},
-                         {"parameters", lenet_layers(model.input).parameter_count()},
+                         {"parameters", model::lenet_layers(model.input).parameter_count()},
                          {"files", json_of(files)}};
   json["onnx"] = !onnx ? nlohmann::json()
-                       : nlohmann::json{{"ir_version", onnx_ir_version},
-                                        {"opset", onnx_opset},
+                       : nlohmann::json{{"ir_version", model::onnx_ir_version},
+                                        {"opset", model::onnx_opset},
                                         {"input", "heatmaps"},
                                         {"outputs", {"logits", "probabilities"}}};
   std::vector<std::vector<std::string>> rows;
@@ -127,4 +128,4 @@ void add_export_command(CLI::App& app) {
   command.add_flag("--force", args->force, "Replace existing files");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

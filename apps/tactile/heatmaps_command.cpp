@@ -15,7 +15,7 @@
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,19 +40,19 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
     throw Error(fmt::format("{}: no such dataset; expected one, run 'tactile windows{}' first", file.string(),
                             args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + shell_word(args.data)));
   }
-  std::vector<HeatmapOptions> histories;
+  std::vector<heatmaps::HeatmapOptions> histories;
   for (const double history_ms : args.histories_ms) {
     histories.push_back(heatmap_options(history_ms, args.rendering));
-    if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, stored_name(histories.back()));
+    if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, heatmaps::stored_name(histories.back()));
   }
   if (!args.pictures.empty()) catch_termination();  // so that no incomplete folder of pictures stays
   nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
   std::vector<std::vector<std::string>> rows;
   {
-    const Dataset dataset(file);
+    const windows::Dataset dataset(file);
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
-    for (const auto& [stored, kept] : store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
+    for (const auto& [stored, kept] : heatmaps::store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
       result["histories"].push_back({{"name", stored.name},
                                      {"outcome", kept ? "unchanged" : "written"},
                                      {"settings", stored.settings},
@@ -65,13 +65,13 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   }
   std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);
   if (!args.pictures.empty()) {
-    const Dataset dataset(file);  // opened again, because it now lists the new heatmaps
+    const windows::Dataset dataset(file);  // opened again, because it now lists the new heatmaps
     std::uint64_t pictures = 0;
-    for (const HeatmapOptions& options : histories) {
-      const auto stored = dataset.find_heatmaps(stored_name(options));
+    for (const heatmaps::HeatmapOptions& options : histories) {
+      const auto stored = dataset.find_heatmaps(heatmaps::stored_name(options));
       if (!stored)
         throw Error(fmt::format("{}: history {} has disappeared; expected that no other program replaces the dataset",
-                                file.string(), stored_name(options)));
+                                file.string(), heatmaps::stored_name(options)));
       pictures += write_heatmap_pictures(dataset, *stored, args.pictures, common.threads, progress_line(common));
     }
     result["pictures"] = pictures;
@@ -95,4 +95,4 @@ void add_heatmaps_command(CLI::App& app) {
   command.add_option("--png", args->pictures, "Also write each heatmap as a PNG file in this folder").type_name("DIR");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

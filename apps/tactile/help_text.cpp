@@ -10,7 +10,7 @@
 
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 constexpr std::array common_names{"--help", "--config", "--json", "--quiet", "--threads"};
@@ -114,4 +114,4 @@ std::string HelpText::make_help(const CLI::App* app, std::string, CLI::AppFormat
   return text;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

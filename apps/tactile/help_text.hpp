@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Formats a command's help: lines of at most the terminal's width and 100 columns, or 80 without a terminal. A command's own
 /// options precede those of all commands.
@@ -26,4 +26,4 @@ std::string usage_text(const CLI::App& app);
 /// An option as a user writes it: "--th", or the word for a positional argument, "OUT".
 std::string label_of(const CLI::Option& option);
 
-}  // namespace tactile
+}  // namespace tactile::cli

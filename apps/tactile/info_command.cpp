@@ -13,7 +13,7 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/runs_below.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace fs = std::filesystem;
 namespace {
 
@@ -98,4 +98,4 @@ void add_info_command(CLI::App& app) {
                    "damaged or misnamed");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

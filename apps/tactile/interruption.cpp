@@ -4,7 +4,7 @@
 #include <ctime>
 #include <initializer_list>
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 volatile std::sig_atomic_t raised = 0;        ///< the last signal
@@ -74,4 +74,4 @@ void catch_termination() {
 
 bool interrupted() { return raised != 0; }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace tactile {
+namespace tactile::cli {
 
 /// From now on Ctrl-C, SIGTERM and SIGHUP wait until they are released: at the start of a program, which cannot handle them yet,
 /// and before it starts another program in its place, where they still wait.
@@ -16,4 +16,4 @@ void catch_termination();
 
 bool interrupted();
 
-}  // namespace tactile
+}  // namespace tactile::cli

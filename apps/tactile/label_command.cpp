@@ -22,7 +22,7 @@
 #include "tactile/pictures/run_picture.hpp"
 #include "truth_tables.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -140,9 +140,9 @@ fs::path picture_file_of(const RunFolder& run) { return run.folder / "labels.png
 /// Draws what was labelled beside the labels. Where one cannot be drawn the run goes without, for the labels are what counts.
 class Pictures {
  public:
-  void draw(const RunSignals& signals, const Labels& labels) {
+  void draw(const alignment::RunSignals& signals, const labels::Labels& labels) {
     try {
-      draw_label_picture(picture_of(signals, labels), picture_file_of(signals.run));
+      pictures::draw_label_picture(pictures::picture_of(signals, labels), picture_file_of(signals.run));
     } catch (const std::exception& e) {
       const std::scoped_lock lock(guard_);
       if (failures_.empty()) first_ = signals.run.name();
@@ -163,21 +163,21 @@ class Pictures {
   std::string first_;
 };
 
-CameraTime first_event_of(const Labels& labels, const RunFolder& run) {
+CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
   if (const auto us = labels.provenance.find("first_event_us"); us != labels.provenance.end() && us->is_number_integer())
     return camera_time(us->get<std::int64_t>());
   // Labels that were not made here: their times still count from the recording's begin.
-  const RecordingReader recording(run.events());
+  const events::RecordingReader recording(run.events());
   CameraTime first = CameraTime::max();
-  for (const PacketRecord& packet : recording.packets()) {
-    if (packet.elements > 0 && recording.stream(packet.stream_id).type == StreamType::events)
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (packet.elements > 0 && recording.stream(packet.stream_id).type == events::StreamType::events)
       first = std::min(first, packet.first);
   }
   return first;
 }
 
 Outcome label_all(const CommonArguments& common, const LabelArguments& arguments, const std::vector<RunFolder>& runs) {
-  LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
+  labels::LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   Pictures pictures;
   if (!arguments.no_pictures) {
@@ -187,11 +187,13 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
       const auto drawn = fs::last_write_time(picture_file_of(run), missing);
       return !missing && drawn >= fs::last_write_time(run.labels(), missing);
     };
-    options.make_companions = [&](const RunSignals& signals, const Labels& labels) { pictures.draw(signals, labels); };
+    options.make_companions = [&](const alignment::RunSignals& signals, const labels::Labels& labels) {
+      pictures.draw(signals, labels);
+    };
   }
   Outcome outcome;
   std::size_t labelled = 0;
-  for (RunOutcome& run : label_runs(runs, options, progress_line(common))) {
+  for (labels::RunOutcome& run : labels::label_runs(runs, options, progress_line(common))) {
     if (!run.error.empty()) {
       outcome.failures.push_back(std::move(run.error));
       continue;
@@ -223,7 +225,7 @@ Outcome read_runs(std::vector<RunFolder> runs) {
   Outcome outcome;
   for (const RunFolder& run : runs) {
     try {
-      Labels labels = read_labels(run.labels());
+      labels::Labels labels = labels::read_labels(run.labels());
       const CameraTime first = first_event_of(labels, run);
       outcome.labelled.push_back({run, std::move(labels), first});
     } catch (const std::exception& e) {
@@ -290,4 +292,4 @@ void add_label_command(CLI::App& app) {
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -23,16 +23,18 @@
 #include "tactile/labels/exchange/run_exchange.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<ExchangeFormat> format_in(const LabelExchangeArguments& arguments) {
-  return exchange_format_named(arguments.format);
+std::optional<labels::ExchangeFormat> format_in(const LabelExchangeArguments& arguments) {
+  return labels::exchange_format_named(arguments.format);
 }
 
-std::optional<TimeOrigin> origin_in(const LabelExchangeArguments& arguments) { return time_origin_named(arguments.origin); }
+std::optional<labels::TimeOrigin> origin_in(const LabelExchangeArguments& arguments) {
+  return labels::time_origin_named(arguments.origin);
+}
 
 /// A file of an export: its runs follow each other, and once it is made it has a text.
 struct FileToWrite {
@@ -42,9 +44,9 @@ struct FileToWrite {
 };
 
 /// One file if `to` has an ending of a format, else a folder with a file for each run.
-std::vector<FileToWrite> files_of(const fs::path& to, ExchangeFormat format, const std::vector<RunFolder>& runs) {
-  if (exchange_format_by_ending(to) && !fs::is_directory(to)) {
-    if (runs.size() > 1 && !holds_many_runs(format)) {
+std::vector<FileToWrite> files_of(const fs::path& to, labels::ExchangeFormat format, const std::vector<RunFolder>& runs) {
+  if (labels::exchange_format_by_ending(to) && !fs::is_directory(to)) {
+    if (runs.size() > 1 && !labels::holds_many_runs(format)) {
       throw Error(
           fmt::format("--export {}: a file of this format holds one run, and there are {}; expected a folder, with --format {}",
                       to.string(), runs.size(), name_of(format)));
@@ -53,7 +55,8 @@ std::vector<FileToWrite> files_of(const fs::path& to, ExchangeFormat format, con
   }
   std::vector<FileToWrite> files;
   for (std::size_t i = 0; i < runs.size(); ++i)
-    files.push_back({.path = to / (file_stem_of(runs[i]) + std::string(ending_of(format))), .first_run = i, .runs = 1});
+    files.push_back(
+        {.path = to / (labels::file_stem_of(runs[i]) + std::string(labels::ending_of(format))), .first_run = i, .runs = 1});
   return files;
 }
 
@@ -81,16 +84,16 @@ void check_free(const FileToWrite& file, bool replace) {
                           file.path.string()));
 }
 
-std::string text_of(ExchangeFormat format, std::span<const LabelsToExport> labels, const fs::path& file) {
+std::string text_of(labels::ExchangeFormat format, std::span<const labels::LabelsToExport> labels, const fs::path& file) {
   switch (format) {
-    case ExchangeFormat::audacity:
-      return audacity_text(labels.front());
-    case ExchangeFormat::elan:
-      return elan_text(labels.front(), file);
-    case ExchangeFormat::label_studio:
-      return label_studio_text(labels);
-    case ExchangeFormat::csv:
-      return label_csv_text(labels);
+    case labels::ExchangeFormat::audacity:
+      return labels::audacity_text(labels.front());
+    case labels::ExchangeFormat::elan:
+      return labels::elan_text(labels.front(), file);
+    case labels::ExchangeFormat::label_studio:
+      return labels::label_studio_text(labels);
+    case labels::ExchangeFormat::csv:
+      return labels::label_csv_text(labels);
   }
   return {};
 }
@@ -102,7 +105,7 @@ fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
 
 /// What --import names: files, and folders as all of their files that are of a known format and named as a run's.
 std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
-  const std::optional<ExchangeFormat> format = format_in(arguments);
+  const std::optional<labels::ExchangeFormat> format = format_in(arguments);
   std::vector<fs::path> files;
   for (const std::string& from : arguments.from) {
     std::error_code unknown;
@@ -113,14 +116,14 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
     const std::size_t before = files.size();
     for (const RunFolder& run : runs) {
       for (const char* name : {"audacity", "elan", "label-studio", "csv"}) {
-        const auto known = exchange_format_named(name);
-        const fs::path file = fs::path(from) / (file_stem_of(run) + std::string(ending_of(*known)));
+        const auto known = labels::exchange_format_named(name);
+        const fs::path file = fs::path(from) / (labels::file_stem_of(run) + std::string(labels::ending_of(*known)));
         if ((!format || format == known) && is_there(file)) files.push_back(file);
       }
     }
     if (files.size() == before) {
       throw Error(fmt::format("--import {}: holds no file of the runs; expected such as {}.eaf, as --export names them", from,
-                              runs.empty() ? "fan-01" : file_stem_of(runs.front())));
+                              runs.empty() ? "fan-01" : labels::file_stem_of(runs.front())));
     }
   }
   return files;
@@ -165,14 +168,15 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
                    const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first) {
   std::vector<RunFolder> runs = found.runs;
   const fs::path to = arguments.to;
-  const std::optional<ExchangeFormat> known = format_in(arguments) ? format_in(arguments) : exchange_format_by_ending(to);
+  const std::optional<labels::ExchangeFormat> known =
+      format_in(arguments) ? format_in(arguments) : labels::exchange_format_by_ending(to);
   if (!known) {
     throw Error(fmt::format(
         "--export {}: its ending says no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, "
         "or a folder and --format",
         arguments.to));
   }
-  const ExchangeFormat format = *known;
+  const labels::ExchangeFormat format = *known;
   for (const FileToWrite& file : files_of(to, format, runs)) check_place(file.path, runs);
   std::vector<RunFolder> unlabelled;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(unlabelled),
@@ -186,14 +190,14 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   }
 
   const ProgressCallback progress = progress_line(common);
-  std::vector<LabelsToExport> labels(runs.size());
+  std::vector<labels::LabelsToExport> labels(runs.size());
   std::mutex guard;
   std::size_t done = 0;
   std::vector<std::string> why_not(runs.size());
   parallel_for(runs.size(), common.threads, [&](std::size_t i) {
     try {
-      labels[i] = labels_to_export(runs[i], origin_in(arguments), format == ExchangeFormat::elan);
-      if (format == ExchangeFormat::label_studio) labels[i].signals = signals_of(runs[i], labels[i]);
+      labels[i] = labels::labels_to_export(runs[i], origin_in(arguments), format == labels::ExchangeFormat::elan);
+      if (format == labels::ExchangeFormat::label_studio) labels[i].signals = labels::signals_of(runs[i], labels[i]);
     } catch (const std::exception& e) {
       why_not[i] = sentence_of(e, runs[i].name());
     }
@@ -214,7 +218,7 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   nlohmann::json json = {{"exported", nlohmann::json::array()}, {"labelled", nlohmann::json::array()}, {"config", nullptr}};
   std::vector<std::vector<std::string>> rows;
   for (const FileToWrite& file : files) {
-    for (const LabelsToExport& run : runs_of(file)) {
+    for (const labels::LabelsToExport& run : runs_of(file)) {
       json["exported"].push_back({{"run", run.run},
                                   {"file", file.path.string()},
                                   {"intervals", run.labels.intervals.size()},
@@ -225,8 +229,8 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   }
   for (const RunFolder& run : unlabelled) json["labelled"].push_back(run.name());
   std::string text = text_table({"run", "intervals", "times from", ""}, rows);
-  if (format == ExchangeFormat::label_studio) {
-    files.push_back({.path = config_beside(to, files.front()), .text = label_studio_config(labels)});
+  if (format == labels::ExchangeFormat::label_studio) {
+    files.push_back({.path = config_beside(to, files.front()), .text = labels::label_studio_config(labels)});
     json["config"] = files.back().path.string();
     text += fmt::format("{}: their labelling configuration\n", files.back().path.string());
   }
@@ -241,14 +245,15 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
 
 void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found) {
   const std::vector<RunFolder>& runs = found.runs;
-  const std::vector<ImportedRun> edited = read_edits(files_in(arguments, runs), format_in(arguments), origin_in(arguments), runs);
+  const std::vector<labels::ImportedRun> edited =
+      labels::read_edits(files_in(arguments, runs), format_in(arguments), origin_in(arguments), runs);
   nlohmann::json imported = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> unseen;
-  for (const ImportedRun& run : edited) {
+  for (const labels::ImportedRun& run : edited) {
     if (!run.looked_at) unseen.push_back(run.run.name());
-    if (run.counts.edits() > 0) write_labels(run.run.labels(), run.labels);
-    const EditCounts& counts = run.counts;
+    if (run.counts.edits() > 0) labels::write_labels(run.run.labels(), run.labels);
+    const labels::EditCounts& counts = run.counts;
     imported.push_back({{"run", run.run.name()},
                         {"file", run.file},
                         {"looked_at", run.looked_at},
@@ -266,4 +271,4 @@ void import_labels(const CommonArguments& common, const LabelExchangeArguments& 
   end_with(found.unreadable);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

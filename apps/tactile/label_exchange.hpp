@@ -8,7 +8,7 @@
 #include "command.hpp"
 #include "tactile/core/runs_below.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// `tactile label --export` and `--import`.
 struct LabelExchangeArguments {
@@ -37,4 +37,4 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
 /// Takes what a person edited in another tool into the runs' labels: all of it, or after an `Error` none.
 void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found);
 
-}  // namespace tactile
+}  // namespace tactile::cli

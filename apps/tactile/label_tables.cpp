@@ -13,7 +13,7 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 std::string ms(const std::optional<microseconds>& time) { return time ? fmt::format("{:.1f}", in_ms(*time)) : "-"; }
@@ -24,40 +24,40 @@ nlohmann::json us_or_null(const std::optional<microseconds>& time) {
 
 constexpr microseconds widest_clock = 20ms;
 
-const LabelledInterval* first_of(const Labels& labels, Touch touch) {
+const labels::LabelledInterval* first_of(const labels::Labels& labels, Touch touch) {
   const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
-                                  [&](const LabelledInterval& interval) { return interval.touch == touch; });
+                                  [&](const labels::LabelledInterval& interval) { return interval.touch == touch; });
   return found == labels.intervals.end() ? nullptr : &*found;
 }
 
-std::optional<microseconds> lag_of(const Labels& labels) {
-  const LabelledInterval* slip = first_of(labels, Touch::slip);
+std::optional<microseconds> lag_of(const labels::Labels& labels) {
+  const labels::LabelledInterval* slip = first_of(labels, Touch::slip);
   if (slip == nullptr || !slip->evidence.robot) return std::nullopt;
-  const FittedClock* clock = labels.robot_clock_at(slip->start.at);
+  const alignment::FittedClock* clock = labels.robot_clock_at(slip->start.at);
   if (clock == nullptr || clock->uncertainty() > widest_clock) return std::nullopt;  // it would say more of the clock
   return between(*slip->evidence.robot, slip->start.at);
 }
 
 std::string onset_text(const LabelledRun& labelled, Touch touch) {
-  const LabelledInterval* interval = first_of(labelled.labels, touch);
+  const labels::LabelledInterval* interval = first_of(labelled.labels, touch);
   if (interval == nullptr) return "-";
   return fmt::format("{} ±{}", ms(between(labelled.first_event, interval->start.at)),
                      ms(between(interval->start.low, interval->start.high) / 2));
 }
 
-std::string length_text(const Labels& labels, Touch touch) {
-  const LabelledInterval* interval = first_of(labels, touch);
+std::string length_text(const labels::Labels& labels, Touch touch) {
+  const labels::LabelledInterval* interval = first_of(labels, touch);
   return interval == nullptr ? "-" : ms(between(interval->start.at, interval->end.at));
 }
 
-std::size_t standing_flags(const Labels& labels) {
+std::size_t standing_flags(const labels::Labels& labels) {
   return static_cast<std::size_t>(
-      std::count_if(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) { return !flag.confirmed; }));
+      std::count_if(labels.flags.begin(), labels.flags.end(), [](const labels::LabelFlag& flag) { return !flag.confirmed; }));
 }
 
 /// The robot's clock where it matters most: at the slip, else at the first touch.
-const FittedClock* robot_clock_of(const Labels& labels) {
-  const LabelledInterval* slip = first_of(labels, Touch::slip);
+const alignment::FittedClock* robot_clock_of(const labels::Labels& labels) {
+  const labels::LabelledInterval* slip = first_of(labels, Touch::slip);
   if (slip == nullptr && !labels.intervals.empty()) slip = &labels.intervals.front();
   if (slip != nullptr) return labels.robot_clock_at(slip->start.at);
   return labels.robot_clocks.empty() ? nullptr : &labels.robot_clocks.front();
@@ -68,7 +68,7 @@ class ClockMethods {
  public:
   explicit ClockMethods(const std::vector<LabelledRun>& runs) {
     for (const LabelledRun& labelled : runs) {
-      if (const FittedClock* clock = robot_clock_of(labelled.labels)) ++uses_[clock->method];
+      if (const alignment::FittedClock* clock = robot_clock_of(labelled.labels)) ++uses_[clock->method];
       if (labelled.labels.video_clock) ++video_uses_[labelled.labels.video_clock->method];
     }
   }
@@ -168,8 +168,8 @@ constexpr int robot_source = 1;
 std::map<DifferenceKind, std::vector<double>> differences_of(const std::vector<LabelledRun>& runs) {
   std::map<DifferenceKind, std::vector<double>> differences;
   for (const LabelledRun& labelled : runs) {
-    for (const LabelledInterval& interval : labelled.labels.intervals) {
-      const Evidence& evidence = interval.evidence;
+    for (const labels::LabelledInterval& interval : labelled.labels.intervals) {
+      const labels::Evidence& evidence = interval.evidence;
       const std::array<std::optional<CameraTime>, 4> by{evidence.events, evidence.robot, evidence.video, evidence.imu};
       for (int of = 0; of < 4; ++of) {
         for (int less = of + 1; less < 4; ++less) {
@@ -177,7 +177,7 @@ std::map<DifferenceKind, std::vector<double>> differences_of(const std::vector<L
           if (!a || !b) continue;
           DifferenceKind kind{.touch = interval.touch, .of = of, .less = less, .clock_method = std::nullopt};
           if (of == robot_source || less == robot_source) {
-            const FittedClock* clock = labelled.labels.robot_clock_at(interval.start.at);
+            const alignment::FittedClock* clock = labelled.labels.robot_clock_at(interval.start.at);
             kind.clock_method = clock == nullptr ? "" : clock->method;
           }
           differences[kind].push_back(in_ms(between(*b, *a)));
@@ -188,9 +188,10 @@ std::map<DifferenceKind, std::vector<double>> differences_of(const std::vector<L
   return differences;
 }
 
-std::size_t presses_of(const Labels& labels) {
-  return static_cast<std::size_t>(std::count_if(labels.intervals.begin(), labels.intervals.end(),
-                                                [](const LabelledInterval& interval) { return interval.touch == Touch::press; }));
+std::size_t presses_of(const labels::Labels& labels) {
+  return static_cast<std::size_t>(
+      std::count_if(labels.intervals.begin(), labels.intervals.end(),
+                    [](const labels::LabelledInterval& interval) { return interval.touch == Touch::press; }));
 }
 
 }  // namespace
@@ -201,7 +202,7 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
   const ClockMethods methods(runs);
   std::vector<std::vector<std::string>> rows;
   for (const LabelledRun& labelled : runs) {
-    const FittedClock* clock = robot_clock_of(labelled.labels);
+    const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
     const std::string clock_text =
         clock == nullptr ? "-"
                          : fmt::format("{} ±{}", methods.letter_of(clock->method),
@@ -224,7 +225,7 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
   for (const LabelledRun& labelled : runs) {
     if (const std::size_t presses = presses_of(labelled.labels); presses > 1)
       text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
-    for (const LabelFlag& flag : labelled.labels.flags) {
+    for (const labels::LabelFlag& flag : labelled.labels.flags) {
       text += wrapped(fmt::format("{}{}: {}{}", labelled.run.name(),
                                   flag.interval_index ? " " + labelled.labels.intervals.at(*flag.interval_index).id : "",
                                   flag.reason, flag.confirmed ? " (confirmed by a person)" : ""),
@@ -255,7 +256,7 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
   nlohmann::json result = nlohmann::json::array();
   for (const LabelledRun& labelled : runs) {
     nlohmann::json intervals = nlohmann::json::array();
-    for (const LabelledInterval& interval : labelled.labels.intervals) {
+    for (const labels::LabelledInterval& interval : labelled.labels.intervals) {
       intervals.push_back({{"id", interval.id},
                            {"class", name_of(interval.touch)},
                            {"start_us", us_of(interval.start.at)},
@@ -265,8 +266,8 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
                            {"confirmed", interval.confirmed}});
     }
     nlohmann::json flags = nlohmann::json::array();
-    for (const LabelFlag& flag : labelled.labels.flags) flags.push_back(flag.reason);
-    const FittedClock* clock = robot_clock_of(labelled.labels);
+    for (const labels::LabelFlag& flag : labelled.labels.flags) flags.push_back(flag.reason);
+    const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
     result.push_back({{"run", labelled.run.name()},
                       {"first_event_us", us_of(labelled.first_event)},
                       {"intervals", intervals},
@@ -345,4 +346,4 @@ nlohmann::json differences_json(const std::vector<LabelledRun>& runs) {
   return result;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -6,7 +6,7 @@
 
 #include "labelled_run.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// A flag stands on the run or one of its intervals.
 bool is_flagged(const LabelledRun& labelled);
@@ -26,4 +26,4 @@ nlohmann::json objects_json(const std::vector<LabelledRun>& runs);
 std::string differences_table(const std::vector<LabelledRun>& runs);
 nlohmann::json differences_json(const std::vector<LabelledRun>& runs);
 
-}  // namespace tactile
+}  // namespace tactile::cli

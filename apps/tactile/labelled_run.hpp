@@ -3,13 +3,13 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// A run with its labels, for tables.
 struct LabelledRun {
   RunFolder run;
-  Labels labels;
+  labels::Labels labels;
   CameraTime first_event{};  ///< zero of the times in tables
 };
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-namespace tactile {
+namespace tactile::cli {
 
 LiveLine::LiveLine(bool wanted) : draws_(wanted && isatty(STDERR_FILENO) != 0) {}
 
@@ -41,4 +41,4 @@ void LiveLine::inform(const std::string& text) {
   spdlog::info("{}", text);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -3,7 +3,7 @@
 #include <mutex>
 #include <string>
 
-namespace tactile {
+namespace tactile::cli {
 
 /// One line on stderr that is drawn again and again, if that is a terminal. Log lines do not collide with it. Several threads may
 /// use it.
@@ -28,4 +28,4 @@ class LiveLine {
   bool visible_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -6,7 +6,7 @@
 
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// The cell of this index; empty if the row is shorter.
@@ -68,4 +68,4 @@ std::optional<LogRows> log_rows(const std::filesystem::path& file, std::string_v
   return found;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

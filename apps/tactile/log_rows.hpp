@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Contents of a log with times, such as robot.csv or video.csv.
 struct LogRows {
@@ -21,4 +21,4 @@ struct LogRows {
 /// @return  nothing if there is no such file, it has no such column, or a row is longer than 64 KiB
 std::optional<LogRows> log_rows(const std::filesystem::path& file, std::string_view column, double unit_s, double longest_step_s);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -16,29 +16,30 @@
 #include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// @throws Error  if no object has the training run, in the dataset or beside it: most likely a mistyped run
-void check_train_run(const Dataset& dataset, const std::string& wanted) {
+void check_train_run(const windows::Dataset& dataset, const std::string& wanted) {
   std::set<std::string> ids;
-  for (const DatasetRun& run : dataset.runs()) {
-    if (run.run == wanted || std::filesystem::exists(run_of(dataset, run.object, wanted).events())) return;
+  for (const windows::DatasetRun& run : dataset.runs()) {
+    if (run.run == wanted || std::filesystem::exists(windows::run_of(dataset, run.object, wanted).events())) return;
     ids.insert(run.run);
   }
   throw Error(fmt::format("--train-run {}: no object has such a run; expected one of {}", wanted, fmt::join(ids, ", ")));
 }
 
 /// The split. If there is none, a warning explains why runs have no samples.
-Split split_or_reasons(const Dataset& dataset, const SplitOptions& options) {
+windows::Split split_or_reasons(const windows::Dataset& dataset, const windows::SplitOptions& options) {
   check_train_run(dataset, options.train_run);
   try {
-    return split_of(dataset, options);
+    return model::split_of(dataset, options);
   } catch (const Error&) {
     std::vector<RunFolder> runs;
-    for (const DatasetRun& run : dataset.runs()) runs.push_back(run_of(dataset, run.object, run.run));
-    const std::vector<RunWithoutSamples> without = runs_without_samples(dataset, runs);
-    if (!without.empty()) spdlog::warn("{}", sentence_on(without, runs.size(), data_folder_of(dataset), "tactile windows"));
+    for (const windows::DatasetRun& run : dataset.runs()) runs.push_back(windows::run_of(dataset, run.object, run.run));
+    const std::vector<windows::RunWithoutSamples> without = windows::runs_without_samples(dataset, runs);
+    if (!without.empty())
+      spdlog::warn("{}", windows::sentence_on(without, runs.size(), windows::data_folder_of(dataset), "tactile windows"));
     throw;
   }
 }
@@ -61,17 +62,18 @@ Check is_confirmation() {
                "k/n"};
 }
 
-std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
+std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
   if (std::filesystem::exists(file)) return std::nullopt;
   spdlog::info("{} is missing: it is created with the defaults of 'tactile windows'", file.string());
-  DatasetSummary summary = write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
+  windows::DatasetSummary summary = windows::write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   spdlog::info("{}: {} samples", file.string(), summary.samples);
   return summary;
 }
 
-std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict) {
+std::vector<std::string> warn_of_splits(const windows::Dataset& dataset, std::span<const windows::SplitOptions> splits,
+                                        bool strict) {
   std::vector<std::string> sentences;
   std::optional<RunFolder> flagged;
   const auto add = [&](const std::vector<std::string>& some) {
@@ -79,26 +81,26 @@ std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const 
       if (std::find(sentences.begin(), sentences.end(), sentence) == sentences.end()) sentences.push_back(sentence);
     }
   };
-  for (const SplitOptions& options : splits) {
-    const SplitRemarks remarks = remarks_on(dataset, options, split_or_reasons(dataset, options));
-    if (strict) refuse_objects_left_out(remarks.left_out);
+  for (const windows::SplitOptions& options : splits) {
+    const model::SplitRemarks remarks = model::remarks_on(dataset, options, split_or_reasons(dataset, options));
+    if (strict) windows::refuse_objects_left_out(remarks.left_out);
     add(remarks.substitutes);
     add(remarks.left_out);
     if (splits.size() == 1) add(remarks.untested);
     if (!flagged) flagged = remarks.flagged;
   }
-  if (flagged) sentences.push_back(how_to_lift_flags(*flagged, "tactile windows"));
+  if (flagged) sentences.push_back(windows::how_to_lift_flags(*flagged, "tactile windows"));
   for (const std::string& sentence : sentences) spdlog::warn("{}", sentence);
   return sentences;
 }
 
-std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset) {
+std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const windows::Dataset& dataset) {
   std::set<std::string> objects, with_samples, flagged;
-  for (const DatasetRun& run : dataset.runs()) objects.insert(run.object);
-  for (const Sample& sample : dataset.samples()) with_samples.insert(dataset.runs()[sample.run_index].object);
-  for (const RunWithoutSamples& run : runs_of_objects_left_out(dataset)) flagged.insert(run.object);
+  for (const windows::DatasetRun& run : dataset.runs()) objects.insert(run.object);
+  for (const windows::Sample& sample : dataset.samples()) with_samples.insert(dataset.runs()[sample.run_index].object);
+  for (const windows::RunWithoutSamples& run : windows::runs_of_objects_left_out(dataset)) flagged.insert(run.object);
   std::vector<std::string> held_out;
-  for (const std::string& object : named.empty() ? default_held_out() : named) {
+  for (const std::string& object : named.empty() ? windows::default_held_out() : named) {
     // A flagged object that is not in the dataset is left out. The split rejects an unknown name.
     if (objects.contains(object) || (!named.empty() && !flagged.contains(object))) held_out.push_back(object);
   }
@@ -113,8 +115,8 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
                           named.empty() ? "among the paper's five to hold out" : "held out", fmt::join(with_samples, ", ")));
 }
 
-std::string training_size(const Dataset& dataset, const ModelSettings& settings) {
-  const std::size_t samples = samples_of_runs(dataset, split_of(dataset, settings.split).train_runs).size();
+std::string training_size(const windows::Dataset& dataset, const model::ModelSettings& settings) {
+  const std::size_t samples = model::samples_of_runs(dataset, model::split_of(dataset, settings.split).train_runs).size();
   return fmt::format("{}, {}", counted(samples, "sample"), counted(settings.training.epochs, "epoch"));
 }
 
@@ -152,4 +154,4 @@ void add_engine_option(Command command, std::string& engine) {
       .show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

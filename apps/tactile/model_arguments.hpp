@@ -13,7 +13,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The dataset of DATA: DATA/dataset.h5, or DATA itself if it is a file.
 std::filesystem::path dataset_file(const std::string& data);
@@ -21,21 +21,22 @@ std::filesystem::path dataset_file(const std::string& data);
 /// Creates a missing dataset with the defaults of `windows`, and logs this. Nothing if there is one. Pass its errors to
 /// `end_with`.
 /// @throws Error as `write_dataset`
-std::optional<DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
+std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common);
 
 /// Warns if runs or objects of these splits differ from the requested ones, and explains how to include flagged ones.
 /// @return  the warnings. @throws Error  if an object has no run with samples and `strict` is set
-std::vector<std::string> warn_of_splits(const Dataset& dataset, std::span<const SplitOptions> splits, bool strict);
+std::vector<std::string> warn_of_splits(const windows::Dataset& dataset, std::span<const windows::SplitOptions> splits,
+                                        bool strict);
 
 /// k/n of `--confirm`.
 Check is_confirmation();
 
 /// The objects to hold out: `named`, or those of the paper's five that the dataset has.
 /// @throws Error  if none is left to hold out, or none to train on
-std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const Dataset& dataset);
+std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& named, const windows::Dataset& dataset);
 
 /// The size of a training: "3636 samples, 10 epochs".
-std::string training_size(const Dataset& dataset, const ModelSettings& settings);
+std::string training_size(const windows::Dataset& dataset, const model::ModelSettings& settings);
 
 /// Logs the remaining time of a training after its first epoch, and again after an epoch that shows an error of a quarter.
 class TrainingEstimate {
@@ -60,4 +61,4 @@ class TrainingEstimate {
 /// `--engine`, which runs a model.
 void add_engine_option(Command command, std::string& engine);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -10,7 +10,7 @@
 #include "command.hpp"
 #include "interruption.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// This process's arguments from the kernel, separated by zeros.
@@ -47,4 +47,4 @@ void let_openmp_threads_sleep() {
   release_signals();  // that failed: the threads spin, which is slower, but not wrong
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -12,7 +12,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/run_folder.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 std::string number_text(double value) {
@@ -84,4 +84,4 @@ void add_strict_option(Command command, bool& strict) {
   command.add_flag("--strict", strict, "Stop with an error if an object has no run with samples; default: leave the object out");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

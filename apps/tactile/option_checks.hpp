@@ -10,7 +10,7 @@
 #include "tactile/core/numbers.hpp"
 
 // Checks of option values. The help shows a check's description ("1 to 1024"), and an error shows it after "expected".
-namespace tactile {
+namespace tactile::cli {
 
 /// A number from `low` to `high`, both included; a whole one if T is.
 template <class T>
@@ -42,4 +42,4 @@ Check in_range(T low, T high) {
 /// `--strict` of every command that needs samples of each object.
 void add_strict_option(Command command, bool& strict);
 
-}  // namespace tactile
+}  // namespace tactile::cli

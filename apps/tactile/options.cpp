@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace tactile {
+namespace tactile::cli {
 
 Option& Option::check(const Check& check) {
   option_->check(CLI::Validator(check.wrong, check.right));
@@ -83,4 +83,4 @@ template Option Command::add_option(const std::string&, std::vector<std::string>
 template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
 template Option Command::add_option(const std::string&, std::vector<std::int64_t>&, const std::string&);
 
-}  // namespace tactile
+}  // namespace tactile::cli

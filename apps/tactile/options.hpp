@@ -9,7 +9,7 @@ class Option;
 }  // namespace CLI
 
 // How commands declare their options. These handles hide CLI11, whose headers take seven seconds to compile.
-namespace tactile {
+namespace tactile::cli {
 
 /// A check of a value. `wrong` returns what is wrong with a text, or nothing. The help shows `right`: "1 to 1024".
 struct Check {
@@ -55,4 +55,4 @@ class Command {
   CLI::App* command_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::cli

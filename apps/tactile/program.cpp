@@ -34,7 +34,7 @@
 #include "tactile/core/version.hpp"
 #include "usage_error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 namespace {
 
@@ -165,4 +165,4 @@ int hand_over_to(const char* program, char** argv) {
   return 1;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -6,7 +6,7 @@ namespace CLI {
 class App;
 }
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Declares these commands, runs the requested one, and turns an exception into a sentence and an exit code.
 int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands);
@@ -15,4 +15,4 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
 /// 1, after printing the reason.
 int hand_over_to(const char* program, char** argv);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -5,7 +5,7 @@
 #include <array>
 #include <ctime>
 
-namespace tactile {
+namespace tactile::cli {
 
 std::string counted(std::uint64_t n, const std::string& thing) { return counted(n, thing, thing + "s"); }
 
@@ -50,4 +50,4 @@ std::string moment_text(CameraTime t) {
                      utc.tm_hour, utc.tm_min, utc.tm_sec, us % 1'000'000);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

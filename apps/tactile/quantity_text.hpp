@@ -6,7 +6,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 std::string counted(std::uint64_t n, const std::string& thing);  ///< "1 packet", "118 packets"
 std::string counted(std::uint64_t n, const std::string& one, const std::string& several);
@@ -17,4 +17,4 @@ std::string bytes_text(std::uint64_t bytes);       ///< "949253 bytes (927.0 KiB
 /// "2020-11-16 14:38:13.718345 UTC" if a camera time can be host time, from 2001 to 2099; else "33 us".
 std::string moment_text(CameraTime t);
 
-}  // namespace tactile
+}  // namespace tactile::cli

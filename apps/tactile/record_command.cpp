@@ -28,7 +28,7 @@
 #include "tactile/transport/network_address.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct RecordArguments {
@@ -51,62 +51,64 @@ struct RecordArguments {
 void list_sources(const CommonArguments& common) {
   nlohmann::json cameras = nlohmann::json::array(), videos = nlohmann::json::array();
   std::vector<std::pair<std::string, std::string>> lines;
-  const auto add = [&](nlohmann::json& json, const std::vector<FoundSource>& found, const std::string& option) {
-    for (const FoundSource& source : found) {
+  const auto add = [&](nlohmann::json& json, const std::vector<capture::FoundSource>& found, const std::string& option) {
+    for (const capture::FoundSource& source : found) {
       json.push_back({{"text", source.text}, {"description", source.description}});
       lines.emplace_back(source.text.empty() ? "-" : option + " " + source.text, source.description);
     }
   };
-  add(cameras, find_camera_sources(), "--from");
-  add(videos, find_video_devices(), "--video");
-  if (cameras.empty()) lines.emplace_back("-", "no camera, and no stream at " + SourcePlaces{}.stream);
+  add(cameras, capture::find_camera_sources(), "--from");
+  add(videos, capture::find_video_devices(), "--video");
+  if (cameras.empty()) lines.emplace_back("-", "no camera, and no stream at " + capture::SourcePlaces{}.stream);
   if (videos.empty()) lines.emplace_back("-", "no video device");
   print_result(common, {{"sources", cameras}, {"videos", videos}}, text_list(lines));
 }
 
-std::unique_ptr<RobotMonitor> open_robot(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) {
+std::unique_ptr<robot::RobotMonitor> open_robot(const RecordArguments& args, const capture::SessionPlan& plan, LiveLine& line) {
   if (args.robot.empty()) {
     if (plan.start_on || plan.stop_on) throw Error("record: --start-on and --stop-on need a robot; expected --robot HOST");
     return nullptr;
   }
-  const NetworkAddress address = robot_address(args.robot);
-  RobotMonitorOptions options;
+  const transport::NetworkAddress address = robot_address(args.robot);
+  robot::RobotMonitorOptions options;
   options.host = address.host;
   options.port = address.port;
   for (const auto& bit : {plan.start_on, plan.stop_on}) {
     if (bit) options.required_fields.push_back(bit->field);
   }
   options.log = [&line](const std::string& text) { line.warn(text); };
-  return std::make_unique<RobotMonitor>(std::move(options));
+  return std::make_unique<robot::RobotMonitor>(std::move(options));
 }
 
-std::unique_ptr<VideoCapture> open_video(const RecordArguments& args, LiveLine& line) {
+std::unique_ptr<video::VideoCapture> open_video(const RecordArguments& args, LiveLine& line) {
   if (args.video.empty()) return nullptr;
-  VideoCaptureOptions options;
+  video::VideoCaptureOptions options;
   options.source = args.video;
   options.speed = args.speed;
   options.log = [&line](const std::string& text) { line.warn(text); };
-  return std::make_unique<VideoCapture>(std::move(options));
+  return std::make_unique<video::VideoCapture>(std::move(options));
 }
 
 /// Nothing after Ctrl-C.
-std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const SessionPlan& plan, LiveLine& line) try {
+std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args, const capture::SessionPlan& plan,
+                                                    LiveLine& line) try {
   // The cameras are opened last, because recording begins with their first data.
-  std::unique_ptr<RobotMonitor> robot = open_robot(args, plan, line);
+  std::unique_ptr<robot::RobotMonitor> robot = open_robot(args, plan, line);
   if (interrupted()) return nullptr;
-  std::unique_ptr<VideoCapture> video = open_video(args, line);
-  std::vector<std::unique_ptr<CameraSource>> sources;
-  const CameraSourceOptions options{
+  std::unique_ptr<video::VideoCapture> video = open_video(args, line);
+  std::vector<std::unique_ptr<capture::CameraSource>> sources;
+  const capture::CameraSourceOptions options{
       .speed = args.speed, .seed = args.seed, .readout_mode = args.readout_mode, .stream = args.stream};
   for (const std::string& text : args.from) {
     if (interrupted()) return nullptr;
-    sources.push_back(open_camera_source(text, options));
+    sources.push_back(capture::open_camera_source(text, options));
     if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", text, remark));
   }
-  return std::make_unique<RunRecorder>(std::move(sources), std::move(robot), std::move(video),
-                                       RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
-                                                          .compression = compression_named(args.compression),
-                                                          .log = [&line](const std::string& text) { line.warn(text); }});
+  return std::make_unique<capture::RunRecorder>(
+      std::move(sources), std::move(robot), std::move(video),
+      capture::RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
+                                  .compression = events::compression_named(args.compression),
+                                  .log = [&line](const std::string& text) { line.warn(text); }});
 } catch (const Error&) {
   if (!interrupted()) throw;
   return nullptr;  // after Ctrl-C an error does not matter
@@ -115,10 +117,10 @@ std::unique_ptr<RunRecorder> open_recorder(const RecordArguments& args, const Se
 /// Calls `give_up` and ends with 0 if Ctrl-C comes while a source is opened. Opening may take seconds and cannot be cancelled, so
 /// its thread is left running. Nothing has been written by then.
 template <class GiveUp>
-std::unique_ptr<RunRecorder> open_unless_interrupted(const RecordArguments& args, const SessionPlan& plan, LiveLine& line,
-                                                     const GiveUp& give_up) {
+std::unique_ptr<capture::RunRecorder> open_unless_interrupted(const RecordArguments& args, const capture::SessionPlan& plan,
+                                                              LiveLine& line, const GiveUp& give_up) {
   using std::chrono::milliseconds;
-  std::future<std::unique_ptr<RunRecorder>> opened =
+  std::future<std::unique_ptr<capture::RunRecorder>> opened =
       std::async(std::launch::async, [&] { return open_recorder(args, plan, line); });
   while (opened.wait_for(milliseconds(50)) != std::future_status::ready) {
     // A source that is just being opened, such as a camera, is closed in order.
@@ -130,18 +132,18 @@ std::unique_ptr<RunRecorder> open_unless_interrupted(const RecordArguments& args
   return opened.get();
 }
 
-RobotBit bit_of(const std::string& option, const std::string& text) {
+capture::RobotBit bit_of(const std::string& option, const std::string& text) {
   try {
-    return robot_bit(text);
+    return capture::robot_bit(text);
   } catch (const Error& e) {
     throw Error(option + " " + e.what());
   }
 }
 
-SessionPlan plan_of(const RecordArguments& args) {
-  SessionPlan plan;
+capture::SessionPlan plan_of(const RecordArguments& args) {
+  capture::SessionPlan plan;
   if (!args.session.empty()) {
-    plan = read_session_plan(args.session);
+    plan = capture::read_session_plan(args.session);
   } else {
     plan.objects.push_back({.name = args.object, .runs = 1});
   }
@@ -151,7 +153,7 @@ SessionPlan plan_of(const RecordArguments& args) {
   return plan;
 }
 
-nlohmann::json settings_json(const RecordArguments& args, const SessionPlan& plan) {
+nlohmann::json settings_json(const RecordArguments& args, const capture::SessionPlan& plan) {
   nlohmann::json json = {{"from", args.from},
                          {"compression", args.compression},
                          {"speed", args.speed},
@@ -175,7 +177,7 @@ void print_runs(const CommonArguments& common, const std::string& data, bool is_
   const auto& [runs, error] = recorded;
   std::string text;
   nlohmann::json all = nlohmann::json::array();
-  for (const RunSummary& run : runs) {
+  for (const capture::RunSummary& run : runs) {
     text += (text.empty() ? "" : "\n") + text_of(run);
     all.push_back(json_of(run));
   }
@@ -190,7 +192,7 @@ void print_runs(const CommonArguments& common, const std::string& data, bool is_
 
 void record(RecordArguments args, const CommonArguments& common) {
   if (args.list) return list_sources(common);
-  if (!args.readout_mode.empty()) readout_mode(args.readout_mode);
+  if (!args.readout_mode.empty()) capture::readout_mode(args.readout_mode);
   RunsToRecord wanted{
       .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
   if (args.from.empty()) args.from.push_back(default_source("record"));
@@ -199,7 +201,7 @@ void record(RecordArguments args, const CommonArguments& common) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk, and the data so far is kept
   LiveLine line(!common.quiet);
   const auto print = [&](const RecordedRuns& recorded) { print_runs(common, args.out, wanted.is_session, recorded); };
-  const std::unique_ptr<RunRecorder> recorder = open_unless_interrupted(args, wanted.plan, line, [&] { print({}); });
+  const std::unique_ptr<capture::RunRecorder> recorder = open_unless_interrupted(args, wanted.plan, line, [&] { print({}); });
   const RecordedRuns recorded = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
   if (!recorded.runs.empty() || recorded.error.empty()) print(recorded);
   if (!recorded.error.empty()) throw Error(recorded.error);
@@ -260,4 +262,4 @@ void add_record_command(CLI::App& app) {
   command.add_flag("--list", args->list, "List cameras, streams and video devices, then exit");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

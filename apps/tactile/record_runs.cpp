@@ -25,7 +25,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using Steady = std::chrono::steady_clock;
@@ -81,10 +81,10 @@ class SessionId {
     base_ = fmt::format("{}{}{:04}{:02}{:02}-{:02}{:02}{:02}-{:06}", name, name.empty() ? "" : "-", utc.tm_year + 1900,
                         utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, now_us % 1'000'000);
   }
-  std::string of(const RobotMonitor* robot) {
+  std::string of(const robot::RobotMonitor* robot) {
     if (robot == nullptr) return base_;
     const bool is_known = clock_is_known(*robot);
-    const RobotMonitorState state = robot->state();
+    const robot::RobotMonitorState state = robot->state();
     if (!is_known || !state.connected) return name_of(++names_);
     if (state.clock_starts != clock_starts_) present_ = ++names_;
     clock_starts_ = state.clock_starts;
@@ -93,7 +93,7 @@ class SessionId {
 
  private:
   /// A robot sends its clock with its first package after connecting.
-  static bool clock_is_known(const RobotMonitor& robot) {
+  static bool clock_is_known(const robot::RobotMonitor& robot) {
     const Steady::time_point deadline = Steady::now() + std::chrono::seconds(1);
     while (!robot.newest("timestamp")) {
       if (!robot.state().connected || Steady::now() > deadline) return false;
@@ -108,7 +108,7 @@ class SessionId {
   int names_ = 0, present_ = 0;
 };
 
-std::optional<bool> newest(const RunRecorder& recorder, const RobotBit& bit) {
+std::optional<bool> newest(const capture::RunRecorder& recorder, const capture::RobotBit& bit) {
   const std::optional<double> value = recorder.robot()->newest(bit.field);
   return value ? std::optional<bool>(bit.is_high(*value)) : std::nullopt;
 }
@@ -116,8 +116,8 @@ std::optional<bool> newest(const RunRecorder& recorder, const RobotBit& bit) {
 std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(bytes)); }
 
 /// Elements of every type, video frames and packages of the robot that were sent, but are in no file.
-std::string drops_text(const RunDrops& drops) {
-  const LostElements total = drops.total();
+std::string drops_text(const capture::RunDrops& drops) {
+  const capture::LostElements total = drops.total();
   if (total.packets + total.events + total.others == 0) return "0";
   std::string text = counted(total.events, "event");
   if (total.others > 0) text += ", " + counted(total.others, "other element");
@@ -127,7 +127,7 @@ std::string drops_text(const RunDrops& drops) {
 
 class Walk {
  public:
-  Walk(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
+  Walk(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
       : recorder_(recorder), wanted_(wanted), plan_(wanted.plan), line_(line), session_(plan_.name) {}
 
   RecordedRuns all() {
@@ -145,24 +145,26 @@ class Walk {
  private:
   enum class Answer : std::uint8_t { begin, redo, skip, end };
 
-  int runs_there(std::size_t object_index) const { return complete_runs(wanted_.data, plan_, plan_.objects[object_index].name); }
+  int runs_there(std::size_t object_index) const {
+    return capture::complete_runs(wanted_.data, plan_, plan_.objects[object_index].name);
+  }
 
   void walk();
   Answer wait_to_begin();
   std::string question() const;
   bool record_one();
   void discard_last();
-  void draw(const RunFolder& run, const RunState& state);
+  void draw(const RunFolder& run, const capture::RunState& state);
 
-  RunRecorder& recorder_;
+  capture::RunRecorder& recorder_;
   const RunsToRecord& wanted_;
-  const SessionPlan& plan_;
+  const capture::SessionPlan& plan_;
   LiveLine& line_;
   SessionId session_;
   Answers answers_;
   std::size_t object_index_ = 0;
-  std::vector<RunSummary> done_;
-  RisingEdge start_;  ///< kept from run to run: it may rise while a run is being closed
+  std::vector<capture::RunSummary> done_;
+  capture::RisingEdge start_;  ///< kept from run to run: it may rise while a run is being closed
   Steady::time_point drawn_{};
   std::uint64_t drawn_events_ = 0;
 };
@@ -196,7 +198,7 @@ std::string Walk::question() const {
   if (object_index_ == plan_.objects.size())
     return done_.empty() ? "End of the list. Enter ends."
                          : fmt::format("End of the list. Enter ends, r and Enter redoes {}.", done_.back().run.name());
-  const SessionPlan::Object& object = plan_.objects[object_index_];
+  const capture::SessionPlan::Object& object = plan_.objects[object_index_];
   const std::string start = plan_.start_on ? plan_.start_on->text() + " starts" : "Enter starts";
   return fmt::format("{}, run {} of {}: {}; followed by Enter,{} s skips the object, q ends.", object.name,
                      runs_there(object_index_) + 1, object.runs, start, redo);
@@ -253,9 +255,9 @@ Walk::Answer Walk::wait_to_begin() {
 }
 
 void Walk::discard_last() {
-  const RunSummary last = done_.back();
+  const capture::RunSummary last = done_.back();
   done_.pop_back();
-  line_.inform(fmt::format("{} is now {}", last.run.name(), discard_run(last.run).filename().string()));
+  line_.inform(fmt::format("{} is now {}", last.run.name(), capture::discard_run(last.run).filename().string()));
   for (std::size_t i = 0; i < plan_.objects.size(); ++i) {
     if (plan_.objects[i].name == last.run.object) object_index_ = i;
   }
@@ -264,12 +266,12 @@ void Walk::discard_last() {
 /// False if nothing more shall be recorded.
 bool Walk::record_one() {
   const int counted_before = wanted_.is_session ? runs_there(object_index_) : 0;
-  RunRequest request{.run = make_run_folder(wanted_.data, plan_.objects[object_index_].name, wanted_.run),
-                     .session = session_.of(recorder_.robot()),
-                     .duration = {},
-                     .settings = wanted_.settings};
+  capture::RunRequest request{.run = capture::make_run_folder(wanted_.data, plan_.objects[object_index_].name, wanted_.run),
+                              .session = session_.of(recorder_.robot()),
+                              .duration = {},
+                              .settings = wanted_.settings};
   if (plan_.duration_s) request.duration = microseconds(static_cast<std::int64_t>(1e6 * *plan_.duration_s));
-  RisingEdge stop;
+  capture::RisingEdge stop;
   if (plan_.stop_on) stop.rises(newest(recorder_, *plan_.stop_on).value_or(false));
   if (recorder_.robot() != nullptr && !recorder_.robot()->state().connected)
     line_.warn(request.run.name() + " begins without the robot: what it does until it is back is not in the log");
@@ -283,7 +285,7 @@ bool Walk::record_one() {
   std::string why;
   while (why.empty()) {
     if (plan_.start_on) start_.rises(newest(recorder_, *plan_.start_on));
-    const RunState state = recorder_.state();
+    const capture::RunState state = recorder_.state();
     draw(request.run, state);
     if (!told_of_drops && state.drops.queue_full.packets > 0) {
       told_of_drops = true;
@@ -303,7 +305,7 @@ bool Walk::record_one() {
   }
   line_.clear();
   done_.push_back(recorder_.end(why));
-  const RunSummary& run = done_.back();
+  const capture::RunSummary& run = done_.back();
   for (std::size_t i = 1; i < run.errors.size(); ++i) line_.warn(run.errors[i]);
   if (run.robot && run.robot->rows == 0) line_.warn(run.run.name() + ": no data came from the robot: robot.csv has no row");
   if (wanted_.is_session || !line_.draws()) {
@@ -315,7 +317,7 @@ bool Walk::record_one() {
   return run.errors.empty() && !interrupted();
 }
 
-void Walk::draw(const RunFolder& run, const RunState& state) {
+void Walk::draw(const RunFolder& run, const capture::RunState& state) {
   const Steady::time_point now = Steady::now();
   if (!line_.draws() || now - drawn_ < std::chrono::seconds(1)) return;
   const double passed = std::chrono::duration<double>(now - drawn_).count();
@@ -336,11 +338,11 @@ void Walk::draw(const RunFolder& run, const RunState& state) {
 
 }  // namespace
 
-RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
+RecordedRuns record_runs(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
   return Walk(recorder, wanted, line).all();
 }
 
-std::string text_of(const RunSummary& run) {
+std::string text_of(const capture::RunSummary& run) {
   const double span_s = in_s(run.events_span);
   const std::string rate = span_s > 0 ? ", " + rate_text(static_cast<double>(run.events) / span_s) : "";
   std::vector<std::pair<std::string, std::string>> lines{
@@ -370,7 +372,7 @@ std::string text_of(const RunSummary& run) {
   return text;
 }
 
-nlohmann::json json_of(const RunSummary& run) {
+nlohmann::json json_of(const capture::RunSummary& run) {
   const double events_s = in_s(run.events_span);
   nlohmann::json json = {
       {"folder", run.run.folder.string()},
@@ -404,4 +406,4 @@ nlohmann::json json_of(const RunSummary& run) {
   return json;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

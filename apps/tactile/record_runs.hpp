@@ -9,27 +9,27 @@
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/capture/session_plan.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The runs to record.
 struct RunsToRecord {
   std::filesystem::path data;
-  SessionPlan plan;
+  capture::SessionPlan plan;
   bool is_session = false;  ///< follows the plan and asks before each run; else one run of the plan's only object
   std::string run;          ///< of a single run; empty: the next free number
   nlohmann::json settings;
 };
 
 struct RecordedRuns {
-  std::vector<RunSummary> runs;
+  std::vector<capture::RunSummary> runs;
   std::string error;  ///< the error that ended the last run, or came after it; empty if there was none
 };
 
 /// Records until the plan is complete, the user or the sources end it, or an error occurs. Answers are lines of standard input.
 /// Questions and the live line go to stderr.
-RecordedRuns record_runs(RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
+RecordedRuns record_runs(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
 
-std::string text_of(const RunSummary& run);
-nlohmann::json json_of(const RunSummary& run);
+std::string text_of(const capture::RunSummary& run);
+nlohmann::json json_of(const capture::RunSummary& run);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -1,8 +1,8 @@
 #include "recording_json.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
-nlohmann::json json_of(const RecordingProblems& problems) {
+nlohmann::json json_of(const events::RecordingProblems& problems) {
   return {{"truncated_bytes", problems.truncated_bytes},       {"skipped_bytes", problems.skipped_bytes},
           {"resized_packets", problems.resized_packets},       {"header_not_patched", problems.header_not_patched},
           {"broken_packets", problems.broken_packets},         {"mismatched_packets", problems.mismatched_packets},
@@ -11,4 +11,4 @@ nlohmann::json json_of(const RecordingProblems& problems) {
           {"missing_packets", problems.missing_packets},       {"missing_elements", problems.missing_elements}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

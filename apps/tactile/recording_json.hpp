@@ -4,9 +4,9 @@
 
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The problems of a recording by name, with counts.
-nlohmann::json json_of(const RecordingProblems& problems);
+nlohmann::json json_of(const events::RecordingProblems& problems);
 
-}  // namespace tactile
+}  // namespace tactile::cli

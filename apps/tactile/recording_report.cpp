@@ -11,7 +11,7 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// What run.json counts as dropped; empty if nothing.
@@ -42,10 +42,10 @@ bool has_hash(const RunInfo& run, const RunFolder& folder) {
 /// Compares run.json and the run's files with the recording.
 void add_run(RecordingReport& report, const ReportOptions& options, const ProgressCallback& progress) {
   const RunFolder& folder = *report.place.run;
-  RecordingHealth& health = report.health;
-  const SensorSize size{report.run->width, report.run->height};
+  events::RecordingHealth& health = report.health;
+  const events::SensorSize size{report.run->width, report.run->height};
   if (!report.run->complete) health.reasons.emplace_back("run.json: the run was not completed");
-  for (const StreamHealth& stream : health.streams) {
+  for (const events::StreamHealth& stream : health.streams) {
     if (stream.events && stream.stream.size && *stream.stream.size != size) {
       health.reasons.push_back(fmt::format("run.json: the sensor has {}x{} pixels, but stream {} declares {}x{}", size.width,
                                            size.height, stream.stream.id, stream.stream.size->width, stream.stream.size->height));
@@ -71,16 +71,16 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
   try {
     if (place.run) {
       report.run = read_run_info(*place.run);
-      report.run->simulated = is_simulated(*place.run);
+      report.run->simulated = events::is_simulated(*place.run);
     }
   } catch (const std::exception& e) {
     no_run = sentence_of(e);
   }
-  const HealthOptions health_options{.stream = options.stream,
-                                     .gap = std::chrono::milliseconds(options.gap_ms),
-                                     .checksums = options.check && !(report.run && has_hash(*report.run, *place.run)),
-                                     .threads = threads};
-  report.health = examine_recording(place.file, health_options, progress);
+  const events::HealthOptions health_options{.stream = options.stream,
+                                             .gap = std::chrono::milliseconds(options.gap_ms),
+                                             .checksums = options.check && !(report.run && has_hash(*report.run, *place.run)),
+                                             .threads = threads};
+  report.health = events::examine_recording(place.file, health_options, progress);
   if (!place.run) return report;
   report.robot = log_rows(place.run->robot(), "timestamp", 1, 0.1);
   report.video = log_rows(place.run->video_times(), "pts_us", 1e-6, 1);
@@ -89,16 +89,16 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
   return report;
 }
 
-std::string table_state(const RecordingHealth& health) {
-  if (health.index == PacketIndex::table) return "used";
+std::string table_state(const events::RecordingHealth& health) {
+  if (health.index == events::PacketIndex::table) return "used";
   return health.problems.table.empty() ? "missing" : "unusable";
 }
 
 /// The event stream that names the camera: the first.
-const StreamHealth* main_stream(const RecordingHealth& health) {
-  const auto found =
-      std::find_if(health.streams.begin(), health.streams.end(), [](const StreamHealth& s) { return s.events.has_value(); });
+const events::StreamHealth* main_stream(const events::RecordingHealth& health) {
+  const auto found = std::find_if(health.streams.begin(), health.streams.end(),
+                                  [](const events::StreamHealth& s) { return s.events.has_value(); });
   return found == health.streams.end() ? nullptr : &*found;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -12,7 +12,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_health.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 struct ReportOptions {
   std::string stream;         ///< only this event stream, by id or source; empty: all
@@ -30,7 +30,7 @@ struct RecordingPlace {
 /// What `info` shows of a recording.
 struct RecordingReport {
   RecordingPlace place;
-  RecordingHealth health;
+  events::RecordingHealth health;
   std::optional<RunInfo> run;
   RunFiles files;
   std::optional<LogRows> robot, video;
@@ -44,8 +44,8 @@ nlohmann::json json_of(const RecordingReport& report, const ReportOptions& optio
 std::string text_of(const RecordingReport& report, const ReportOptions& options);
 
 /// State of the data table: "used", "missing" or "unusable".
-std::string table_state(const RecordingHealth& health);
+std::string table_state(const events::RecordingHealth& health);
 /// The first event stream, which names the camera; null if there is none.
-const StreamHealth* main_stream(const RecordingHealth& health);
+const events::StreamHealth* main_stream(const events::RecordingHealth& health);
 
-}  // namespace tactile
+}  // namespace tactile::cli

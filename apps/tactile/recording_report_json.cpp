@@ -4,16 +4,16 @@
 #include "recording_report.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 nlohmann::json json_or_null(const auto& optional) { return optional ? nlohmann::json(*optional) : nlohmann::json(); }
 
-nlohmann::json json_of(const StreamHealth& stream, const ReportOptions& options) {
-  const StampHealth& stamps = stream.stamps;
+nlohmann::json json_of(const events::StreamHealth& stream, const ReportOptions& options) {
+  const events::StampHealth& stamps = stream.stamps;
   const bool any = stamps.elements > 0;
   nlohmann::json gaps = nlohmann::json::array();
-  for (const Gap& gap : stamps.longest_gaps) {
+  for (const events::Gap& gap : stamps.longest_gaps) {
     gaps.push_back({{"begin_us", us_of(gap.begin)},
                     {"end_us", us_of(gap.end)},
                     {"length_us", gap.length().count()},
@@ -43,9 +43,9 @@ nlohmann::json json_of(const StreamHealth& stream, const ReportOptions& options)
        {{"limit_us", 1000 * options.gap_ms}, {"count", stamps.gaps}, {"silent_us", stamps.silent.count()}, {"longest", gaps}}},
   };
   if (!stream.events) return json;
-  const EventHealth& events = *stream.events;
+  const events::EventHealth& events = *stream.events;
   nlohmann::json hottest = nlohmann::json::array();
-  for (const HotPixel& pixel : events.hottest)
+  for (const events::HotPixel& pixel : events.hottest)
     hottest.push_back({{"x", pixel.x}, {"y", pixel.y}, {"events", pixel.events}, {"rate_hz", pixel.rate_hz}});
   json["on"] = events.on;
   json["on_share"] =
@@ -60,7 +60,7 @@ nlohmann::json json_of(const StreamHealth& stream, const ReportOptions& options)
   return json;
 }
 
-nlohmann::json json_of(const ChecksumHealth& checksums) {
+nlohmann::json json_of(const events::ChecksumHealth& checksums) {
   nlohmann::json damaged = nlohmann::json::array();
   for (const auto& [index, record] : checksums.first_damaged) {
     const bool has_time = record.elements > 0;
@@ -80,12 +80,12 @@ nlohmann::json json_of(const ChecksumHealth& checksums) {
 }  // namespace
 
 nlohmann::json json_of(const RecordingReport& report, const ReportOptions& options) {
-  const RecordingHealth& health = report.health;
+  const events::RecordingHealth& health = report.health;
   nlohmann::json streams = nlohmann::json::array();
-  for (const StreamHealth& stream : health.streams) streams.push_back(json_of(stream, options));
-  const StreamHealth* camera = main_stream(health);
+  for (const events::StreamHealth& stream : health.streams) streams.push_back(json_of(stream, options));
+  const events::StreamHealth* camera = main_stream(health);
   const bool has_size = camera != nullptr && camera->stream.size.has_value();
-  const RecordingProblems& problems = health.problems;
+  const events::RecordingProblems& problems = health.problems;
   nlohmann::json json = {
       {"file", health.file.string()},
       {"file_bytes", health.file_size},
@@ -120,4 +120,4 @@ nlohmann::json json_of(const RecordingReport& report, const ReportOptions& optio
   return json;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -10,7 +10,7 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// Lines of a label and a text; the labels form a column.
@@ -37,21 +37,21 @@ std::string files_text(const RunFiles& files, const ReportOptions& options) {
   return text + (options.check ? "size and SHA-256" : "size only (--check: by SHA-256)");
 }
 
-std::string title_of(const Stream& stream) {
+std::string title_of(const events::Stream& stream) {
   const std::string type(name_of(stream.type));
-  const std::string known = stream.type == StreamType::other ? type + " (" + stream.type_identifier + ")" : type;
+  const std::string known = stream.type == events::StreamType::other ? type + " (" + stream.type_identifier + ")" : type;
   return fmt::format("{}  {}{}", stream.id, known, stream.name.empty() || stream.name == type ? "" : " \"" + stream.name + "\"");
 }
 
-std::string stream_table(const RecordingHealth& health) {
-  const bool several_cameras = std::any_of(health.streams.begin(), health.streams.end(), [&](const StreamHealth& s) {
+std::string stream_table(const events::RecordingHealth& health) {
+  const bool several_cameras = std::any_of(health.streams.begin(), health.streams.end(), [&](const events::StreamHealth& s) {
     return s.stream.source != health.streams.front().stream.source;
   });
   std::vector<std::string> header{"Stream", "packets", "elements", "bytes", "mean rate", "from", "to"};
   if (several_cameras) header.emplace_back("camera");
   std::vector<std::vector<std::string>> rows;
-  for (const StreamHealth& stream : health.streams) {
-    const StampHealth& stamps = stream.stamps;
+  for (const events::StreamHealth& stream : health.streams) {
+    const events::StampHealth& stamps = stream.stamps;
     std::vector<std::string> row{title_of(stream.stream), std::to_string(stream.packets), std::to_string(stamps.elements),
                                  std::to_string(stream.bytes)};
     row.push_back(stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "-");
@@ -73,17 +73,17 @@ std::string stream_table(const RecordingHealth& health) {
   return indented;
 }
 
-std::string gaps_text(const StampHealth& stamps, const ReportOptions& options) {
+std::string gaps_text(const events::StampHealth& stamps, const ReportOptions& options) {
   if (stamps.gaps == 0) return fmt::format("none longer than {} ms", options.gap_ms);
   const auto longest = std::max_element(stamps.longest_gaps.begin(), stamps.longest_gaps.end(),
-                                        [](const Gap& a, const Gap& b) { return a.length() < b.length(); });
+                                        [](const events::Gap& a, const events::Gap& b) { return a.length() < b.length(); });
   return fmt::format("{} longer than {} ms, {} in total; the longest {} from {:.6f} s on{}", stamps.gaps, options.gap_ms,
                      duration_text(stamps.silent), duration_text(longest->length()),
                      std::chrono::duration<double>(between(stamps.first, longest->begin)).count(),
                      longest->imu_silent ? ", also without IMU samples" : "");
 }
 
-std::string hot_pixels_text(const EventHealth& events, std::uint64_t all) {
+std::string hot_pixels_text(const events::EventHealth& events, std::uint64_t all) {
   if (!events.pixels_counted) return "not searched";
   if (events.hot_pixels == 0) return fmt::format("none among the {} that fired", events.pixels_fired);
   std::string text = fmt::format("{} among the {} that fired, with {:.1f} % of the events:", events.hot_pixels,
@@ -96,9 +96,9 @@ std::string hot_pixels_text(const EventHealth& events, std::uint64_t all) {
   return text + (events.hot_pixels > shown ? " ..." : "");
 }
 
-std::string event_lines(const StreamHealth& stream, const ReportOptions& options) {
-  const EventHealth& events = *stream.events;
-  const StampHealth& stamps = stream.stamps;
+std::string event_lines(const events::StreamHealth& stream, const ReportOptions& options) {
+  const events::EventHealth& events = *stream.events;
+  const events::StampHealth& stamps = stream.stamps;
   Lines lines("    ");
   lines.add("polarity",
             fmt::format("{:.1f} % ON ({}), {:.1f} % OFF ({})",
@@ -127,15 +127,15 @@ std::string text_of(const LogRows& log, const std::string& thing) {
 }  // namespace
 
 std::string text_of(const RecordingReport& report, const ReportOptions& options) {
-  const RecordingHealth& health = report.health;
+  const events::RecordingHealth& health = report.health;
   Lines head("  ");
   if (report.run) head.add("run", text_of(*report.run));
   if (report.run && report.files.is_listed) head.add("files", files_text(report.files, options));
-  if (const StreamHealth* camera = main_stream(health)) {
+  if (const events::StreamHealth* camera = main_stream(health)) {
     const auto& size = camera->stream.size;
     head.add("camera", fmt::format("{}, {}{}", camera->stream.source.empty() ? "not named" : camera->stream.source,
                                    size ? fmt::format("{} x {} pixels", size->width, size->height) : "no size declared",
-                                   !report.run && is_simulated({&camera->stream, 1}) ? ", simulated" : ""));
+                                   !report.run && events::is_simulated({&camera->stream, 1}) ? ", simulated" : ""));
   }
   if (health.first()) {
     head.add("begin", moment_text(*health.first()));
@@ -146,7 +146,7 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   head.add("file", fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
                                counted(health.packets(), "packet"), table_state(health)));
   std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health);
-  for (const StreamHealth& stream : health.streams) {
+  for (const events::StreamHealth& stream : health.streams) {
     if (!stream.events || stream.stamps.elements == 0) continue;
     text += fmt::format("\n  Events of stream {}\n{}", stream.stream.id, event_lines(stream, options));
   }
@@ -159,4 +159,4 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   return text + "\n" + judged;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -7,7 +7,7 @@
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 void add_rendering_options(Command command, RenderingArguments& args) {
   command
@@ -28,13 +28,13 @@ void add_rendering_options(Command command, RenderingArguments& args) {
       .show_default();
 }
 
-HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args) {
+heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args) {
   const nlohmann::json settings = {{"history_us", whole_us(history_ms, "--th").count()},
                                    {"tick_us", args.tick_us},
                                    {"denoise", args.denoise},
                                    {"resize", args.resize},
                                    {"factor", args.factor}};
-  const auto options = settings.get<HeatmapOptions>();
+  const auto options = settings.get<heatmaps::HeatmapOptions>();
   try {
     check(options);
   } catch (const Error& e) {
@@ -52,4 +52,4 @@ microseconds whole_us(double ms, const std::string& option) {
   return microseconds{std::llround(us)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

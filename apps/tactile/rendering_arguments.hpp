@@ -7,7 +7,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// How heatmaps are rendered, except for their history: options of every command that renders.
 struct RenderingArguments {
@@ -19,9 +19,9 @@ struct RenderingArguments {
 void add_rendering_options(Command command, RenderingArguments& args);
 
 /// @throws Error  if the history is not a whole number of ticks, or an option is out of range
-HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);
+heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);
 
 /// Milliseconds of an option as microseconds. @throws Error  that names the option, if they are not a whole number
 microseconds whole_us(double ms, const std::string& option);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -15,7 +15,7 @@
 #include "tactile/events/repair_run.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct RepairArguments {
@@ -24,8 +24,8 @@ struct RepairArguments {
 };
 
 /// What is damaged and not in the output, one line each; empty if the input is sound.
-std::vector<std::string> losses(const RepairSummary& summary) {
-  const RecordingProblems& problems = summary.problems;
+std::vector<std::string> losses(const events::RepairSummary& summary) {
+  const events::RecordingProblems& problems = summary.problems;
   std::vector<std::string> lines;
   if (problems.truncated_bytes > 0)
     lines.push_back(counted(problems.truncated_bytes, "byte") + " after the last whole packet: the recording was cut off");
@@ -49,21 +49,21 @@ std::vector<std::string> losses(const RepairSummary& summary) {
   return lines;
 }
 
-std::string table_text(const RepairSummary& summary) {
-  if (summary.index == PacketIndex::table) return "sound, written again";
+std::string table_text(const events::RepairSummary& summary) {
+  if (summary.index == events::PacketIndex::table) return "sound, written again";
   return "rebuilt: " +
          (summary.problems.table.empty() ? std::string("there was none, the recording was not closed") : summary.problems.table);
 }
 
-std::uint64_t steps_back_in(const RepairSummary& summary) {
+std::uint64_t steps_back_in(const events::RepairSummary& summary) {
   std::uint64_t steps = 0;
-  for (const RepairedStream& stream : summary.streams) steps += stream.steps_back;
+  for (const events::RepairedStream& stream : summary.streams) steps += stream.steps_back;
   return steps;
 }
 
-nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary) {
+nlohmann::json json_of(const RepairArguments& args, const events::RepairSummary& summary) {
   nlohmann::json streams = nlohmann::json::array();
-  for (const RepairedStream& stream : summary.streams) {
+  for (const events::RepairedStream& stream : summary.streams) {
     streams.push_back({{"id", stream.stream.id},
                        {"type", name_of(stream.stream.type)},
                        {"name", stream.stream.name},
@@ -74,7 +74,7 @@ nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary
                        {"elements_kept", stream.elements_kept},
                        {"steps_back", stream.steps_back}});
   }
-  const RecordingProblems& problems = summary.problems;
+  const events::RecordingProblems& problems = summary.problems;
   return {{"in", args.in},
           {"out", args.out},
           {"bytes_in", summary.bytes_in},
@@ -86,15 +86,15 @@ nlohmann::json json_of(const RepairArguments& args, const RepairSummary& summary
           {"packets_lost", summary.packets_lost()},
           {"packets_damaged", summary.packets_damaged},
           {"header_damaged", summary.header_damaged},
-          {"table_rebuilt", summary.index == PacketIndex::scan},
+          {"table_rebuilt", summary.index == events::PacketIndex::scan},
           {"table_why", problems.table},
           {"steps_back", steps_back_in(summary)},
-          {"problems", json_of(problems)},
+          {"problems", cli::json_of(problems)},
           {"losses", losses(summary)},
           {"streams", streams}};
 }
 
-std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
+std::string text_of(const RepairArguments& args, const events::RepairSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<8}{}\n", label, text); };
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, {}", args.in, bytes_text(summary.bytes_in)));
@@ -114,7 +114,7 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
   }
   text += "\n";
   std::vector<std::vector<std::string>> rows;
-  for (const RepairedStream& stream : summary.streams) {
+  for (const events::RepairedStream& stream : summary.streams) {
     rows.push_back({fmt::format("{}  {}", stream.stream.id, name_of(stream.stream.type)), std::to_string(stream.packets_kept),
                     std::to_string(stream.packets_lost), std::to_string(stream.elements_kept),
                     std::to_string(stream.bytes_lost)});
@@ -125,8 +125,9 @@ std::string text_of(const RepairArguments& args, const RepairSummary& summary) {
 void repair(const RepairArguments& args, const CommonArguments& common) {
   const bool of_run = std::filesystem::is_directory(args.in);
   if (of_run && args.force) throw Error(args.out + ": --force replaces a recording; expected no --force for a run folder");
-  const RepairSummary summary = of_run ? repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
-                                       : repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
+  const events::RepairSummary summary =
+      of_run ? events::repair_run(run_folder_at(args.in), args.out, common.threads, progress_line(common))
+             : events::repair_recording(args.in, args.out, args.force, common.threads, progress_line(common));
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
@@ -143,4 +144,4 @@ void add_repair_command(CLI::App& app) {
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -18,7 +18,7 @@
 #include "tactile/results/json_view.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
     if (!is_file(file)) continue;
     try {
       const nlohmann::json document = read_json(file);
-      const JsonView model(document, file.string());
+      const results::JsonView model(document, file.string());
       if (model["dataset"]["manifest_hash"].text() != manifest_hash) continue;
       found.push_back({.folder = entry->path(),
                        .single_run = model["split"]["kind"].text() == "single-run",
@@ -76,14 +76,14 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
 /// The folder of the dataset that a model was trained on, as given at its training; empty where it does not exist from here.
 fs::path data_of(const fs::path& model) {
   const nlohmann::json document = read_json(model / "model.json");
-  const fs::path file = JsonView(document, (model / "model.json").string())["dataset"]["file"].text();
+  const fs::path file = results::JsonView(document, (model / "model.json").string())["dataset"]["file"].text();
   return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
 }
 
 /// A report of a trade of speed for accuracy alone.
-ReportInput report_of_trade(const fs::path& folder) {
-  ReportInput input;
-  input.trade = read_trade(folder);
+report::ReportInput report_of_trade(const fs::path& folder) {
+  report::ReportInput input;
+  input.trade = report::read_trade(folder);
   input.title = input.trade->title;
   input.simulated = input.trade->simulated;
   return input;
@@ -96,13 +96,14 @@ fs::path trade_of(const ReportArguments& args) {
 }
 
 /// The input of the report, and its folder.
-std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
+std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
   const fs::path what = !args.what.empty()            ? fs::path(args.what)
                         : is_file("study/study.json") ? fs::path("study")
                                                       : fs::path("data");
-  if (what.filename() == "study.json" && is_file(what)) return {read_study(what.parent_path()), what.parent_path() / "report"};
-  if (is_file(what / "study.json")) return {read_study(what), what / "report"};
-  if (is_file(what / "model.json")) return {read_models({what}, data_of(what)), what / "report"};
+  if (what.filename() == "study.json" && is_file(what))
+    return {report::read_study(what.parent_path()), what.parent_path() / "report"};
+  if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
+  if (is_file(what / "model.json")) return {report::read_models({what}, data_of(what)), what / "report"};
   if (is_file(what / "trade.json")) return {report_of_trade(what), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
@@ -111,25 +112,26 @@ std::pair<ReportInput, fs::path> input_of(const ReportArguments& args) {
                     "'train', 'trade' or 'windows' wrote",
                     what.string()));
   }
-  const std::vector<fs::path> folders = models_of(Dataset(dataset).manifest_hash(), args.models);
+  const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args.models);
   if (folders.empty()) {
     throw Error(fmt::format("{}: no model of {}; expected one, run 'tactile train' and 'tactile eval' first", args.models,
                             dataset.string()));
   }
-  return {read_models(folders, is_file(what) ? what.parent_path() : what), "report"};
+  return {report::read_models(folders, is_file(what) ? what.parent_path() : what), "report"};
 }
 
 void report(const ReportArguments& args, const CommonArguments& common) {
   auto [input, place] = input_of(args);
-  if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = read_trade(trade);
+  if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = report::read_trade(trade);
   RunsBelow below;
   std::error_code unknown;
   if (!input.data.empty() && fs::is_directory(input.data, unknown)) below = look_for_runs(input.data);
   for (const std::string& misnamed : below.misnamed) spdlog::warn("{}", misnamed);
-  const ReportSummary summary = write_report(input, args.out.empty() ? place : fs::path(args.out), [](std::string_view figure) {
-    stop_if_interrupted();
-    spdlog::info("drawing {}", figure);
-  });
+  const report::ReportSummary summary =
+      report::write_report(input, args.out.empty() ? place : fs::path(args.out), [](std::string_view figure) {
+        stop_if_interrupted();
+        spdlog::info("drawing {}", figure);
+      });
   std::string text = summary.title + "\n\n";
   if (summary.claims > 0) {
     text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} have no verdict.\n\n", summary.claims,
@@ -168,4 +170,4 @@ void add_report_command(CLI::App& app) {
   command.add_option("--models", args->models, "Folder of models, for DATA").type_name("DIR").show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -28,7 +28,7 @@
 #include "tactile/report/report.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -69,8 +69,8 @@ std::string check_splits(const std::string& text) {
   }
 }
 
-StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
-  StudyOptions options;
+study::StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
+  study::StudyOptions options;
   options.data = args.data;
   options.models = args.models;
   options.out = args.out;
@@ -90,7 +90,7 @@ StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& c
   options.seed = args.seed;
   options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
-  options.engine = engine_named(args.engine);
+  options.engine = model::engine_named(args.engine);
   options.threads = common.threads;
   return options;
 }
@@ -115,7 +115,7 @@ std::string next_commands(const ReproduceArguments& args, const nlohmann::json& 
                      data, folder, models, folder);
 }
 
-std::string text_of(const StudySummary& summary) {
+std::string text_of(const study::StudySummary& summary) {
   const nlohmann::json& study = summary.study;
   std::string text = study.at("title").get<std::string>() + "\n\n";
 
@@ -176,18 +176,18 @@ std::string text_of(const StudySummary& summary) {
 }
 
 /// Draws the study's report, unless it exists and was drawn from this study.
-fs::path draw_report(const fs::path& study, const fs::path& program, const NewProgress& new_progress) {
+fs::path draw_report(const fs::path& study, const fs::path& program, const experiments::NewProgress& new_progress) {
   const fs::path out = study / "report", page = out / "report.html";
   const auto page_made = [&]() -> nlohmann::json {
     return fs::is_regular_file(page) ? nlohmann::json(sha256_of_file(page)) : nlohmann::json();
   };
-  StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .on_step = log_step});
+  experiments::StepRunner runner({.folder = study, .program = program, .new_progress = new_progress, .on_step = log_step});
   runner.run({.name = "report",
               .command = "tactile report " + shell_word(study.string()),
               .inputs = {{"study_sha256", sha256_of_file(study / "study.json")}},
               .outputs = page_made,
               .work = [&](const ProgressCallback& progress) {
-                write_report(study, out, [&](std::string_view figure) {
+                report::write_report(study, out, [&](std::string_view figure) {
                   stop_if_interrupted();
                   tell(progress, 0, 0, fmt::format("report: drawing {}", figure));
                 });
@@ -197,10 +197,10 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const NewPr
 
 void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  const StudyOptions options = options_of(args, common);
+  const study::StudyOptions options = options_of(args, common);
   const auto new_progress = [&] { return progress_line(common); };
-  const StudySummary summary =
-      run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  const study::StudySummary summary =
+      study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
@@ -278,4 +278,4 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--out", args->out, "Output folder of the study").show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -11,7 +11,7 @@
 #include "source_arguments.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 void add_robot_options(Command& command, RobotArguments& args) {
   command.add_option("--robot", args.host, "UR controller to report to").type_name("HOST[:PORT]");
@@ -27,9 +27,9 @@ void add_robot_options(Command& command, RobotArguments& args) {
 }
 
 /// CLI11 cannot check this, because each option may come from the command line or from --config's file.
-std::optional<RobotReporterOptions> robot_options(const RobotArguments& args) {
-  RobotReporterOptions robot;
-  const auto add = [&robot](const std::optional<int>& bit, const RobotBitRule& rule) {
+std::optional<detect::RobotReporterOptions> robot_options(const RobotArguments& args) {
+  detect::RobotReporterOptions robot;
+  const auto add = [&robot](const std::optional<int>& bit, const detect::RobotBitRule& rule) {
     if (!bit) return;
     robot.registers.push_back(*bit);
     robot.rules.push_back(rule);
@@ -63,4 +63,4 @@ std::optional<RobotReporterOptions> robot_options(const RobotArguments& args) {
   return robot;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

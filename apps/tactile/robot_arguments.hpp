@@ -6,7 +6,7 @@
 #include "options.hpp"
 #include "tactile/detect/robot_reporter.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// The options of a robot that `detect` reports to.
 struct RobotArguments {
@@ -21,6 +21,6 @@ void add_robot_options(Command& command, RobotArguments& args);
 
 /// Nothing without --robot.
 /// @throws Error  that names the option, if a bit has no robot, a robot no bit, or two options contradict each other
-std::optional<RobotReporterOptions> robot_options(const RobotArguments& args);
+std::optional<detect::RobotReporterOptions> robot_options(const RobotArguments& args);
 
-}  // namespace tactile
+}  // namespace tactile::cli

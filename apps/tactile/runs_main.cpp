@@ -3,6 +3,6 @@
 
 /// `tactile-runs`: every command that needs no libtorch.
 int main(int argc, char** argv) {
-  using namespace tactile;
+  using namespace tactile::cli;
   return run_program(argc, argv, commands_of<Program::runs>());
 }

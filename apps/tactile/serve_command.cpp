@@ -25,7 +25,7 @@
 #include "tactile/transport/dv/dv_stream_server.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
@@ -52,62 +52,64 @@ struct ServeArguments {
 
 bool is_simulator(const std::string& text) { return text == "sim" || text.starts_with("sim:"); }
 
-std::unique_ptr<CameraSource> open_source(const ServeArguments& args) {
-  CameraSourceOptions options;
+std::unique_ptr<capture::CameraSource> open_source(const ServeArguments& args) {
+  capture::CameraSourceOptions options;
   options.speed = args.speed;
   options.seed = args.seed;
   options.packet_span = microseconds{args.packet_us};
   if (is_simulator(args.source)) {
     if (!args.stream.empty()) throw Error("--stream: the simulator has one stream; expected --stream only for a recording");
-    return open_camera_source(args.source, options);
+    return capture::open_camera_source(args.source, options);
   }
   if (!std::filesystem::exists(args.source)) {
     throw Error(args.source + ": no such file or run; expected a recording, a run's folder, or sim[:OBJECT]");
   }
   options.stream = args.stream;
-  const auto open = [text = "file:" + args.source, options] { return open_camera_source(text, options); };
-  if (args.loop) return looped_source(open, microseconds{args.packet_us});
+  const auto open = [text = "file:" + args.source, options] { return capture::open_camera_source(text, options); };
+  if (args.loop) return capture::looped_source(open, microseconds{args.packet_us});
   return open();
 }
 
 /// The camera's stream of this type, as the server declares it. @throws Error  if there is none
-Stream stream_to_serve(const ServeArguments& args, const CameraSource& source, StreamType type, const std::string& option) {
+events::Stream stream_to_serve(const ServeArguments& args, const capture::CameraSource& source, events::StreamType type,
+                               const std::string& option) {
   const auto streams = source.streams();
-  const auto found = std::find_if(streams.begin(), streams.end(), [&](const Stream& s) { return s.type == type; });
+  const auto found = std::find_if(streams.begin(), streams.end(), [&](const events::Stream& s) { return s.type == type; });
   if (found == streams.end()) {
     throw Error(fmt::format("{}: its camera has no stream of {} for {}; expected a recording with one", args.source,
                             name_of(type), option));
   }
-  Stream stream = *found;
-  if (source.simulated()) set_info(stream, simulated_attribute, "true");
+  events::Stream stream = *found;
+  if (source.simulated()) capture::set_info(stream, events::simulated_attribute, "true");
   const nlohmann::json camera = source.camera();
   if (const auto mode = camera.find("readout_mode"); mode != camera.end() && mode->is_string()) {
-    set_info(stream, readout_mode_attribute, mode->get<std::string>());
+    capture::set_info(stream, capture::readout_mode_attribute, mode->get<std::string>());
   }
   return stream;
 }
 
 struct Served {
-  Stream stream;
-  std::unique_ptr<DvStreamServer> server;
+  events::Stream stream;
+  std::unique_ptr<transport::DvStreamServer> server;
 };
 
-std::vector<Served> start_servers(const ServeArguments& args, const CameraSource& source, LiveLine& line) {
-  DvStreamServerOptions options;
-  options.compression = compression_named(args.compression);
+std::vector<Served> start_servers(const ServeArguments& args, const capture::CameraSource& source, LiveLine& line) {
+  transport::DvStreamServerOptions options;
+  options.compression = events::compression_named(args.compression);
   const auto tcp = [&](std::uint16_t port) {
-    return NetworkAddress{.kind = NetworkAddress::Kind::tcp, .host = args.host, .port = port, .path = {}};
+    return transport::NetworkAddress{.kind = transport::NetworkAddress::Kind::tcp, .host = args.host, .port = port, .path = {}};
   };
   std::vector<Served> served;
-  const auto add = [&](StreamType type, const std::string& option, const NetworkAddress& address) {
+  const auto add = [&](events::StreamType type, const std::string& option, const transport::NetworkAddress& address) {
     Served& one = served.emplace_back();
     one.stream = stream_to_serve(args, source, type, option);
     options.log = [&line, name = std::string(name_of(type))](const std::string& text) { line.inform(name + ": " + text); };
-    one.server = std::make_unique<DvStreamServer>(address, one.stream, options);
+    one.server = std::make_unique<transport::DvStreamServer>(address, one.stream, options);
   };
-  add(StreamType::events, "--port", args.unix_path.empty() ? tcp(args.port) : network_address("unix:" + args.unix_path));
-  if (args.imu_port) add(StreamType::imu, "--imu-port", tcp(*args.imu_port));
-  if (args.triggers_port) add(StreamType::triggers, "--triggers-port", tcp(*args.triggers_port));
+  add(events::StreamType::events, "--port",
+      args.unix_path.empty() ? tcp(args.port) : transport::network_address("unix:" + args.unix_path));
+  if (args.imu_port) add(events::StreamType::imu, "--imu-port", tcp(*args.imu_port));
+  if (args.triggers_port) add(events::StreamType::triggers, "--triggers-port", tcp(*args.triggers_port));
   return served;
 }
 
@@ -130,7 +132,7 @@ class ServeLine {
  public:
   explicit ServeLine(LiveLine& line) : line_(line) {}
 
-  void draw(const BroadcastCounts& counts, const std::vector<Served>& served) {
+  void draw(const capture::BroadcastCounts& counts, const std::vector<Served>& served) {
     if (!line_.draws()) return;
     const SteadyClock::time_point now = SteadyClock::now();
     if (now - drawn_ < 250ms) return;
@@ -164,14 +166,14 @@ void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
   line.clear();
 }
 
-void play(const ServeArguments& args, CameraSource& source, CameraBroadcast& broadcast, const std::vector<Served>& served,
-          LiveLine& line) {
+void play(const ServeArguments& args, capture::CameraSource& source, capture::CameraBroadcast& broadcast,
+          const std::vector<Served>& served, LiveLine& line) {
   ServeLine live(line);
-  CameraPacket packet;
+  capture::CameraPacket packet;
   while (!interrupted()) {
-    const CameraSource::Received received = source.receive(packet, 50ms);
-    if (received == CameraSource::Received::ended) return;
-    if (received == CameraSource::Received::packet) {
+    const capture::CameraSource::Received received = source.receive(packet, 50ms);
+    if (received == capture::CameraSource::Received::ended) return;
+    if (received == capture::CameraSource::Received::packet) {
       broadcast.send(packet);
       if (args.speed == 0) {
         for (const Served& one : served) one.server->wait_for_room(longest_stall, interrupted);
@@ -183,9 +185,9 @@ void play(const ServeArguments& args, CameraSource& source, CameraBroadcast& bro
 
 void serve(const ServeArguments& args, const CommonArguments& common) {
   LiveLine line(!common.quiet);
-  const std::unique_ptr<CameraSource> source = open_source(args);
+  const std::unique_ptr<capture::CameraSource> source = open_source(args);
   if (const std::string remark = source->remark(); !remark.empty()) line.warn(args.source + ": " + remark);
-  CameraBroadcast broadcast({.packet_span = microseconds{args.packet_us}});
+  capture::CameraBroadcast broadcast({.packet_span = microseconds{args.packet_us}});
   const std::vector<Served> served = start_servers(args, *source, line);
   nlohmann::json streams = nlohmann::json::array();
   for (const Served& one : served) {
@@ -207,9 +209,9 @@ void serve(const ServeArguments& args, const CommonArguments& common) {
   if (!was_interrupted && clients_of(served).now > 0) std::this_thread::sleep_for(settling);
   line.clear();
 
-  const BroadcastCounts& counts = broadcast.counts();
+  const capture::BroadcastCounts& counts = broadcast.counts();
   const ClientCounts clients = clients_of(served);
-  const SourceDrops drops = source->drops();
+  const capture::SourceDrops drops = source->drops();
   const nlohmann::json json = {
       {"source", args.source},           {"simulated", source->simulated()},  {"streams", streams},
       {"events", counts.events},         {"imu_samples", counts.imu_samples}, {"triggers", counts.triggers},
@@ -274,4 +276,4 @@ void add_serve_command(CLI::App& app) {
   command.add_option("--seed", args->seed, "Seed of the simulator").check(is_seed()).show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -16,7 +16,7 @@
 #include "tactile/simulation/simulate.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct SimulateArguments {
@@ -29,7 +29,7 @@ struct SimulateArguments {
   bool force = false;
 };
 
-std::string_view name_of(SimulatedRun::Kind kind) {
+std::string_view name_of(simulation::SimulatedRun::Kind kind) {
   constexpr std::array<std::string_view, 4> names{"made", "kept", "replaced", "removed"};
   return names[static_cast<std::size_t>(kind)];
 }
@@ -41,11 +41,13 @@ struct Totals {
   double touch_s = 0, duration_s = 0;
 };
 
-bool is_new(const SimulatedRun& run) { return run.kind == SimulatedRun::Kind::made || run.kind == SimulatedRun::Kind::replaced; }
+bool is_new(const simulation::SimulatedRun& run) {
+  return run.kind == simulation::SimulatedRun::Kind::made || run.kind == simulation::SimulatedRun::Kind::replaced;
+}
 
-Totals totals_of(const std::vector<SimulatedRun>& runs) {
+Totals totals_of(const std::vector<simulation::SimulatedRun>& runs) {
   Totals totals;
-  for (const SimulatedRun& run : runs) {
+  for (const simulation::SimulatedRun& run : runs) {
     ++totals.counts[name_of(run.kind)];
     totals.bytes += run.bytes;
     totals.touch_events += run.touch_events;
@@ -55,7 +57,7 @@ Totals totals_of(const std::vector<SimulatedRun>& runs) {
   return totals;
 }
 
-nlohmann::json json_of(const SimulatedRun& run) {
+nlohmann::json json_of(const simulation::SimulatedRun& run) {
   nlohmann::json json = {{"run", run.run.name()}, {"outcome", name_of(run.kind)}, {"bytes", run.bytes}};
   if (is_new(run)) {
     json["events"] = run.events;
@@ -64,9 +66,9 @@ nlohmann::json json_of(const SimulatedRun& run) {
   return json;
 }
 
-std::string table_of(const std::vector<SimulatedRun>& runs) {
+std::string table_of(const std::vector<simulation::SimulatedRun>& runs) {
   std::vector<std::vector<std::string>> rows;
-  for (const SimulatedRun& run : runs) {
+  for (const simulation::SimulatedRun& run : runs) {
     rows.push_back({run.run.name(), std::string(name_of(run.kind)), is_new(run) ? fmt::format("{:.2f}", run.duration_s) : "",
                     is_new(run) ? std::to_string(run.events) : "", fmt::format("{:.1f}", 1e-6 * static_cast<double>(run.bytes))});
   }
@@ -89,19 +91,20 @@ std::string speed_of(const Totals& totals, double elapsed_s, double core_s, nloh
 }
 
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
-  SimulateOptions options{.data = args.data,
-                          .preset = args.preset,
-                          .runs = {},
-                          .objects = args.objects,
-                          .seed = args.seed,
-                          .force = args.force,
-                          .threads = common.threads,
-                          .physics = args.physics.empty() ? default_physics() : read_physics(args.physics)};
+  simulation::SimulateOptions options{
+      .data = args.data,
+      .preset = args.preset,
+      .runs = {},
+      .objects = args.objects,
+      .seed = args.seed,
+      .force = args.force,
+      .threads = common.threads,
+      .physics = args.physics.empty() ? simulation::default_physics() : simulation::read_physics(args.physics)};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   const auto begun = std::chrono::steady_clock::now();
   const std::clock_t worked = std::clock();  // of all threads
-  const std::vector<SimulatedRun> runs = simulate(options, progress_line(common));
+  const std::vector<simulation::SimulatedRun> runs = simulation::simulate(options, progress_line(common));
   const double core_s = static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC;
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
@@ -109,7 +112,7 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
   nlohmann::json result = {{"data", args.data},     {"physics", options.physics.source},
                            {"preset", args.preset}, {"seed", args.seed},
                            {"bytes", totals.bytes}, {"runs", nlohmann::json::array()}};
-  for (const SimulatedRun& run : runs) result["runs"].push_back(json_of(run));
+  for (const simulation::SimulatedRun& run : runs) result["runs"].push_back(json_of(run));
   std::string counts;
   for (const std::string_view kind : {"made", "kept", "replaced", "removed"}) {
     result[std::string(kind)] = totals.counts.at(kind);
@@ -149,4 +152,4 @@ void add_simulate_command(CLI::App& app) {
                    "Replace runs that were simulated with other settings, and remove extra simulated runs");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -7,12 +7,12 @@
 #include "tactile/capture/find_sources.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 std::string default_source(const std::string& command) {
   std::vector<std::string> cameras, streams;
   std::string out_of_reach;
-  for (const FoundSource& source : find_camera_sources()) {
+  for (const capture::FoundSource& source : capture::find_camera_sources()) {
     if (source.text.empty()) {
       out_of_reach += "; " + source.description;
     } else {
@@ -29,20 +29,20 @@ std::string default_source(const std::string& command) {
   throw Error(
       fmt::format("{}: found no camera that can be opened, and no stream at {}{}; expected one of them, or --from "
                   "tcp://HOST:PORT, unix:PATH, file:PATH, sim or camera:SERIAL",
-                  command, SourcePlaces{}.stream, out_of_reach));
+                  command, capture::SourcePlaces{}.stream, out_of_reach));
 }
 
-NetworkAddress robot_address(const std::string& text) {
+transport::NetworkAddress robot_address(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   const std::size_t bracket = text.rfind(']');
   const bool has_port = colon != std::string::npos && (bracket == std::string::npos ? text.find(':') == colon : colon > bracket);
   const bool is_bare_ipv6 = !has_port && colon != std::string::npos && bracket == std::string::npos;
   const std::string host = is_bare_ipv6 ? "[" + text + "]" : text;
   try {
-    return network_address("tcp://" + host + (has_port ? "" : ":30004"));
+    return transport::network_address("tcp://" + host + (has_port ? "" : ":30004"));
   } catch (const Error&) {
     throw Error("--robot '" + text + "': is no address; expected HOST or HOST:PORT with a port from 1 to 65535");
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -10,7 +10,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// @param why  errno; 0 if unknown
@@ -50,4 +50,4 @@ std::string what_output_lost() {
 
 void print_error(const std::string& sentence) noexcept { std::fprintf(stderr, "tactile: %s\n", sentence.c_str()); }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Opens the descriptors 0, 1 and 2 if they are closed, so that no data file gets these numbers. Standard error then accepts
 /// everything; writing to standard output still fails.
@@ -18,4 +18,4 @@ std::string what_output_lost();
 /// Prints "tactile: `sentence`" to standard error, and ignores a failure.
 void print_error(const std::string& sentence) noexcept;
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::cli {
 
 std::string text_table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
@@ -35,4 +35,4 @@ std::string text_list(const std::vector<std::pair<std::string, std::string>>& en
   return text;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

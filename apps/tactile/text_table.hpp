@@ -7,7 +7,7 @@
 
 #include "tactile/core/text_lines.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Rows of cells under a header. The first column is aligned left, the others right. A last column without header contains
 /// remarks, and is aligned left, too.
@@ -16,4 +16,4 @@ std::string text_table(const std::vector<std::string>& header, const std::vector
 /// Names and values, one pair per line, the values aligned.
 std::string text_list(const std::vector<std::pair<std::string, std::string>>& entries);
 
-}  // namespace tactile
+}  // namespace tactile::cli

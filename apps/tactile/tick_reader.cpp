@@ -10,7 +10,7 @@
 #include "standard_streams.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 constexpr std::size_t kept_at_most = 2'000'000;  // more than an hour
@@ -24,9 +24,9 @@ TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std
   check_file();
 }
 
-TickOutput TickReader::output() {
-  return {.episode = [this](const ReportedTick& tick) { begin_episode(tick); },
-          .ticks = [this](std::span<const ReportedTick> ticks) { read(ticks); },
+detect::TickOutput TickReader::output() {
+  return {.episode = [this](const detect::ReportedTick& tick) { begin_episode(tick); },
+          .ticks = [this](std::span<const detect::ReportedTick> ticks) { read(ticks); },
           .end = [this] { end(); },
           .interrupted = interrupted};
 }
@@ -35,8 +35,8 @@ void TickReader::check_file() const {
   if (!file_) throw Error(options_.csv + ": cannot be written; expected a place with room");
 }
 
-void TickReader::read(std::span<const ReportedTick> ticks) {
-  for (const ReportedTick& tick : ticks) {
+void TickReader::read(std::span<const detect::ReportedTick> ticks) {
+  for (const detect::ReportedTick& tick : ticks) {
     skipped_ += tick.due.skipped;
     if (options_.keeps) kept_.size() < kept_at_most ? kept_.push_back(tick) : void(++not_kept_);
     if (!options_.csv.empty()) write(tick);
@@ -46,9 +46,9 @@ void TickReader::read(std::span<const ReportedTick> ticks) {
   draw();
 }
 
-void TickReader::write(const ReportedTick& tick) {
-  const TickVerdict& verdict = tick.verdict;
-  const Probabilities& p = verdict.probabilities;
+void TickReader::write(const detect::ReportedTick& tick) {
+  const detect::TickVerdict& verdict = tick.verdict;
+  const model::Probabilities& p = verdict.probabilities;
   file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
                        name_of(verdict.verdict), name_of(verdict.predicted), verdict.events, verdict.gated ? 1 : 0,
                        tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
@@ -60,7 +60,7 @@ void TickReader::end() {
   check_file();
 }
 
-void TickReader::begin_episode(const ReportedTick& tick) {
+void TickReader::begin_episode(const detect::ReportedTick& tick) {
   if (!options_.prints) return;
   line_.clear();
   const Touch touch = tick.verdict.verdict;
@@ -72,11 +72,11 @@ void TickReader::draw() {
   const std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now();
   if (!line_.draws() || !newest_ || now - drawn_ < 250ms) return;
   drawn_ = now;
-  const TickVerdict& verdict = newest_->verdict;
+  const detect::TickVerdict& verdict = newest_->verdict;
   const double seconds = std::chrono::duration<double>(now - begun_).count();
   line_.draw(fmt::format("{}  {:<5} {:.2f}  {} events in t_h  {}  {} skipped", clock_text(seconds), name_of(verdict.verdict),
                          static_cast<double>(verdict.probabilities[static_cast<std::size_t>(verdict.predicted)]), verdict.events,
                          counted(newest_->number + 1, "tick"), skipped_));
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

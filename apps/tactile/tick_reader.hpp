@@ -11,7 +11,7 @@
 #include "live_line.hpp"
 #include "tactile/detect/detection_session.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 struct TickReaderOptions {
   std::string csv;     ///< write every tick to this file; empty: none
@@ -25,26 +25,26 @@ class TickReader {
   /// @param line  must outlive this. @throws Error  if the CSV cannot be written; so do the functions of `output`
   TickReader(TickReaderOptions options, LiveLine& line);
 
-  TickOutput output();  ///< refers to this
+  detect::TickOutput output();  ///< refers to this
 
   std::uint64_t not_kept() const { return not_kept_; }
-  const std::vector<ReportedTick>& kept() const { return kept_; }
+  const std::vector<detect::ReportedTick>& kept() const { return kept_; }
 
  private:
   void check_file() const;
-  void read(std::span<const ReportedTick> ticks);
-  void write(const ReportedTick& tick);
-  void begin_episode(const ReportedTick& tick);
+  void read(std::span<const detect::ReportedTick> ticks);
+  void write(const detect::ReportedTick& tick);
+  void begin_episode(const detect::ReportedTick& tick);
   void end();
   void draw();
 
   const TickReaderOptions options_;
   LiveLine& line_;
   std::ofstream file_;
-  std::vector<ReportedTick> kept_;
-  std::optional<ReportedTick> newest_;
+  std::vector<detect::ReportedTick> kept_;
+  std::optional<detect::ReportedTick> newest_;
   std::uint64_t skipped_ = 0, not_kept_ = 0;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now(), drawn_{};
 };
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -29,7 +29,7 @@
 #include "tactile/windows/dataset_settings.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,17 +63,20 @@ auto each_once(const std::vector<Value>& values, Convert convert) {
   return levels;
 }
 
-TradeLevels levels_of(const TradeArguments& args) {
+trade::TradeLevels levels_of(const TradeArguments& args) {
   return {.histories = each_once(args.histories_ms, [](double history_ms) { return whole_us(history_ms, "--th"); }),
           .ticks = each_once(args.ticks_us, [](std::int64_t tick_us) { return microseconds{tick_us}; }),
           .factors = each_once(args.factors, [](double factor) { return factor; }),
-          .resizes = each_once(args.resizes, [](const auto& name) { return name == "area" ? Resize::area : Resize::linear; }),
+          .resizes = each_once(
+              args.resizes, [](const auto& name) { return name == "area" ? heatmaps::Resize::area : heatmaps::Resize::linear; }),
           .denoises = each_once(args.denoises,
                                 [](const auto& name) {
-                                  return name == "mean" ? Denoise::mean : name == "literal" ? Denoise::literal : Denoise::none;
+                                  return name == "mean"      ? heatmaps::Denoise::mean
+                                         : name == "literal" ? heatmaps::Denoise::literal
+                                                             : heatmaps::Denoise::none;
                                 }),
-          .engines = each_once(args.engines, [](const auto& name) { return engine_named(name); }),
-          .precisions = each_once(args.precisions, [](const auto& name) { return precision_named(name); }),
+          .engines = each_once(args.engines, [](const auto& name) { return model::engine_named(name); }),
+          .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
           .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
           .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); }),
           .gate = each_once(args.gates, [](const auto& name) { return name == "on"; })};
@@ -85,8 +88,8 @@ void take_usual(T& usual, const Values& values) {
   if (std::find(values.begin(), values.end(), usual) == values.end()) usual = values.front();
 }
 
-TradeSetting usual_of(const TradeLevels& levels) {
-  TradeSetting usual;
+trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
+  trade::TradeSetting usual;
   take_usual(usual.rendering.history, levels.histories);
   take_usual(usual.rendering.tick, levels.ticks);
   take_usual(usual.rendering.factor, levels.factors);
@@ -100,8 +103,8 @@ TradeSetting usual_of(const TradeLevels& levels) {
   return usual;
 }
 
-TradeOptions options_of(const TradeArguments& args, const CommonArguments& common) {
-  TradeOptions options;
+trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments& common) {
+  trade::TradeOptions options;
   options.data = args.data;
   options.models = args.models;
   options.out = args.out;
@@ -173,7 +176,7 @@ std::string growth_text(const nlohmann::json& trade) {
   return "How the cost of a tick grows (medians)\n\n" + text;
 }
 
-std::string text_of(const TradeSummary& summary) {
+std::string text_of(const trade::TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
   std::string text =
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
@@ -202,11 +205,11 @@ std::string text_of(const TradeSummary& summary) {
 }
 
 std::vector<std::string> draw_figures(const fs::path& out) {
-  const ReportedTrade trade = read_trade(out);
-  std::vector<std::pair<std::string, Plot>> plots{{"trade-accuracy", trade_accuracy_plot(trade)},
-                                                  {"trade-delay", trade_delay_plot(trade)}};
+  const report::ReportedTrade trade = report::read_trade(out);
+  std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
+                                                            {"trade-delay", report::trade_delay_plot(trade)}};
   if (!trade.growth.by_rate.empty()) {
-    plots.emplace_back("trade-growth", trade_growth_plot(trade));
+    plots.emplace_back("trade-growth", report::trade_growth_plot(trade));
   } else {
     for (const char* type : {".svg", ".png"}) fs::remove(out / "figures" / ("trade-growth" + std::string(type)));
   }
@@ -215,7 +218,7 @@ std::vector<std::string> draw_figures(const fs::path& out) {
     for (const char* type : {".svg", ".png"}) {
       stop_if_interrupted();
       files.push_back((out / "figures" / (name + type)).string());
-      draw(plot, files.back());
+      pictures::draw(plot, files.back());
     }
   }
   return files;
@@ -228,11 +231,11 @@ void warn_of_another_dataset(const TradeArguments& args) {
   nlohmann::json before;
   try {
     before = read_json(file).at("dataset");
-    const Dataset dataset(fs::path(args.data) / "dataset.h5");
+    const windows::Dataset dataset(fs::path(args.data) / "dataset.h5");
     if (before.at("manifest_hash") == dataset.manifest_hash()) return;
     std::vector<std::string> differing;
     if (before.contains("settings"))
-      differing = differing_settings(dataset_settings_in(dataset.settings()), before.at("settings"));
+      differing = windows::differing_settings(windows::dataset_settings_in(dataset.settings()), before.at("settings"));
     spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured again", dataset.file().string(), args.out,
                  differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   } catch (const nlohmann::json::exception&) {
@@ -241,25 +244,26 @@ void warn_of_another_dataset(const TradeArguments& args) {
 }
 
 /// Warns if runs or objects are not those requested.
-void warn_of_runs(const TradeOptions& options, bool strict) {
-  const Dataset dataset(options.data / "dataset.h5");
-  const SplitOptions split{.kind = SplitKind::single_run, .train_run = options.train_run};
+void warn_of_runs(const trade::TradeOptions& options, bool strict) {
+  const windows::Dataset dataset(options.data / "dataset.h5");
+  const windows::SplitOptions split{.kind = windows::SplitKind::single_run, .train_run = options.train_run};
   warn_of_splits(dataset, {&split, 1}, strict);
-  for (const std::string& remark : remarks_on(dataset, divide_runs(dataset, options.train_run, options.choice_runs)))
+  for (const std::string& remark :
+       experiments::remarks_on(dataset, experiments::divide_runs(dataset, options.train_run, options.choice_runs)))
     spdlog::warn("{}", remark);
 }
 
 void trade(const TradeArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  const TradeOptions options = options_of(args, common);
+  const trade::TradeOptions options = options_of(args, common);
   if (!args.apply.empty() && !options.constraints.any()) {
     throw Error(
         "--apply: no constraint given; expected also --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min");
   }
-  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   if (!made) warn_of_another_dataset(args);
   warn_of_runs(options, args.strict);
-  const TradeSummary summary = run_trade(
+  const trade::TradeSummary summary = trade::run_trade(
       options, [&] { return progress_line(common); }, log_step);
   if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
     spdlog::warn(
@@ -281,7 +285,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
       text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
     }
     if (!args.apply.empty()) {
-      write_json(args.apply, detect_config(summary.trade, args.out));
+      write_json(args.apply, trade::detect_config(summary.trade, args.out));
       result["applied"] = args.apply;
       text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
     }
@@ -352,4 +356,4 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--out", args->out, "Output folder").show_default();
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

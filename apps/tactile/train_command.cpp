@@ -23,7 +23,7 @@
 #include "tactile/model/training/train_model.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,7 +34,7 @@ struct TrainArguments {
   RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
   std::vector<std::string> held_out;  ///< empty: those of the paper's five objects that the dataset has
-  TrainingOptions training;
+  model::TrainingOptions training;
   std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
               class_weights = "none";
   std::vector<std::string> augment{"none"};
@@ -46,37 +46,37 @@ struct TrainArguments {
 
 constexpr double usual_validation_share = 0.2;  // of the training samples, with an early stop
 
-ModelSettings settings_of(const TrainArguments& args) {
-  ModelSettings settings;
+model::ModelSettings settings_of(const TrainArguments& args) {
+  model::ModelSettings settings;
   settings.rendering = heatmap_options(args.history_ms, args.rendering);
-  settings.split = {.kind = split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
-  settings.network = {activation_named(args.activation), pooling_named(args.pool)};
+  settings.split = {.kind = windows::split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
+  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool)};
   settings.training = args.training;
-  settings.training.optimizer = optimizer_named(args.optimizer);
-  settings.training.engine = engine_named(args.engine);
-  settings.training.schedule = schedule_named(args.schedule);
-  settings.training.augmentation = augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
-  settings.training.class_weights = class_weights_named(args.class_weights);
+  settings.training.optimizer = model::optimizer_named(args.optimizer);
+  settings.training.engine = model::engine_named(args.engine);
+  settings.training.schedule = model::schedule_named(args.schedule);
+  settings.training.augmentation = model::augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
+  settings.training.class_weights = model::class_weights_named(args.class_weights);
   settings.training.validation_share =
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   check(settings.training);
-  if (!args.held_out.empty() && settings.split.kind != SplitKind::unseen)
+  if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
     throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
   return settings;
 }
 
 /// The command that evaluates the model.
-std::string eval_command(const ModelBundle& bundle, const TrainArguments& args) {
+std::string eval_command(const model::ModelBundle& bundle, const TrainArguments& args) {
   return fmt::format("tactile eval{}{} --model {}", args.data == "data" ? "" : " ",
                      args.data == "data" ? "" : shell_word(args.data),
                      shell_word(args.models == "models" ? bundle.name() : bundle.folder.string()));
 }
 
-std::string text_of(const ModelBundle& bundle, const TrainArguments& args, const ModelDescription& model,
-                    const std::string& outcome, const TrainingSummary& summary) {
+std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args, const model::ModelDescription& model,
+                    const std::string& outcome, const model::TrainingSummary& summary) {
   const bool judged = summary.validation_samples > 0;
   std::vector<std::vector<std::string>> rows;
-  for (const EpochResult& epoch : summary.history) {
+  for (const model::EpochResult& epoch : summary.history) {
     std::vector<std::string> row{std::to_string(epoch.epoch), fmt::format("{:.4f}", epoch.loss),
                                  fmt::format("{:.2f}", 100 * epoch.accuracy)};
     if (judged) {
@@ -105,8 +105,8 @@ std::string text_of(const ModelBundle& bundle, const TrainArguments& args, const
   return text;
 }
 
-nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model, const std::string& outcome, bool dataset_made,
-                       const std::vector<std::string>& warnings, const TrainingSummary& summary) {
+nlohmann::json json_of(const model::ModelBundle& bundle, const model::ModelDescription& model, const std::string& outcome,
+                       bool dataset_made, const std::vector<std::string>& warnings, const model::TrainingSummary& summary) {
   return {{"model", bundle.folder.string()},
           {"name", bundle.name()},
           {"outcome", outcome},
@@ -129,9 +129,9 @@ nlohmann::json json_of(const ModelBundle& bundle, const ModelDescription& model,
 }
 
 /// Whether to resume an interrupted training. @throws Error  if there is one, and neither --resume nor --force is given
-bool resumes_training(const TrainArguments& args, const ModelBundle& bundle) {
-  const fs::path folder = CheckpointFolder::beside(bundle.folder);
-  if (!CheckpointFolder::holds_state(folder)) {
+bool resumes_training(const TrainArguments& args, const model::ModelBundle& bundle) {
+  const fs::path folder = model::CheckpointFolder::beside(bundle.folder);
+  if (!model::CheckpointFolder::holds_state(folder)) {
     if (args.resume) spdlog::info("{}: there is no interrupted training; a new one begins", bundle.folder.string());
     return false;
   }
@@ -142,9 +142,10 @@ bool resumes_training(const TrainArguments& args, const ModelBundle& bundle) {
 }
 
 /// Why the existing bundle differs from the requested one: "with other settings (training.epochs: 10 before, 6 now)".
-std::string difference_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
+std::string difference_of(const model::ModelBundle& bundle, const windows::Dataset& dataset,
+                          const model::ModelSettings& settings) {
   try {
-    const ModelDescription there = read_description(bundle);
+    const model::ModelDescription there = model::read_description(bundle);
     if (const std::string other = differences(there.settings, settings); !other.empty())
       return "with other settings (" + other + ")";
     if (there.manifest_hash != dataset.manifest_hash()) return "of another dataset";
@@ -156,7 +157,8 @@ std::string difference_of(const ModelBundle& bundle, const Dataset& dataset, con
 
 /// A learning rate that is too large does not always lead to NaN. Units that are 0 for every heatmap learn nothing, and the loss
 /// stays that of three equally likely classes, ln 3.
-void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& settings, const TrainingSummary& summary) {
+void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
+                             const model::TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
   if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
@@ -168,28 +170,28 @@ void warn_of_nothing_learned(const ModelBundle& bundle, const ModelSettings& set
 
 void train(const TrainArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  ModelSettings settings = settings_of(args);
-  const std::optional<DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  model::ModelSettings settings = settings_of(args);
+  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   const bool dataset_made = made.has_value();
-  const Dataset dataset(dataset_file(args.data));
-  if (settings.split.kind == SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
+  const windows::Dataset dataset(dataset_file(args.data));
+  if (settings.split.kind == windows::SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
   const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
-  const ModelBundle from = named_model(args.from, args.models);
-  if (!args.from.empty()) settings.from = starting_point(from, dataset, settings);
-  const ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? default_name(settings) : args.name)};
-  const BundleState state = state_of(bundle, dataset, settings);
-  if (state == BundleState::unchanged && !args.force) {
-    const ModelDescription model = read_description(bundle);
+  const model::ModelBundle from = named_model(args.from, args.models);
+  if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
+  const model::ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? model::default_name(settings) : args.name)};
+  const model::BundleState state = model::state_of(bundle, dataset, settings);
+  if (state == model::BundleState::unchanged && !args.force) {
+    const model::ModelDescription model = model::read_description(bundle);
     print_result(common, json_of(bundle, model, "unchanged", dataset_made, warnings, {}),
                  text_of(bundle, args, model, "unchanged", {}));
     if (made) end_with(made->errors);
     return;
   }
-  if (state == BundleState::changed && !args.force) {
+  if (state == model::BundleState::changed && !args.force) {
     throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
                             difference_of(bundle, dataset, settings)));
   }
-  check_renders(dataset, settings.rendering);
+  heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
   TrainingEstimate estimate(settings.training.epochs, progress_line(common));
   const auto report_begin = [&](unsigned epoch, double done) {
@@ -201,23 +203,23 @@ void train(const TrainArguments& args, const CommonArguments& common) {
       spdlog::info("training {}: {}", bundle.name(), training_size(dataset, settings));
     }
   };
-  TrainingSummary summary;
+  model::TrainingSummary summary;
   try {
-    summary = train_model(dataset, settings, bundle,
-                          {.threads = common.threads,
-                           .resume = resumes,
-                           .save_every = std::chrono::duration<double>(args.save_every_s),
-                           .from = from.folder,
-                           .if_there = state == BundleState::missing ? IfThere::refuse : IfThere::replace,
-                           .begins = report_begin},
-                          [&estimate](const Progress& progress) { estimate.see(progress); });
+    summary = model::train_model(dataset, settings, bundle,
+                                 {.threads = common.threads,
+                                  .resume = resumes,
+                                  .save_every = std::chrono::duration<double>(args.save_every_s),
+                                  .from = from.folder,
+                                  .if_there = state == model::BundleState::missing ? IfThere::refuse : IfThere::replace,
+                                  .begins = report_begin},
+                                 [&estimate](const Progress& progress) { estimate.see(progress); });
   } catch (const Interrupted&) {
-    if (CheckpointFolder::holds_state(CheckpointFolder::beside(bundle.folder)))
+    if (model::CheckpointFolder::holds_state(model::CheckpointFolder::beside(bundle.folder)))
       spdlog::warn("{}: interrupted; the same command with --resume resumes it", bundle.folder.string());
     throw;
   }
-  const std::string outcome = state == BundleState::missing ? "trained" : "replaced";
-  const ModelDescription model = read_description(bundle);
+  const std::string outcome = state == model::BundleState::missing ? "trained" : "replaced";
+  const model::ModelDescription model = model::read_description(bundle);
   if (resumes && model.threads != common.threads)
     spdlog::info("resumed with {} threads, as it began: another number changes the last bits", model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
@@ -320,4 +322,4 @@ void add_train_command(CLI::App& app) {
   add_model_options(command, *args);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -18,17 +18,18 @@
 #include "tactile/labels/truth_comparison.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 constexpr microseconds far_off{20'000};     ///< an unflagged error beyond this is named
 constexpr microseconds clock_goal{10'000};  ///< a clock with a symmetric anchor should be off by no more
-constexpr std::array symmetric_anchors{AnchorKind::imu, AnchorKind::sync_tap, AnchorKind::ring_down};
+constexpr std::array symmetric_anchors{alignment::AnchorKind::imu, alignment::AnchorKind::sync_tap,
+                                       alignment::AnchorKind::ring_down};
 
 /// A run, its comparison with the truth, and the sources that its labels have.
 struct ComparedRun {
   const LabelledRun* labelled = nullptr;
-  TruthComparison comparison;
+  labels::TruthComparison comparison;
   bool has_stage_command = false, has_imu = false, shares_session = false;
   bool has_both = false;  ///< the truth has a press and a slip
   bool damaged = false;   ///< unfinished, or a file is missing or of another size than run.json says
@@ -79,14 +80,14 @@ std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs, std::vect
     const Truth truth = read_truth(labelled.run.truth());
     ComparedRun run;
     run.labelled = &labelled;
-    run.comparison = compare_with_truth(labelled.labels, truth);
+    run.comparison = labels::compare_with_truth(labelled.labels, truth);
     run.has_stage_command = plan_says(truth.parameters, "stage_on_robot_output");
     run.has_imu = plan_says(truth.parameters, "has_imu");
     const std::string session = session_of(labelled.run);
     run.shares_session = !session.empty() && sessions[session] > 1;
     const auto has = [&](Touch touch) {
       return std::any_of(run.comparison.intervals.begin(), run.comparison.intervals.end(),
-                         [&](const IntervalComparison& interval) { return interval.touch == touch; });
+                         [&](const labels::IntervalComparison& interval) { return interval.touch == touch; });
     };
     run.has_both = has(Touch::press) && has(Touch::slip);
     run.damaged = is_damaged(labelled.run);
@@ -106,7 +107,7 @@ std::vector<ComparedRun> compare(const std::vector<LabelledRun>& runs, std::vect
 /// Errors of one quantity over some runs.
 class Errors {
  public:
-  void add(const Deviation& deviation, bool flagged) {
+  void add(const labels::Deviation& deviation, bool flagged) {
     errors_ms_.push_back(std::abs(static_cast<double>(deviation.error.count())) / 1000);
     widths_ms_.push_back(static_cast<double>(deviation.width.count()) / 1000);
     covered_ += deviation.covered ? 1 : 0;
@@ -149,10 +150,10 @@ bool has_interval(const Quantity& quantity) {
 }
 
 void add_errors(const ComparedRun& run, const std::optional<bool>& flagged, std::map<std::string, Errors>& errors) {
-  const auto add = [&](const std::string& key, const std::optional<Deviation>& deviation, bool is_flagged) {
+  const auto add = [&](const std::string& key, const std::optional<labels::Deviation>& deviation, bool is_flagged) {
     if (deviation && (!flagged || *flagged == is_flagged)) errors[key].add(*deviation, is_flagged);
   };
-  for (const IntervalComparison& interval : run.comparison.intervals) {
+  for (const labels::IntervalComparison& interval : run.comparison.intervals) {
     const std::string touch(name_of(interval.touch));
     add(touch + "_onset", interval.start, interval.flagged);
     add(touch + "_onset_to_first_event", interval.first_event, interval.flagged);
@@ -194,10 +195,10 @@ std::vector<Group> all_groups() {
 
 /// Whether an anchor that is symmetric about its moment places the robot's clock: no lag of skin or stage enters it.
 bool has_symmetric_anchor(const ComparedRun& run) {
-  const std::vector<FittedClock>& clocks = run.labelled->labels.robot_clocks;
-  return std::any_of(clocks.begin(), clocks.end(), [](const FittedClock& clock) {
+  const std::vector<alignment::FittedClock>& clocks = run.labelled->labels.robot_clocks;
+  return std::any_of(clocks.begin(), clocks.end(), [](const alignment::FittedClock& clock) {
     return std::any_of(symmetric_anchors.begin(), symmetric_anchors.end(),
-                       [&](AnchorKind kind) { return clock.method.find(name_of(kind)) != std::string::npos; });
+                       [&](alignment::AnchorKind kind) { return clock.method.find(name_of(kind)) != std::string::npos; });
   });
 }
 
@@ -253,7 +254,7 @@ std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   for (const ComparedRun& run : runs) {
     const std::string name = run.labelled->run.name();
     const auto at_s = [&](CameraTime t) { return 1e-6 * static_cast<double>(between(run.labelled->first_event, t).count()); };
-    for (const IntervalComparison& interval : run.comparison.intervals) {
+    for (const labels::IntervalComparison& interval : run.comparison.intervals) {
       if (interval.flagged) continue;
       if (!interval.start) {
         named.push_back(
@@ -263,7 +264,7 @@ std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
                                     static_cast<double>(interval.start->error.count()) / 1000));
       }
     }
-    for (const SpuriousLabel& label : run.comparison.spurious) {
+    for (const labels::SpuriousLabel& label : run.comparison.spurious) {
       if (!label.flagged)
         named.push_back(
             fmt::format("{}: {} at {:.3f} s is spurious", name, name_of(label.interval.touch), at_s(label.interval.start)));
@@ -281,7 +282,7 @@ struct Totals {
   explicit Totals(const std::vector<ComparedRun>& runs) {
     const auto count = [](bool holds) { return holds ? std::size_t{1} : std::size_t{0}; };
     for (const ComparedRun& run : runs) {
-      const TruthComparison& comparison = run.comparison;
+      const labels::TruthComparison& comparison = run.comparison;
       damaged += count(run.damaged);
       damaged_flagged += count(run.damaged && comparison.flagged);
       undamaged_flagged += count(!run.damaged && comparison.flagged);
@@ -291,7 +292,7 @@ struct Totals {
       spurious += comparison.spurious.size();
       robot_clocks_missed += count(comparison.robot_clock_sought && !comparison.robot_clock);
       video_clocks_missed += count(comparison.video_clock_sought && !comparison.video_clock);
-      for (const IntervalComparison& interval : comparison.intervals) {
+      for (const labels::IntervalComparison& interval : comparison.intervals) {
         covered += count(interval.start && interval.start->covered);
         missed += count(!interval.start);
       }
@@ -396,4 +397,4 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
   return tables;
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

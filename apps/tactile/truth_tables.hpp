@@ -6,7 +6,7 @@
 
 #include "labelled_run.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// Errors of labels over all simulated runs, and over groups of them that differ in what their labels can be taken from.
 struct TruthTables {
@@ -18,4 +18,4 @@ struct TruthTables {
 /// @throws Error  if none of the runs has a truth.json that can be read
 TruthTables compare_all(const std::vector<LabelledRun>& runs);
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -9,7 +9,7 @@
 #include "help_text.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 std::vector<std::string> long_names(const CLI::App& app) {
@@ -109,4 +109,4 @@ UsageError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return {option == nullptr ? error.what() : about_option(*option, error, command), error.get_exit_code()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

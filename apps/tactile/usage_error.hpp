@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace tactile {
+namespace tactile::cli {
 
 struct UsageError {
   std::string sentence;  ///< which argument, what is wrong with it, what is right
@@ -13,4 +13,4 @@ struct UsageError {
 /// What is wrong with a command line that `app` rejected.
 UsageError usage_error(const CLI::App& app, const CLI::ParseError& error);
 
-}  // namespace tactile
+}  // namespace tactile::cli

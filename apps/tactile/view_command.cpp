@@ -14,7 +14,7 @@
 #include "view_outputs.hpp"
 #include "viewed_recording.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ void add_view_command(CLI::App& app) {
   add_rendering_options(command, args->rendering);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

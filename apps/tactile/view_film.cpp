@@ -18,7 +18,7 @@
 #include "tactile/video/video_writer.hpp"
 #include "view_outputs.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 constexpr microseconds around_labels = 250ms;  ///< shown before the first onset and after the last end
@@ -59,26 +59,27 @@ std::vector<CameraTime> picture_times(const TickRange& range, const ViewRequest&
   return times;
 }
 
-Brightness brightness_of(ViewedRecording& recording, const HeatmapOptions& options, const std::vector<CameraTime>& times,
-                         const ProgressCallback& progress) {
+pictures::Brightness brightness_of(ViewedRecording& recording, const heatmaps::HeatmapOptions& options,
+                                   const std::vector<CameraTime>& times, const ProgressCallback& progress) {
   std::vector<CameraTime> some;
   const std::size_t count = std::min(times.size(), metered_moments);
   for (std::size_t i = 0; i < count; ++i) some.push_back(times[i * times.size() / count]);
-  BrightnessMeter meter;
+  pictures::BrightnessMeter meter;
   std::uint64_t done = 0;
-  for_moments(recording.reader(), recording.stream_id(), options, some, MomentDetail::heatmap, [&](const Moment& moment) {
-    meter.add(moment);
-    tell(progress, ++done, some.size(), "brightness");
-  });
+  pictures::for_moments(recording.reader(), recording.stream_id(), options, some, pictures::MomentDetail::heatmap,
+                        [&](const pictures::Moment& moment) {
+                          meter.add(moment);
+                          tell(progress, ++done, some.size(), "brightness");
+                        });
   return meter.result();
 }
 
 /// The whole recording's curve where it is fine enough, else a new one of this part.
-EventCurve curve_of(ViewedRecording& recording, CameraTime begin, CameraTime end) {
+pictures::EventCurve curve_of(ViewedRecording& recording, CameraTime begin, CameraTime end) {
   constexpr std::int64_t fine = 500;  // bins
   if (recording.curve().bin() * fine <= between(begin, end)) return recording.curve();
-  EventCurve curve(begin);
-  for_events_between(recording.reader(), recording.stream_id(), begin, end, [&](std::span<const Event> events) {
+  pictures::EventCurve curve(begin);
+  events::for_events_between(recording.reader(), recording.stream_id(), begin, end, [&](std::span<const events::Event> events) {
     stop_if_interrupted();
     curve.add(events);
   });
@@ -94,75 +95,77 @@ std::string speed_text(double speed) {
 struct FilmPlan {
   FilmForm form;
   std::vector<CameraTime> times;  ///< a tick for each picture
-  Brightness brightness;
+  pictures::Brightness brightness;
 };
 
-EventFilm film_of(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan) {
+pictures::EventFilm film_of(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan) {
   const CameraTime begin = before(plan.times.front(), request.options.history);
   const CameraTime end = std::max(plan.times.back(), after(begin, microseconds{1}));
   const std::string speed = plan.form == FilmForm::mp4 ? speed_text(request.speed) + ", " : "";
-  return EventFilm({.title = recording.title(),
-                    .remark = fmt::format("{}t_h {:g} ms", speed, in_ms(request.options.history)),
-                    .sensor = recording.sensor(),
-                    .rendering = request.options,
-                    .brightness = plan.brightness,
-                    .begin = begin,
-                    .end = end,
-                    .zero = recording.first(),
-                    .intervals = recording.intervals(),
-                    .is_labelled = recording.labelled()},
-                   curve_of(recording, begin, end));
+  return pictures::EventFilm({.title = recording.title(),
+                              .remark = fmt::format("{}t_h {:g} ms", speed, in_ms(request.options.history)),
+                              .sensor = recording.sensor(),
+                              .rendering = request.options,
+                              .brightness = plan.brightness,
+                              .begin = begin,
+                              .end = end,
+                              .zero = recording.first(),
+                              .intervals = recording.intervals(),
+                              .is_labelled = recording.labelled()},
+                             curve_of(recording, begin, end));
 }
 
 /// Draws every picture and passes it on. @param write  takes the picture's index, its moment and the picture
 template <class Write>
-void draw_pictures(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const EventFilm& film,
+void draw_pictures(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const pictures::EventFilm& film,
                    const ProgressCallback& progress, Write write) {
   std::uint64_t drawn = 0;
-  for_moments(recording.reader(), recording.stream_id(), request.options, plan.times, MomentDetail::heatmap,
-              [&](const Moment& moment) {
-                tell(progress, drawn, plan.times.size(), fmt::format("{:.1f} ms", recording.ms_from_first(moment.t)));
-                write(drawn, moment, film.picture_of(moment));
-                ++drawn;
-              });
+  pictures::for_moments(recording.reader(), recording.stream_id(), request.options, plan.times, pictures::MomentDetail::heatmap,
+                        [&](const pictures::Moment& moment) {
+                          tell(progress, drawn, plan.times.size(), fmt::format("{:.1f} ms", recording.ms_from_first(moment.t)));
+                          write(drawn, moment, film.picture_of(moment));
+                          ++drawn;
+                        });
 }
 
-void write_mp4(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const EventFilm& film,
+void write_mp4(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const pictures::EventFilm& film,
                const ProgressCallback& progress) {
   WholeFile whole(request.out, IfThere::replace);
-  VideoWriter writer(whole.path(), {.width = film.size().width,
-                                    .height = film.size().height,
-                                    .quality = quality,
-                                    .frames_per_fragment = 50,
-                                    .fast = false,
-                                    .fragment_span = microseconds{0}});
-  draw_pictures(recording, request, plan, film, progress, [&](std::uint64_t index, const Moment&, const cv::Mat& picture) {
-    writer.write(picture, VideoTime{microseconds{std::llround(1e6 * static_cast<double>(index) / request.fps)}});
-  });
+  video::VideoWriter writer(whole.path(), {.width = film.size().width,
+                                           .height = film.size().height,
+                                           .quality = quality,
+                                           .frames_per_fragment = 50,
+                                           .fast = false,
+                                           .fragment_span = microseconds{0}});
+  draw_pictures(recording, request, plan, film, progress,
+                [&](std::uint64_t index, const pictures::Moment&, const cv::Mat& picture) {
+                  writer.write(picture, VideoTime{microseconds{std::llround(1e6 * static_cast<double>(index) / request.fps)}});
+                });
   writer.close();
   stop_if_interrupted();
   whole.commit();
 }
 
-void write_folder(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const EventFilm& film,
+void write_folder(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const pictures::EventFilm& film,
                   const ProgressCallback& progress) {
-  PictureFolder folder(request.out, "t_us,since_first_event_ms,events,label");
-  draw_pictures(recording, request, plan, film, progress, [&](std::uint64_t index, const Moment& moment, const cv::Mat& picture) {
-    const std::string name = fmt::format("picture-{:06}.png", index);
-    const std::optional<Touch> touch = film.touch_at(moment.t);
-    folder.write(name, picture);
-    folder.list(name, fmt::format("{},{:.3f},{},{}", us_of(moment.t), recording.ms_from_first(moment.t), moment.events,
-                                  touch ? name_of(*touch) : std::string_view()));
-  });
+  pictures::PictureFolder folder(request.out, "t_us,since_first_event_ms,events,label");
+  draw_pictures(recording, request, plan, film, progress,
+                [&](std::uint64_t index, const pictures::Moment& moment, const cv::Mat& picture) {
+                  const std::string name = fmt::format("picture-{:06}.png", index);
+                  const std::optional<Touch> touch = film.touch_at(moment.t);
+                  folder.write(name, picture);
+                  folder.list(name, fmt::format("{},{:.3f},{},{}", us_of(moment.t), recording.ms_from_first(moment.t),
+                                                moment.events, touch ? name_of(*touch) : std::string_view()));
+                });
   stop_if_interrupted();
   folder.commit();
 }
 
-void print_film(const ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const EventFilm& film,
-                const CommonArguments& common) {
+void print_film(const ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan,
+                const pictures::EventFilm& film, const CommonArguments& common) {
   const std::size_t drawn = plan.times.size();
   const double from_ms = recording.ms_from_first(plan.times.front()), to_ms = recording.ms_from_first(plan.times.back());
-  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
+  const events::SensorSize size = heatmaps::heatmap_size(recording.sensor(), request.options.factor);
   nlohmann::json result = recording.json();
   result.update({{"out", request.out.string()},
                  {"form", plan.form == FilmForm::mp4 ? "film" : "folder"},
@@ -189,10 +192,10 @@ void print_film(const ViewedRecording& recording, const ViewRequest& request, co
 
 void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmForm form, const CommonArguments& common) {
   FilmPlan plan{.form = form, .times = picture_times(range_for(recording, request), request, form), .brightness = {}};
-  if (form == FilmForm::folder) check_picture_folder(request.out);
+  if (form == FilmForm::folder) pictures::check_picture_folder(request.out);
   const ProgressCallback progress = progress_line(common);
   plan.brightness = brightness_of(recording, request.options, plan.times, progress);
-  const EventFilm film = film_of(recording, request, plan);
+  const pictures::EventFilm film = film_of(recording, request, plan);
   if (form == FilmForm::mp4)
     write_mp4(recording, request, plan, film, progress);
   else
@@ -200,4 +203,4 @@ void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmFo
   print_film(recording, request, plan, film, common);
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

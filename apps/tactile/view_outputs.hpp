@@ -8,12 +8,12 @@
 #include "command.hpp"
 #include "viewed_recording.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 
 /// What `tactile view` is asked for, whatever it writes.
 struct ViewRequest {
   std::filesystem::path out;
-  HeatmapOptions options;
+  heatmaps::HeatmapOptions options;
   std::optional<double> from_ms, to_ms;  ///< from the first event
   std::optional<int> tiles;              ///< of a contact sheet
   double fps = 25;                       ///< of a film, > 0
@@ -28,4 +28,4 @@ enum class FilmForm : std::uint8_t { mp4, folder };
 /// Draws moments one after the other as an MP4 or as a folder of PNGs, and prints what became of it.
 void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmForm form, const CommonArguments& common);
 
-}  // namespace tactile
+}  // namespace tactile::cli

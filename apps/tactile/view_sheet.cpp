@@ -16,7 +16,7 @@
 #include "tactile/pictures/rate_strip.hpp"
 #include "view_outputs.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 constexpr int columns = 6, usual_tiles = 12;
@@ -63,15 +63,15 @@ std::vector<TickGroup> around_onsets(const TickRange& range, const ViewedRecordi
 /// A moment as a tile and as JSON.
 struct DrawnTick {
   CameraTime t{};
-  SheetTile tile;
+  pictures::SheetTile tile;
   nlohmann::json json;
 };
 
-DrawnTick drawn_tick(const Moment& moment, const ViewedRecording& recording) {
+DrawnTick drawn_tick(const pictures::Moment& moment, const ViewedRecording& recording) {
   double most = 0;
   cv::minMaxLoc(moment.counts, nullptr, &most);
-  DrawnTick drawn{.t = moment.t, .tile = sheet_tile(moment), .json = {}};
-  SheetTile& tile = drawn.tile;
+  DrawnTick drawn{.t = moment.t, .tile = pictures::sheet_tile(moment), .json = {}};
+  pictures::SheetTile& tile = drawn.tile;
   tile.touch = recording.touch_at(moment.t);
   tile.second_caption = fmt::format("{}{} events", tile.touch ? std::string(name_of(*tile.touch)) + ", " : "", moment.events);
   drawn.json = {{"t_us", us_of(moment.t)},
@@ -83,17 +83,17 @@ DrawnTick drawn_tick(const Moment& moment, const ViewedRecording& recording) {
 }
 
 /// The tiles of every group, and the same as JSON.
-std::pair<std::vector<SheetGroup>, nlohmann::json> tiles_of(const std::vector<TickGroup>& groups,
-                                                            const std::vector<DrawnTick>& drawn,
-                                                            const ViewedRecording& recording) {
+std::pair<std::vector<pictures::SheetGroup>, nlohmann::json> tiles_of(const std::vector<TickGroup>& groups,
+                                                                      const std::vector<DrawnTick>& drawn,
+                                                                      const ViewedRecording& recording) {
   nlohmann::json tiles = nlohmann::json::array();
-  std::vector<SheetGroup> sheet;
+  std::vector<pictures::SheetGroup> sheet;
   for (const TickGroup& group : groups) {
     sheet.push_back({.title = group.title, .tiles = {}});
     for (const CameraTime t : group.ticks) {
       const auto found =
           std::lower_bound(drawn.begin(), drawn.end(), t, [](const DrawnTick& a, CameraTime b) { return a.t < b; });
-      SheetTile tile = found->tile;  // its pictures are shared
+      pictures::SheetTile tile = found->tile;  // its pictures are shared
       tile.caption = fmt::format("{:.1f} ms", recording.ms_from_first(t));
       if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", ms_between(*group.onset, t));
       sheet.back().tiles.push_back(std::move(tile));
@@ -104,8 +104,9 @@ std::pair<std::vector<SheetGroup>, nlohmann::json> tiles_of(const std::vector<Ti
 }
 
 /// The lines over the tiles. @param onsets  shown, 0 where the ticks are evenly spaced
-std::vector<std::string> header_of(const ViewedRecording& recording, const HeatmapOptions& options, std::size_t onsets) {
-  const SensorSize size = heatmap_size(recording.sensor(), options.factor);
+std::vector<std::string> header_of(const ViewedRecording& recording, const heatmaps::HeatmapOptions& options,
+                                   std::size_t onsets) {
+  const events::SensorSize size = heatmaps::heatmap_size(recording.sensor(), options.factor);
   const nlohmann::json settings = options;
   std::string times = onsets > 0 ? "times from the first event, and from the onset" : "times from the first event";
   if (onsets > 0 && recording.intervals().size() > onsets)
@@ -134,25 +135,27 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
   const std::vector<CameraTime> times(wanted.begin(), wanted.end());
   const ProgressCallback progress = progress_line(common);
   std::vector<DrawnTick> drawn;
-  BrightnessMeter meter;
-  for_moments(recording.reader(), recording.stream_id(), request.options, times, MomentDetail::all, [&](const Moment& moment) {
-    tell(progress, drawn.size() + 1, times.size(), recording.name());
-    meter.add(moment);
-    drawn.push_back(drawn_tick(moment, recording));
-  });
+  pictures::BrightnessMeter meter;
+  pictures::for_moments(recording.reader(), recording.stream_id(), request.options, times, pictures::MomentDetail::all,
+                        [&](const pictures::Moment& moment) {
+                          tell(progress, drawn.size() + 1, times.size(), recording.name());
+                          meter.add(moment);
+                          drawn.push_back(drawn_tick(moment, recording));
+                        });
 
   const auto [sheet, tiles] = tiles_of(groups, drawn, recording);
-  const SheetOptions layout{.header = header_of(recording, request.options, onsets),
-                            .columns = columns,
-                            .brightness = meter.result(),
-                            .banner = {.height = RateStrip::height, .draw = [&](cv::Mat& picture, const cv::Rect& place) {
-                                         const RateStrip strip(recording.first(), recording.last(), recording.first(), place);
-                                         strip.draw(picture, recording.curve(), recording.intervals());
-                                         strip.draw_marks(picture, times);
-                                       }}};
-  write_png(request.out, contact_sheet(sheet, layout));
+  const pictures::SheetOptions layout{
+      .header = header_of(recording, request.options, onsets),
+      .columns = columns,
+      .brightness = meter.result(),
+      .banner = {.height = pictures::RateStrip::height, .draw = [&](cv::Mat& picture, const cv::Rect& place) {
+                   const pictures::RateStrip strip(recording.first(), recording.last(), recording.first(), place);
+                   strip.draw(picture, recording.curve(), recording.intervals());
+                   strip.draw_marks(picture, times);
+                 }}};
+  pictures::write_png(request.out, pictures::contact_sheet(sheet, layout));
 
-  const SensorSize size = heatmap_size(recording.sensor(), request.options.factor);
+  const events::SensorSize size = heatmaps::heatmap_size(recording.sensor(), request.options.factor);
   nlohmann::json result = recording.json();
   result.update({{"out", request.out.string()},
                  {"form", "sheet"},
@@ -166,4 +169,4 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
                   onsets > 0 ? fmt::format(" around {} onset{}", onsets, onsets == 1 ? "" : "s") : ""));
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 ViewedRecording::ViewedRecording(const std::string& what, const std::string& stream, const CommonArguments& common)
     : run_(fs::is_directory(what) ? std::optional(run_folder_at(what)) : std::nullopt),
       reader_(run_ ? recording_in(what) : fs::path(what), common.threads) {
-  const Stream& chosen = event_stream(reader_, stream);
+  const events::Stream& chosen = events::event_stream(reader_, stream);
   const std::string file = reader_.file().string();
   if (!chosen.size) throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", file, chosen.id));
   stream_id_ = chosen.id;
@@ -30,15 +30,16 @@ ViewedRecording::ViewedRecording(const std::string& what, const std::string& str
   name_ = run_ ? run_->name() : reader_.file().filename().string();
   const RunFolder around = run_ ? *run_ : run_folder_at(fs::absolute(reader_.file()).parent_path());
   const bool is_of_run = reader_.file().filename() == around.events().filename();
-  simulated_ = is_of_run ? is_simulated(around) : is_simulated(reader_.streams());
+  simulated_ = is_of_run ? events::is_simulated(around) : events::is_simulated(reader_.streams());
   if (run_ && fs::exists(run_->labels())) {
     labelled_ = true;
-    for (const LabelledInterval& interval : read_labels(run_->labels()).intervals) intervals_.push_back(interval.interval());
+    for (const labels::LabelledInterval& interval : labels::read_labels(run_->labels()).intervals)
+      intervals_.push_back(interval.interval());
   }
   const ProgressCallback progress = progress_line(common);
   const std::uint64_t all = reader_.packets().size();
   std::uint64_t packets = 0;
-  for_all_events(reader_, stream_id_, [&](std::span<const Event> packet) {
+  events::for_all_events(reader_, stream_id_, [&](std::span<const events::Event> packet) {
     tell(progress, ++packets, all, "reading " + name_);
     if (!curve_) {
       first_ = packet.front().t;
@@ -66,7 +67,7 @@ std::optional<Touch> ViewedRecording::touch_at(CameraTime t) const {
   return current == intervals_.end() ? Touch::none : current->touch;
 }
 
-TickRange ViewedRecording::ticks(const HeatmapOptions& options) const {
+TickRange ViewedRecording::ticks(const heatmaps::HeatmapOptions& options) const {
   const TickRange range = full_ticks(first_, last_, options.history, options.tick);
   if (range.count == 0) {
     throw Error(
@@ -76,7 +77,7 @@ TickRange ViewedRecording::ticks(const HeatmapOptions& options) const {
   return range;
 }
 
-TickRange ViewedRecording::ticks_between(const HeatmapOptions& options, std::optional<double> from_ms,
+TickRange ViewedRecording::ticks_between(const heatmaps::HeatmapOptions& options, std::optional<double> from_ms,
                                          std::optional<double> to_ms) const {
   TickRange range = ticks(options);
   const CameraTime last_tick = range.at(range.count - 1);
@@ -104,4 +105,4 @@ nlohmann::json ViewedRecording::json() const {
           {"labelled", labelled_}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

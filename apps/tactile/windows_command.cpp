@@ -15,7 +15,7 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "text_table.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 struct WindowsArguments {
@@ -27,23 +27,23 @@ struct WindowsArguments {
   bool mix = false, include_flagged = false, strict = false, verify = false;
 };
 
-const char* name_of(DatasetSummary::Outcome outcome) {
+const char* name_of(windows::DatasetSummary::Outcome outcome) {
   switch (outcome) {
-    case DatasetSummary::Outcome::written:
+    case windows::DatasetSummary::Outcome::written:
       return "written";
-    case DatasetSummary::Outcome::replaced:
+    case windows::DatasetSummary::Outcome::replaced:
       return "replaced";
-    case DatasetSummary::Outcome::moved:
+    case windows::DatasetSummary::Outcome::moved:
       return "moved";
-    case DatasetSummary::Outcome::unchanged:
+    case windows::DatasetSummary::Outcome::unchanged:
       return "unchanged";
   }
   return "unknown";
 }
 
-nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
+nlohmann::json json_of(const windows::DatasetSummary& summary, const std::string& file) {
   nlohmann::json runs = nlohmann::json::array();
-  for (const WindowedRun& run : summary.runs) {
+  for (const windows::WindowedRun& run : summary.runs) {
     runs.push_back({{"object", run.object},
                     {"run", run.run},
                     {"in_dataset", run.in_dataset},
@@ -64,9 +64,9 @@ nlohmann::json json_of(const DatasetSummary& summary, const std::string& file) {
 }
 
 /// @param differing  what differs from the previous dataset
-std::string text_of(const DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing) {
+std::string text_of(const windows::DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing) {
   std::vector<std::vector<std::string>> rows;
-  for (const WindowedRun& run : summary.runs) {
+  for (const windows::WindowedRun& run : summary.runs) {
     const auto count = [&](Touch touch) {
       return run.in_dataset ? std::to_string(run.samples[static_cast<std::size_t>(touch)]) : std::string("-");
     };
@@ -77,17 +77,17 @@ std::string text_of(const DatasetSummary& summary, const std::string& file, cons
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
   if (summary.was_damaged) {
     text += "The previous dataset could not be read. It is replaced, and its heatmaps are lost.\n";
-  } else if (summary.outcome == DatasetSummary::Outcome::replaced) {
+  } else if (summary.outcome == windows::DatasetSummary::Outcome::replaced) {
     text += fmt::format("The previous dataset had another manifest ({}). It is replaced, and its heatmaps are lost.\n",
                         differing.empty() ? "other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   }
-  if (summary.outcome == DatasetSummary::Outcome::moved)
+  if (summary.outcome == windows::DatasetSummary::Outcome::moved)
     text += "It is the previous dataset, with its heatmaps. The folders of its runs were updated.\n";
   return text;
 }
 
 void verify(const WindowsArguments& args, const std::string& file, const CommonArguments& common) {
-  const DatasetCheck check = verify_dataset(args.data, file, common.threads, progress_line(common));
+  const windows::DatasetCheck check = windows::verify_dataset(args.data, file, common.threads, progress_line(common));
   const bool verified = check.differences.empty();
   std::string text;
   for (const std::string& difference : check.differences) text += difference + "\n";
@@ -118,16 +118,16 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
 void write_windows(const WindowsArguments& args, const CommonArguments& common) {
   const std::string file = args.out.empty() ? (std::filesystem::path(args.data) / "dataset.h5").string() : args.out;
   if (args.verify) return verify(args, file, common);
-  const WindowsOptions options{.sampling = {.tick = microseconds{args.tick_us},
-                                            .window = whole_us(args.window_ms, "--window-ms"),
-                                            .guard = whole_us(args.guard_ms, "--guard-ms"),
-                                            .history = whole_us(args.history_ms, "--history-ms"),
-                                            .seed = args.seed},
-                               .mix = args.mix,
-                               .include_flagged = args.include_flagged,
-                               .strict = args.strict};
-  const std::vector<std::string> differing = settings_unlike_those_in(file, options);
-  const DatasetSummary summary = write_dataset(args.data, file, options, common.threads, progress_line(common));
+  const windows::WindowsOptions options{.sampling = {.tick = microseconds{args.tick_us},
+                                                     .window = whole_us(args.window_ms, "--window-ms"),
+                                                     .guard = whole_us(args.guard_ms, "--guard-ms"),
+                                                     .history = whole_us(args.history_ms, "--history-ms"),
+                                                     .seed = args.seed},
+                                        .mix = args.mix,
+                                        .include_flagged = args.include_flagged,
+                                        .strict = args.strict};
+  const std::vector<std::string> differing = windows::settings_unlike_those_in(file, options);
+  const windows::DatasetSummary summary = windows::write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   print_result(common, json_of(summary, file), text_of(summary, file, differing));
   end_with(summary.errors);
@@ -164,4 +164,4 @@ void add_windows_command(CLI::App& app) {
                    "Write nothing: derive the dataset again with its own settings and compare; exit with 2 if it differs");
 }
 
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -4,7 +4,7 @@
 
 #include "alignment/rate_of.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using test::rate_of;
@@ -56,4 +56,4 @@ TEST(AfterEffect, IsABriefSmallBurstAndNoLightPress) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

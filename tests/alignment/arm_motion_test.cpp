@@ -4,18 +4,18 @@
 
 #include <limits>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
-RobotState state_at(std::int64_t us, double vx) {
-  RobotState state;
+robot::RobotState state_at(std::int64_t us, double vx) {
+  robot::RobotState state;
   state.t = RobotTime{microseconds{us}};
   state.tcp_speed[0] = vx;
   return state;
 }
 
 TEST(ArmMotion, LiesOnStraightLinesBetweenTheRows) {
-  RobotLog log;
+  robot::RobotLog log;
   log.states = {state_at(1'000'000, 0.0), state_at(1'008'000, 0.08), state_at(1'016'000, 0.08)};
   const auto motion = arm_motion(log, {.step = 4ms});
   ASSERT_TRUE(motion);
@@ -28,7 +28,7 @@ TEST(ArmMotion, LiesOnStraightLinesBetweenTheRows) {
 }
 
 TEST(ArmMotion, KnowsNothingWithinAGap) {
-  RobotLog log;
+  robot::RobotLog log;
   log.states = {state_at(0, 0.1), state_at(8'000, 0.1), state_at(208'000, 0.1), state_at(216'000, 0.1)};
   const auto motion = arm_motion(log, {.step = 4ms});
   ASSERT_TRUE(motion);
@@ -39,11 +39,11 @@ TEST(ArmMotion, KnowsNothingWithinAGap) {
 }
 
 TEST(ArmMotion, IsNotMadeOfALogThatWouldNeedTooManyPoints) {
-  RobotLog log;
+  robot::RobotLog log;
   log.states = {state_at(std::numeric_limits<std::int64_t>::min(), 0), state_at(std::numeric_limits<std::int64_t>::max(), 0)};
   EXPECT_FALSE(arm_motion(log));
-  EXPECT_FALSE(arm_motion(RobotLog{}));
+  EXPECT_FALSE(arm_motion(robot::RobotLog{}));
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

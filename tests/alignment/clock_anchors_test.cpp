@@ -9,7 +9,7 @@
 #include "alignment/made_arm.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using test::MadeArm;
@@ -18,12 +18,12 @@ constexpr std::int64_t camera_zero_us = 1'700'000'000'000'000;  // of the arm's 
 constexpr std::int64_t robot_zero_us = 5'432'100'000;
 
 /// What the camera's inertial sensor feels, turned some way against the arm's base.
-std::vector<ImuSample> felt_by(const MadeArm& arm, double from_s, double to_s, std::int64_t zero_us = camera_zero_us) {
+std::vector<events::ImuSample> felt_by(const MadeArm& arm, double from_s, double to_s, std::int64_t zero_us = camera_zero_us) {
   Random random(8);
-  std::vector<ImuSample> samples;
+  std::vector<events::ImuSample> samples;
   for (double t = from_s; t < to_s; t += 0.001242) {
     const double up_g = 1.0 + arm.acceleration(t) / 9.80665;
-    ImuSample sample;
+    events::ImuSample sample;
     sample.t = camera_time(zero_us + std::llround(1e6 * t) / 200 * 200);
     const double axes[3] = {0.3 * up_g, -0.9 * up_g, 0.316 * up_g};
     for (std::size_t k = 0; k < 3; ++k) sample.acceleration_g[k] = static_cast<float>(axes[k] + 0.01 + 0.003 * random.normal());
@@ -57,7 +57,7 @@ double slip_per_ms(const MadeArm& arm, double t, double start_s, double end_s, d
   return (t < start_s + slack_s + drag_s ? 40'000 : 8'000) * v;
 }
 
-FoundAnchors anchors_of(const RobotLog& log, const EventRate& rate, std::span<const ImuSample> imu = {},
+FoundAnchors anchors_of(const robot::RobotLog& log, const EventRate& rate, std::span<const events::ImuSample> imu = {},
                         std::span<const CameraArrival> arrivals = {}, std::optional<CoarseOffset> coarse = {}) {
   const std::vector<MotionPhase> motions = motion_phases(log);
   return clock_anchors({.robot = log,
@@ -70,9 +70,9 @@ FoundAnchors anchors_of(const RobotLog& log, const EventRate& rate, std::span<co
 }
 
 struct Session {
-  RobotLog log;
+  robot::RobotLog log;
   EventRate rate;
-  std::vector<ImuSample> imu;
+  std::vector<events::ImuSample> imu;
 
   FoundAnchors anchors(std::optional<CoarseOffset> coarse = {}) const { return anchors_of(log, rate, imu, {}, coarse); }
 };
@@ -261,7 +261,7 @@ TEST(ClockAnchors, HostTimesOfBothDevices) {
   Session session = press_and_slip(arm, 2.4, 0.7, 0.01, -0.9, 4.9);
   Random random(6);
   constexpr std::int64_t host_zero_us = 1'800'000'000'000'000;
-  for (RobotState& state : session.log.states)
+  for (robot::RobotState& state : session.log.states)
     state.host_time = HostTime{
         microseconds{us_of(state.t) - robot_zero_us + host_zero_us + 1'500 + std::llround(4'000 * random.exponential())}};
   std::vector<CameraArrival> arrivals;
@@ -284,9 +284,9 @@ TEST(ClockAnchors, EachPieceOfARestartedControllerHasItsOwn) {
   MadeArm arm;
   arm.lift(2.4, 0.7, 0.08);
   arm.lift(8.0, 0.6, 0.06);
-  const std::vector<ImuSample> imu = felt_by(arm, 0, 10);
+  const std::vector<events::ImuSample> imu = felt_by(arm, 0, 10);
   EventRate rate = quiet_recording(10);
-  const RobotLog before = arm.log(-0.5, 5, robot_zero_us), after = arm.log(6, 10.5, -6'000'000 + 900'000);
+  const robot::RobotLog before = arm.log(-0.5, 5, robot_zero_us), after = arm.log(6, 10.5, -6'000'000 + 900'000);
   const FoundAnchors first = anchors_of(before, rate, imu);
   const FoundAnchors second = anchors_of(after, rate, imu);
   ASSERT_EQ(count_of(first, AnchorKind::imu), 1U);
@@ -301,8 +301,8 @@ TEST(ClockAnchors, HoldAtTheEndsOfTime) {
   for (const std::int64_t camera_us :
        {std::numeric_limits<std::int64_t>::max() - 5'000'000, std::numeric_limits<std::int64_t>::min() + 100}) {
     const std::int64_t robot_us = camera_us > 0 ? robot_zero_us : -robot_zero_us;
-    const RobotLog log = arm.log(0, 4.5, robot_us);
-    const std::vector<ImuSample> imu = felt_by(arm, 0, 4.5, camera_us);
+    const robot::RobotLog log = arm.log(0, 4.5, robot_us);
+    const std::vector<events::ImuSample> imu = felt_by(arm, 0, 4.5, camera_us);
     const EventRate rate = rate_of(
         0, 4.5, [](double) { return quiet_per_ms; }, camera_us);
     const FoundAnchors found = anchors_of(log, rate, imu);
@@ -311,13 +311,13 @@ TEST(ClockAnchors, HoldAtTheEndsOfTime) {
   }
   const EventRate rate = rate_of(
       0, 1, [](double) { return quiet_per_ms; }, std::numeric_limits<std::int64_t>::min() + 100);
-  const RobotLog log = arm.log(0, 4.5, std::numeric_limits<std::int64_t>::max() - 10'000'000);
+  const robot::RobotLog log = arm.log(0, 4.5, std::numeric_limits<std::int64_t>::max() - 10'000'000);
   EXPECT_TRUE(says(anchors_of(log, rate), "further apart than 64 bits"));
 }
 
 TEST(ClockAnchors, WithoutAMatchADoubtGivesTheReason) {
   const EventRate rate = quiet_recording(2);
-  EXPECT_FALSE(anchors_of(RobotLog{}, rate).doubts.empty());
+  EXPECT_FALSE(anchors_of(robot::RobotLog{}, rate).doubts.empty());
   MadeArm arm;
   arm.lift(1.0, 0.5, 0.05);
   const FoundAnchors found = anchors_of(arm.log(0, 2), rate);
@@ -326,4 +326,4 @@ TEST(ClockAnchors, WithoutAMatchADoubtGivesTheReason) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -7,7 +7,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr std::int64_t clock_start_us = 32'026'551'306;
@@ -176,4 +176,4 @@ TEST(FitClock, HoldsAtTheEndsOfTime) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 TEST(Correlations, AreTheSumsOfProductsAtEveryLag) {
@@ -40,4 +40,4 @@ TEST(Correlations, OfNothingAreNone) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -12,13 +12,13 @@
 #include "tactile/alignment/activity.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 TEST(EventRate, CountsEveryEventExceptThoseOfHotPixels) {
   const test::TemporaryFolder folder;
   test::write_made_events(folder / "events.aedat4", {.bursts = {{1'000'000, 1'200'000}}, .hot_pixels = 7});
-  RecordingReader recording(folder / "events.aedat4");
+  events::RecordingReader recording(folder / "events.aedat4");
   const EventRate rate = event_rate(recording, 0);
   EXPECT_EQ(rate.hot_pixels, 7U);
   ASSERT_EQ(rate.counts.size(), 15'000U);
@@ -31,31 +31,31 @@ TEST(EventRate, CountsEveryEventExceptThoseOfHotPixels) {
 
 TEST(EventRate, RefusesARecordingWithoutEvents) {
   const test::TemporaryFolder folder;
-  RecordingWriter(folder / "empty.aedat4", {event_stream_declaration({64, 48}, "DVXplorer_TEST")}).close();
-  RecordingReader recording(folder / "empty.aedat4");
+  events::RecordingWriter(folder / "empty.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")}).close();
+  events::RecordingReader recording(folder / "empty.aedat4");
   EXPECT_THROW(event_rate(recording, 0), Error);
 }
 
 TEST(EventRate, RefusesARecordingThatSpansHours) {
   const test::TemporaryFolder folder;
-  RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
-  std::vector<Event> events(2);
+  events::RecordingWriter writer(folder / "long.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<events::Event> events(2);
   events[0].t = camera_time(0);
   events[1].t = camera_time(86'400'000'000);
   writer.write_events(0, events);
   writer.close();
-  RecordingReader recording(folder / "long.aedat4");
+  events::RecordingReader recording(folder / "long.aedat4");
   EXPECT_THROW(event_rate(recording, 0), Error);
 }
 
 /// Made of what `use(read-out, add)` adds: `add(x, y)` is one event.
 template <class Use>
 void write_read_outs(const std::filesystem::path& file, std::int64_t begin_us, int read_outs, const Use& use) {
-  RecordingWriter writer(file, {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
-  std::vector<Event> events;
+  events::RecordingWriter writer(file, {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<events::Event> events;
   for (int read_out = 0; read_out < read_outs; ++read_out) {
     use(read_out, [&](std::uint64_t x, std::uint64_t y) {
-      Event event;
+      events::Event event;
       event.t = camera_time(begin_us + std::int64_t{200} * read_out);
       event.x = static_cast<std::int16_t>(x);
       event.y = static_cast<std::int16_t>(y);
@@ -67,7 +67,7 @@ void write_read_outs(const std::filesystem::path& file, std::int64_t begin_us, i
 }
 
 EventRate rate_in(const std::filesystem::path& file, const EventRateOptions& options = {}) {
-  RecordingReader recording(file);
+  events::RecordingReader recording(file);
   return event_rate(recording, 0, options);
 }
 
@@ -163,4 +163,4 @@ TEST(EventRate, OfOneEventIsOneBin) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <limits>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// A camera that looks along (0.6, 0, 0.8) of its own axes and is pushed that way at 2 m/s^2 from 1.0 to 1.1 s.
-std::vector<ImuSample> pushed_camera(std::int64_t begin_us, double seconds) {
-  std::vector<ImuSample> samples;
+std::vector<events::ImuSample> pushed_camera(std::int64_t begin_us, double seconds) {
+  std::vector<events::ImuSample> samples;
   for (double t = 0; t < seconds; t += 0.00125) {
     const double push_g = t >= 1.0 && t < 1.1 ? 2.0 / 9.80665 : 0.0;
-    ImuSample sample;
+    events::ImuSample sample;
     sample.t = camera_time(begin_us + std::llround(1e6 * t));
     sample.acceleration_g[0] = static_cast<float>(0.02 + 0.6 * push_g);
     sample.acceleration_g[1] = -1.0F;
@@ -34,8 +34,8 @@ TEST(ImuMotion, IsWithoutGravityAndBias) {
 }
 
 TEST(ImuMotion, FollowsACameraThatIsTurned) {
-  std::vector<ImuSample> samples = pushed_camera(0, 12);
-  for (ImuSample& sample : samples) {  // upside down from 6 s on
+  std::vector<events::ImuSample> samples = pushed_camera(0, 12);
+  for (events::ImuSample& sample : samples) {  // upside down from 6 s on
     if (us_of(sample.t) >= 6'000'000) sample.acceleration_g[1] = 1.0F;
   }
   const ImuMotion motion = imu_motion(samples);
@@ -44,7 +44,7 @@ TEST(ImuMotion, FollowsACameraThatIsTurned) {
 }
 
 TEST(ImuMotion, LeavesOutWhatComesOutOfOrderOrIsNoNumber) {
-  std::vector<ImuSample> samples = pushed_camera(0, 1);
+  std::vector<events::ImuSample> samples = pushed_camera(0, 1);
   samples[10].t = samples[9].t;
   samples[20].acceleration_g[1] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(imu_motion(samples).t.size(), samples.size() - 2);
@@ -52,16 +52,16 @@ TEST(ImuMotion, LeavesOutWhatComesOutOfOrderOrIsNoNumber) {
 }
 
 TEST(ImuMotion, PassesOverAGapOfHours) {
-  std::vector<ImuSample> samples = pushed_camera(std::numeric_limits<std::int64_t>::min(), 3);
-  const std::vector<ImuSample> later = pushed_camera(std::numeric_limits<std::int64_t>::max() - 10'000'000, 3);
+  std::vector<events::ImuSample> samples = pushed_camera(std::numeric_limits<std::int64_t>::min(), 3);
+  const std::vector<events::ImuSample> later = pushed_camera(std::numeric_limits<std::int64_t>::max() - 10'000'000, 3);
   samples.insert(samples.end(), later.begin(), later.begin() + 800);
-  const ImuMotion motion = imu_motion(std::vector<ImuSample>(samples.begin(), samples.begin() + 2'400));
+  const ImuMotion motion = imu_motion(std::vector<events::ImuSample>(samples.begin(), samples.begin() + 2'400));
   EXPECT_NEAR(motion.velocity.back()[2], 0.16, 0.003);
-  std::vector<ImuSample> apart = pushed_camera(0, 3);
+  std::vector<events::ImuSample> apart = pushed_camera(0, 3);
   for (std::size_t i = 1'600; i < apart.size(); ++i) apart[i].t += std::chrono::hours(5);
   const ImuMotion both = imu_motion(apart);
   EXPECT_NEAR(both.velocity.back()[2], 0.16, 0.003) << "nothing is integrated over the gap";
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// y = a e^(-b x) at x = 0, 0.1 ... 2, where a = 3 and b = 2; only a positive b can be.
@@ -64,4 +64,4 @@ TEST(CurvatureAt, IsTheProductOfTheDerivatives) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

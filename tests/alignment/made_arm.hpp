@@ -54,13 +54,13 @@ class MadeArm {
 
   /// Rows from `from_s` to `to_s` of the arm's time, whose 0 the controller counts as `zero_us` and whose second it takes for
   /// 1 + `fast_ppm` millionths.
-  RobotLog log(double from_s, double to_s, std::int64_t zero_us = 0, double fast_ppm = 0, double period_s = 0.008,
-               double noise = 3e-4, std::uint64_t seed = 5) const {
+  robot::RobotLog log(double from_s, double to_s, std::int64_t zero_us = 0, double fast_ppm = 0, double period_s = 0.008,
+                      double noise = 3e-4, std::uint64_t seed = 5) const {
     Random random(seed);
-    RobotLog log;
+    robot::RobotLog log;
     double height = 0.3;
     for (double t = from_s; t < to_s; t += period_s) {
-      RobotState state;
+      robot::RobotState state;
       state.t = RobotTime{microseconds{zero_us + std::llround(1e6 * t * (1.0 + 1e-6 * fast_ppm))}};
       height += period_s * speed(t);
       state.tcp_pose = {0.1, 0.2, height, 0, 0, 0};

@@ -15,9 +15,9 @@ namespace tactile::test {
 
 /// What an arm is commanded, and how it rings.
 struct MadeMotion {
-  std::vector<double> knots_s{};  ///< straight lines from knot to knot
-  std::vector<double> speeds{};   ///< [m/s] at the knots, upwards
-  ArmRinging ringing{};           ///< none
+  std::vector<double> knots_s{};    ///< straight lines from knot to knot
+  std::vector<double> speeds{};     ///< [m/s] at the knots, upwards
+  alignment::ArmRinging ringing{};  ///< none
   std::array<double, 3> direction{0, 0, 1};
   double noise = 3e-4;       ///< [m/s] each axis
   double pose_noise = 1e-5;  ///< [m]
@@ -50,19 +50,19 @@ inline double commanded(const MadeMotion& motion, double t_s) {
 }
 
 /// The log of it. The ringing is that of a mass on a spring, x'' + 2 d x' + (w^2 + d^2) x = -share a, step by step.
-inline RobotLog log_of(const MadeMotion& motion) {
+inline robot::RobotLog log_of(const MadeMotion& motion) {
   constexpr double step_s = 2e-5;
   const double w = 2.0 * std::numbers::pi * motion.ringing.hz;
   const double d = motion.ringing.decay_s > 0 ? 1.0 / motion.ringing.decay_s : 1.0;
   Random random(motion.seed);
-  RobotLog log;
+  robot::RobotLog log;
   double way = 0, x = 0, v = 0;
   const auto steps = static_cast<std::int64_t>(std::llround(motion.length_s / step_s));
   const auto per_row = static_cast<std::int64_t>(std::llround(1e-3 * motion.period_ms / step_s));
   for (std::int64_t i = 0; i < steps; ++i) {
     const double t_s = step_s * static_cast<double>(i);
     if (i % per_row == 0 && !(i > 0 && random.uniform() < motion.lost_share)) {
-      RobotState state;
+      robot::RobotState state;
       state.t = RobotTime{microseconds{1'000'000'000 + 20 * i}};
       state.tcp_pose = {-0.4, 0.2, 0.3, 2.2, -2.2, 0};
       for (std::size_t a = 0; a < 3; ++a) {
@@ -82,6 +82,6 @@ inline RobotLog log_of(const MadeMotion& motion) {
 }
 
 /// Seconds since the log's first row.
-inline double seconds(const RobotLog&, RobotTime t) { return 1e-6 * static_cast<double>(us_of(t) - 1'000'000'000); }
+inline double seconds(const robot::RobotLog&, RobotTime t) { return 1e-6 * static_cast<double>(us_of(t) - 1'000'000'000); }
 
 }  // namespace tactile::test

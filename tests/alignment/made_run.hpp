@@ -34,14 +34,14 @@ inline constexpr std::int64_t made_camera_begin_us = 1'700'000'000'000'000;
 inline void write_made_events(const std::filesystem::path& file, const MadeRun& made) {
   std::filesystem::remove(file);
   Random random(made.seed);
-  RecordingWriter writer(file, {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
-  std::vector<Event> events;
+  events::RecordingWriter writer(file, {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<events::Event> events;
   for (std::int64_t read_out = 0; read_out * 200 < static_cast<std::int64_t>(made.length_us); ++read_out) {
     const auto t = static_cast<double>(read_out) * 200.0;
     double mean = made.noise_per_read_out;
     for (const MadeBurst& burst : made.bursts) mean += burst.start_us <= t && t < burst.end_us ? burst.events_per_read_out : 0.0;
     const auto event_at = [&](std::uint64_t x, std::uint64_t y) {
-      Event event;
+      events::Event event;
       event.t = camera_time(made_camera_begin_us + read_out * 200);
       event.x = static_cast<std::int16_t>(x);
       event.y = static_cast<std::int16_t>(y);
@@ -58,12 +58,12 @@ inline void write_made_events(const std::filesystem::path& file, const MadeRun& 
 
 /// A lift from `start_us` (camera time from the recording's begin) with UR's usual acceleration, on a robot clock that is
 /// `offset_us` behind.
-inline RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, std::int64_t offset_us,
-                          double length_us = 3'000'000) {
+inline robot::RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, std::int64_t offset_us,
+                                 double length_us = 3'000'000) {
   constexpr double acceleration = 1.2;
   const double ramp_us = speed_m_s / acceleration * 1e6;
   Random random(9);
-  RobotLog log;
+  robot::RobotLog log;
   double height = 0.3;
   for (double t = 0; t < length_us; t += 8'000) {
     const double u = t - start_us;
@@ -73,7 +73,7 @@ inline RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, s
                      : u < full                  ? speed_m_s
                                                  : speed_m_s * (1 - (u - full) / ramp_us);
     height += v * 0.008;
-    RobotState state;
+    robot::RobotState state;
     state.t = RobotTime{microseconds{static_cast<std::int64_t>(t) + made_camera_begin_us - offset_us}};
     state.tcp_pose = {0.1, 0.2, height, 0, 0, 0};
     state.tcp_speed = {2e-4 * random.normal(), 2e-4 * random.normal(), v + 2e-4 * random.normal(), 0, 0, 0};
@@ -83,12 +83,12 @@ inline RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, s
 }
 
 /// `DATA/fan/NAME` with these events, and the log if it has rows.
-inline RunFolder write_made_run(const std::filesystem::path& data, const MadeRun& made, const RobotLog& log,
+inline RunFolder write_made_run(const std::filesystem::path& data, const MadeRun& made, const robot::RobotLog& log,
                                 const std::string& name = "01") {
   std::filesystem::create_directories(data / "fan" / name);
   const RunFolder run = run_folder_at(data / "fan" / name);
   write_made_events(run.events(), made);
-  if (!log.states.empty()) write_robot_log(run.robot(), log);
+  if (!log.states.empty()) robot::write_robot_log(run.robot(), log);
   write_run_info(run, {.object = "fan",
                        .run = name,
                        .session = "",

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 TEST(MainDirection, IsTheDirectionOfMostOfTheVectors) {
@@ -24,4 +24,4 @@ TEST(MainDirection, IsUpwardsWhereNothingMoves) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -20,7 +20,7 @@
 #include "tactile/video/video_writer.hpp"
 #include "video/made_film.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using test::error_of;
@@ -70,7 +70,7 @@ cv::Mat picture(const Scene& scene, double t_s, Noise& noise) {
 
 void film(const std::filesystem::path& file, const Scene& scene, std::span<const VideoTime> times) {
   Noise noise;
-  VideoWriter writer(file, {.width = frame_size.width, .height = frame_size.height, .quality = 18});
+  video::VideoWriter writer(file, {.width = frame_size.width, .height = frame_size.height, .quality = 18});
   for (const VideoTime t : times) writer.write(picture(scene, 1e-6 * static_cast<double>(us_of(t)), noise), t);
   writer.close();
 }
@@ -333,4 +333,4 @@ TEST(MotionEnergy, RefusesWhatIsNoFilmOfARun) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

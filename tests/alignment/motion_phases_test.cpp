@@ -12,13 +12,13 @@
 #include "tactile/alignment/motion_rows.hpp"
 #include "tactile/robot/pose_speeds.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using test::MadeArm;
 using test::MadeMotion;
 
-double ms(const RobotLog& log, RobotTime t) { return 1e3 * test::seconds(log, t); }
+double ms(const robot::RobotLog& log, RobotTime t) { return 1e3 * test::seconds(log, t); }
 
 std::string kinds(const std::vector<MotionPhase>& phases) {
   std::string text;
@@ -36,7 +36,7 @@ TEST(MotionPhases, FindStartAndEndOfALiftBetweenTheRows) {
   for (const double start_s : {1.0, 1.0025, 1.0061}) {
     MadeMotion motion = lift(start_s, 0.5, 0.06);
     motion.noise = 1e-6;
-    const RobotLog log = log_of(motion);
+    const robot::RobotLog log = log_of(motion);
     const auto phases = motion_phases(log);
     ASSERT_EQ(kinds(phases), "lift");
     EXPECT_NEAR(ms(log, phases[0].start), 1e3 * start_s, 0.1);
@@ -65,7 +65,7 @@ TEST(MotionPhases, OfARingingArmAreAccurateToMillisecondsAtBothRates) {
           motion.period_ms = period_ms;
           motion.noise = 4e-4;
           motion.seed = static_cast<std::uint64_t>(++seed);
-          const RobotLog log = log_of(motion);
+          const robot::RobotLog log = log_of(motion);
           const auto phases = motion_phases(log);
           ASSERT_EQ(kinds(phases), "lift") << ringing.hz << " Hz, " << speed << " m/s: the tail is no phase";
           const double start_off = ms(log, phases[0].start) - 1e3 * motion.knots_s.front();
@@ -91,8 +91,8 @@ TEST(MotionPhases, FromPosesAloneStartNoSooner) {
     MadeMotion motion = lift(1.2 + 0.0006 * seed, 0.55, 0.07);
     motion.ringing = {18, 0.08, 0.3};
     motion.seed = static_cast<std::uint64_t>(seed);
-    RobotLog log = log_of(motion);
-    log.smoothed_over = set_speeds_from_poses(log.states);
+    robot::RobotLog log = log_of(motion);
+    log.smoothed_over = robot::set_speeds_from_poses(log.states);
     const auto phases = motion_phases(log);
     ASSERT_EQ(kinds(phases), "lift");
     EXPECT_NEAR(ms(log, phases[0].start), 1e3 * motion.knots_s.front(), 3.0);
@@ -111,7 +111,7 @@ TEST(MotionPhases, DistinguishTapsFromLifts) {
     for (int i = 0; i < 3; ++i) add_tap(motion, 0.5 + 0.45 * i, 0.25, 0.05);
     add_move(motion, 2.2, 0.6, 0.07);
     motion.length_s = 4;
-    const RobotLog log = log_of(motion);
+    const robot::RobotLog log = log_of(motion);
     const auto phases = motion_phases(log);
     ASSERT_EQ(kinds(phases), "tap tap tap lift");
     for (std::size_t i = 0; i < 3; ++i) {
@@ -142,7 +142,7 @@ TEST(MotionPhases, OfThereAndBackWithARestAreATapOnlyIfTheRestIsShort) {
   MadeMotion unequal;
   add_move(unequal, 0.5, 0.3, -0.03);
   add_move(unequal, 0.8, 0.6, 0.05);
-  const RobotLog log = log_of(unequal);
+  const robot::RobotLog log = log_of(unequal);
   const auto phases = motion_phases(log);
   ASSERT_EQ(kinds(phases), "lower lift") << "it does not come back to where it was";
   EXPECT_NEAR(ms(log, phases[0].end), 800, 2.0);
@@ -167,7 +167,7 @@ TEST(MotionPhases, OfALongMotionAreFittedAtTheirEnds) {
   MadeMotion motion = lift(1.003, 5.0, 0.06);
   motion.ringing = {15, 0.1, 0.4};
   motion.length_s = 8;
-  const RobotLog log = log_of(motion);
+  const robot::RobotLog log = log_of(motion);
   const auto phases = motion_phases(log);
   ASSERT_EQ(kinds(phases), "lift");
   EXPECT_NEAR(ms(log, phases[0].start), 1003, 1.5);
@@ -176,11 +176,12 @@ TEST(MotionPhases, OfALongMotionAreFittedAtTheirEnds) {
 }
 
 TEST(MotionPhases, DoNotKnowTheStartOfAnArmThatAlreadyMoved) {
-  const RobotLog whole = log_of(lift(1.0, 0.8, 0.06));
-  RobotLog late = whole, early = whole, torn = whole;
-  std::erase_if(late.states, [&](const RobotState& state) { return ms(whole, state.t) < 1400; });
-  std::erase_if(early.states, [&](const RobotState& state) { return ms(whole, state.t) > 1400; });
-  std::erase_if(torn.states, [&](const RobotState& state) { return ms(whole, state.t) > 1300 && ms(whole, state.t) < 1500; });
+  const robot::RobotLog whole = log_of(lift(1.0, 0.8, 0.06));
+  robot::RobotLog late = whole, early = whole, torn = whole;
+  std::erase_if(late.states, [&](const robot::RobotState& state) { return ms(whole, state.t) < 1400; });
+  std::erase_if(early.states, [&](const robot::RobotState& state) { return ms(whole, state.t) > 1400; });
+  std::erase_if(torn.states,
+                [&](const robot::RobotState& state) { return ms(whole, state.t) > 1300 && ms(whole, state.t) < 1500; });
   auto phases = motion_phases(late);
   ASSERT_EQ(kinds(phases), "lift");
   EXPECT_TRUE(std::isinf(phases[0].start_sigma_us));
@@ -205,7 +206,7 @@ TEST(MotionPhases, OfFewRowsAreStillFound) {
   MadeMotion motion = lift(1.0, 0.5, 0.06);
   motion.period_ms = 40;
   motion.length_s = 2;
-  const RobotLog log = log_of(motion);
+  const robot::RobotLog log = log_of(motion);
   const auto phases = motion_phases(log);
   ASSERT_EQ(kinds(phases), "lift");
   EXPECT_NEAR(ms(log, phases[0].start), 1000, std::max(25.0, 3e-3 * phases[0].start_sigma_us));
@@ -218,7 +219,7 @@ TEST(MotionPhases, OfARestingArmAreNone) {
   resting.noise = 0;
   EXPECT_TRUE(motion_phases(log_of(resting)).empty());
   EXPECT_TRUE(motion_phases({}).empty());
-  RobotLog one;
+  robot::RobotLog one;
   one.states.emplace_back();
   one.states[0].tcp_speed[2] = 1;
   EXPECT_TRUE(motion_phases(one).empty());
@@ -282,4 +283,4 @@ TEST(SpeedNoise, IsThatOfARestingArmThoughItMoves) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -8,9 +8,9 @@
 namespace tactile::test {
 
 /// A Poisson event rate of `rate_at(t in us)` events per 200 us bin, `bins` long, from camera time 1 s on.
-inline EventRate rate_of(std::size_t bins, const std::function<double(double)>& rate_at, std::uint64_t seed) {
+inline alignment::EventRate rate_of(std::size_t bins, const std::function<double(double)>& rate_at, std::uint64_t seed) {
   Random random(seed);
-  EventRate rate;
+  alignment::EventRate rate;
   rate.begin = camera_time(1'000'000);
   rate.bin = 200us;
   for (std::size_t i = 0; i < bins; ++i)

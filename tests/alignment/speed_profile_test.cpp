@@ -4,12 +4,12 @@
 
 #include "alignment/made_motion.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
-std::vector<SpeedRow> rows_of(const RobotLog& log, double from_s, double to_s) {
+std::vector<SpeedRow> rows_of(const robot::RobotLog& log, double from_s, double to_s) {
   std::vector<SpeedRow> rows;
-  for (const RobotState& state : log.states) {
+  for (const robot::RobotState& state : log.states) {
     const double t_s = test::seconds(log, state.t);
     if (t_s >= from_s && t_s < to_s)
       rows.push_back({.t_s = t_s, .speed = {state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]}});
@@ -87,7 +87,7 @@ TEST(SpeedProfile, IsRobustAgainstARowOfAnotherPackage) {
 TEST(SpeedProfile, OfAnOpenEndFitsTheOtherEnd) {
   test::MadeMotion motion{.ringing = {.hz = 22, .decay_s = 0.06, .share = 0.3}};
   add_move(motion, 0.302, 3.0, 0.08);
-  const RobotLog log = log_of(motion);
+  const robot::RobotLog log = log_of(motion);
   const auto start = fit_speed_profile(rows_of(log, 0.15, 0.75), {.noise = 3e-4, .knots_s = {0.3, 0.37, 0.75}, .open_end = true});
   ASSERT_TRUE(start.has_value());
   EXPECT_NEAR(start->knots_s.front(), 0.302, 0.001);
@@ -105,4 +105,4 @@ TEST(SpeedProfile, NeedsRows) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

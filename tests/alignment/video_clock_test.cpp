@@ -10,7 +10,7 @@
 #include "tactile/alignment/film_of_skin.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// A motion along a straight line: speeds up, goes on, slows down.
@@ -348,4 +348,4 @@ TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -16,7 +16,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using test::run_tactile;
@@ -271,4 +271,4 @@ TEST(Doctor, SaysWhatMattersInJson) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -9,7 +9,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,4 +152,4 @@ TEST(ConvertCommand, MakesARunOfABag) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -25,7 +25,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,10 +56,11 @@ int status_of(pid_t process) {
 class KilledCommand : public testing::Test {
  protected:
   KilledCommand() {
-    const SensorSize size{640, 480};
-    RecordingWriter writer(in, {event_stream_declaration(size, "DVXplorer_DXM00001")}, {.compression = Compression::none});
+    const events::SensorSize size{640, 480};
+    events::RecordingWriter writer(in, {events::event_stream_declaration(size, "DVXplorer_DXM00001")},
+                                   {.compression = events::Compression::none});
     std::minstd_rand random(7);
-    std::vector<Event> events;
+    std::vector<events::Event> events;
     for (std::int64_t t = 0; t < 4'000'000; t += 2) {
       events.push_back(
           test::event_at(t, static_cast<int>(random() % 640), static_cast<int>(random() % 480), static_cast<int>(random() % 2)));
@@ -201,4 +202,4 @@ TEST_F(KilledCommand, ConvertsInTwoContainersDoNotWriteIntoEachOther) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -7,7 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 /// In the vendor's place: a package that knows two read-out modes, and says when a camera is looked for.
@@ -38,4 +38,4 @@ TEST(DvBridge, ChecksTheReadoutModeAheadOfTheCamera) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

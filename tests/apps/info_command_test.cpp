@@ -14,7 +14,7 @@
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/run_folder.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,7 +185,7 @@ TEST(InfoCommand, ReportsTheRestBesideAFileThatCannotBeRead) {
 
 TEST(InfoCommand, DoesNotAllocateForASensorOfAbsurdSize) {
   const test::TemporaryFolder folder;
-  RecordingWriter writer(folder / "huge.aedat4", {event_stream_declaration({32'767, 32'767}, "camera")});
+  events::RecordingWriter writer(folder / "huge.aedat4", {events::event_stream_declaration({32'767, 32'767}, "camera")});
   writer.write_events(0, test::steady_events(100, 0, 100, {32'767, 32'767}));
   writer.close();
   // Four bytes a pixel would be 4.3 GB; the libraries alone map a good gigabyte.
@@ -346,4 +346,4 @@ TEST(InfoCommand, RefusesAGapOutOfRange) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

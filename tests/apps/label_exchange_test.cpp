@@ -7,7 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using nlohmann::json;
@@ -188,4 +188,4 @@ TEST_F(LabelExchange, ElanGetsTheFilmInStep) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -10,7 +10,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 using test::run_tactile;
@@ -298,4 +298,4 @@ TEST_F(LabelCommand, ComparesClocksByTheirAnchors) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -27,7 +27,7 @@
 #include "transport/scripted_server.hpp"
 #include "video/made_film.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,7 @@ using test::events_in_file;
 using test::RunningCommand;
 using test::ScriptedServer;
 
-constexpr SensorSize size{640, 480};
+constexpr events::SensorSize size{640, 480};
 
 std::ptrdiff_t lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
@@ -51,10 +51,10 @@ class RecordCommand : public testing::Test {
     return read_json(run_folder(object, number).info());
   }
   /// Twenty seconds of events and an hour of one a second, so that a replay at its own pace outlives every test.
-  std::vector<Event> make_long_recording() const {
-    std::vector<Event> events = test::steady_events(400'000, 1'000'000, 50, size);
-    for (const Event& later : test::steady_events(3'600, 22'000'000, 1'000'000, size)) events.push_back(later);
-    RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001")});
+  std::vector<events::Event> make_long_recording() const {
+    std::vector<events::Event> events = test::steady_events(400'000, 1'000'000, 50, size);
+    for (const events::Event& later : test::steady_events(3'600, 22'000'000, 1'000'000, size)) events.push_back(later);
+    events::RecordingWriter writer(folder / "long.aedat4", {events::event_stream_declaration(size, "DVXplorer_DXM00001")});
     writer.write_events(0, events);
     writer.close();
     return events;
@@ -91,12 +91,13 @@ TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
 }
 
 TEST_F(RecordCommand, TellsWhatItRecordedBesideTheEvents) {
-  const std::vector<Event> events = test::steady_events(1001, 5'000'000, 100, size);  // 0.1 s of events
+  const std::vector<events::Event> events = test::steady_events(1001, 5'000'000, 100, size);  // 0.1 s of events
   {
-    const Stream imu = test::stream_of(1, StreamType::imu, "IMUS", "DVXplorer_DXM00001");
-    RecordingWriter writer(folder / "in.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001"), imu});
+    const events::Stream imu = test::stream_of(1, events::StreamType::imu, "IMUS", "DVXplorer_DXM00001");
+    events::RecordingWriter writer(folder / "in.aedat4", {events::event_stream_declaration(size, "DVXplorer_DXM00001"), imu});
     writer.write_events(0, events);
-    const std::array<ImuSample, 2> samples{ImuSample{.t = camera_time(5'000'000)}, ImuSample{.t = camera_time(6'000'000)}};
+    const std::array<events::ImuSample, 2> samples{events::ImuSample{.t = camera_time(5'000'000)},
+                                                   events::ImuSample{.t = camera_time(6'000'000)}};
     writer.write_imu(1, samples);
     writer.close();
   }
@@ -202,7 +203,7 @@ TEST_F(RecordCommand, TakesTheSimulatorForAWholeRun) {
 }
 
 TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
-  const std::vector<Event> sent = make_long_recording();
+  const std::vector<events::Event> sent = make_long_recording();
   int number = 0;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const RunFolder run = run_folder("unnamed", "0" + std::to_string(++number));
@@ -215,7 +216,7 @@ TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
     const nlohmann::json json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("ended"), "interrupted");
     EXPECT_EQ(json.at("complete"), true);
-    const std::vector<Event> kept = events_in_file(run.events());
+    const std::vector<events::Event> kept = events_in_file(run.events());
     EXPECT_EQ(json.at("events"), kept.size());
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
     EXPECT_EQ(test::run_tactile("info --check " + run.folder.string()).exit_code, 0);
@@ -253,7 +254,7 @@ TEST_F(RecordCommand, RefusesAReadOutModeAheadOfALookForACamera) {
 }
 
 TEST_F(RecordCommand, KeepsWhatCameFromAStreamThatBreaksOff) {
-  const std::vector<Event> events = test::steady_events(1000, 1'000'000, 10, size);
+  const std::vector<events::Event> events = test::steady_events(1000, 1'000'000, 10, size);
   const std::string whole = test::packet(0, test::event_payload(events));
   const std::string bytes = test::event_stream_start() + whole + whole.substr(0, whole.size() / 2);
   ScriptedServer server([&](ScriptedServer::Socket& client) { test::send_all(client, bytes); });
@@ -351,7 +352,7 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs.at(0).at("ended"), "stopped by actual_digital_input_bits:1");
-  const RobotLog log = read_robot_log(folder / "data/fan/01/robot.csv").longest();
+  const robot::RobotLog log = robot::read_robot_log(folder / "data/fan/01/robot.csv").longest();
   ASSERT_FALSE(log.states.empty());
   EXPECT_EQ(runs.at(0).at("robot").at("rows"), log.states.size());
   EXPECT_EQ(log.states.back().digital_output_bits.value() & 1U, log.states.front().digital_output_bits.value() & 1U);
@@ -388,7 +389,7 @@ TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
   EXPECT_GE(json.at("robot").at("gaps"), 1);
   EXPECT_EQ(json.at("complete"), true);
   EXPECT_GE(run_json("unnamed", "01").at("dropped").at("robot_gaps"), 1);
-  EXPECT_GE(read_robot_log(run.robot()).longest().gaps.size(), 1U);
+  EXPECT_GE(robot::read_robot_log(run.robot()).longest().gaps.size(), 1U);
 }
 
 TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
@@ -506,7 +507,7 @@ TEST_F(RecordCommand, ReportsWhatASessionRecordedAheadOfAnError) {
 }
 
 TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {
-  const std::vector<Event> sent = make_long_recording();
+  const std::vector<events::Event> sent = make_long_recording();
   const CommandResult result = test::run_shell("ulimit -f 500 && '" + std::string(test::tactile_binary) +
                                                    "' record --json --compression none --from file:long.aedat4 --speed 0",
                                                folder.path());
@@ -514,7 +515,7 @@ TEST_F(RecordCommand, EndsWithOneOnAFullDiskAndKeepsWhatFits) {
   EXPECT_NE(result.err.find("data/unnamed/01/events.aedat4: cannot be written"), std::string::npos) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("complete"), false);
   EXPECT_EQ(run_json("unnamed", "01").at("complete"), false);
-  const std::vector<Event> kept = events_in_file(run_folder("unnamed", "01").events());
+  const std::vector<events::Event> kept = events_in_file(run_folder("unnamed", "01").events());
   EXPECT_GT(kept.size(), 10'000U);
   EXPECT_LT(kept.size(), sent.size());
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
@@ -532,7 +533,7 @@ std::size_t pieces_of_film(const RunFolder& run) {
 
 // The moments are counted in events and pieces of film that are in the files: a slow machine is killed later, not elsewhere.
 TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
-  const std::vector<Event> sent = make_long_recording();
+  const std::vector<events::Event> sent = make_long_recording();
   test::write_film(folder / "film.mp4", test::uneven_times(600, 33'333us));
   test::FakeController controller;
   std::mt19937 random(20);
@@ -555,7 +556,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
       std::this_thread::sleep_for(std::chrono::milliseconds(random() % 50));
       ASSERT_FALSE(command.has_ended()) << command.err();
     }  // SIGKILL
-    const std::vector<Event> kept = events_in_file(run.events());
+    const std::vector<events::Event> kept = events_in_file(run.events());
     EXPECT_GE(kept.size(), seen);
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), sent.begin()));
     with_events += kept.empty() ? 0 : 1;
@@ -564,7 +565,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
       EXPECT_FALSE(read_run_info(run).complete);
     }
     if (fs::exists(run.robot()) && fs::file_size(run.robot()) > 5000) {
-      EXPECT_FALSE(read_robot_log(run.robot()).longest().states.empty());
+      EXPECT_FALSE(robot::read_robot_log(run.robot()).longest().states.empty());
     }
     if (pieces_of_film(run) >= 2) {
       EXPECT_FALSE(test::decoded_times(run.video()).empty());
@@ -587,7 +588,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
 TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
   ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan").exit_code, 0);
   const RunFolder whole = run_folder("fan", "01"), killed = run_folder("fan", "02");
-  EXPECT_FALSE(fs::exists(checksums_beside(whole.events())));
+  EXPECT_FALSE(fs::exists(events::checksums_beside(whole.events())));
 
   make_long_recording();
   {
@@ -595,7 +596,7 @@ TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
     ASSERT_TRUE(has_begun(killed, command)) << command.err();
     ASSERT_TRUE(test::comes_true([&] { return events_in_file(killed.events()).size() > 10'000; }));
   }  // SIGKILL
-  ASSERT_TRUE(fs::exists(checksums_beside(killed.events())));
+  ASSERT_TRUE(fs::exists(events::checksums_beside(killed.events())));
   const auto check = [&] { return nlohmann::json::parse(run("info --check --json data/fan/02").out).at("recordings").at(0); };
   const nlohmann::json sound = check();
   const std::size_t packets = sound.at("checksums").at("whole");
@@ -615,11 +616,11 @@ TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
   EXPECT_EQ(repair.exit_code, 0) << repair.err;
   EXPECT_NE(repair.out.find("1 packet changed, according to the checksums"), std::string::npos) << repair.out;
   EXPECT_EQ(run("info --check data/fan/03").exit_code, 0);
-  EXPECT_FALSE(fs::exists(checksums_beside(run_folder("fan", "03").events())));
+  EXPECT_FALSE(fs::exists(events::checksums_beside(run_folder("fan", "03").events())));
   EXPECT_GE(test::packets_of(run_folder("fan", "03").events()).size(), packets - 1);
 
   // A kill after run.json was written leaves them beside a recording that has its hash: they are not asked any more.
-  fs::copy_file(checksums_beside(killed.events()), checksums_beside(whole.events()));
+  fs::copy_file(events::checksums_beside(killed.events()), events::checksums_beside(whole.events()));
   const CommandResult left = run("info --check --json data/fan/01");
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_TRUE(nlohmann::json::parse(left.out).at("recordings").at(0).at("checksums").is_null());
@@ -627,4 +628,4 @@ TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

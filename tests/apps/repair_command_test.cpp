@@ -9,7 +9,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,4 +101,4 @@ TEST_F(RepairCommand, SaysInOneLineWhyItDoesNotWrite) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -25,7 +25,7 @@ namespace tactile::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Received = DvStreamClient::Received;
+using Received = transport::DvStreamClient::Received;
 
 const std::string recording = std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4";
 
@@ -36,19 +36,19 @@ std::string words(std::initializer_list<std::string> arguments) {
   return text;
 }
 
-NetworkAddress events_address(const RunningCommand& serving) {
+transport::NetworkAddress events_address(const RunningCommand& serving) {
   const std::string line = serving.logged_after("serving events of ");
-  return network_address(line.substr(line.rfind(" on ") + 4));
+  return transport::network_address(line.substr(line.rfind(" on ") + 4));
 }
 
 /// What comes until the server ends the stream.
 struct Heard {
-  std::vector<Event> events;
-  std::vector<std::vector<Event>> packets;
+  std::vector<events::Event> events;
+  std::vector<std::vector<events::Event>> packets;
   std::size_t imu = 0, triggers = 0;
 };
 
-Heard hear(DvStreamClient& client) {
+Heard hear(transport::DvStreamClient& client) {
   Heard heard;
   for (;;) {
     const Received received = client.receive(long_enough);
@@ -63,18 +63,18 @@ Heard hear(DvStreamClient& client) {
   }
 }
 
-std::optional<std::string> attribute(const Stream& stream, const std::string& key) {
+std::optional<std::string> attribute(const events::Stream& stream, const std::string& key) {
   const auto found = std::find_if(stream.info.begin(), stream.info.end(), [&](const auto& pair) { return pair.first == key; });
   return found == stream.info.end() ? std::nullopt : std::optional(found->second);
 }
 
 TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--json"}));
-  const NetworkAddress address = events_address(serving);
+  const transport::NetworkAddress address = events_address(serving);
   EXPECT_EQ(address.host, "127.0.0.1");
-  DvStreamClient client(address, long_enough);
+  transport::DvStreamClient client(address, long_enough);
   EXPECT_EQ(client.stream().source, "DVXplorer_DXM00042");
-  EXPECT_EQ(client.stream().size, (SensorSize{160, 120}));
+  EXPECT_EQ(client.stream().size, (events::SensorSize{160, 120}));
   EXPECT_FALSE(attribute(client.stream(), "simulated"));
   const Heard heard = hear(client);
   EXPECT_EQ(heard.events, events_in_file(recording));
@@ -93,7 +93,7 @@ TEST(ServeCommand, WaitsForAClientAndPlaysItTheWhole) {
 TEST(ServeCommand, CutsPacketsByTheirSpan) {
   for (const std::int64_t span : {200, 1000, 5000}) {
     RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--packet-us", std::to_string(span)}));
-    DvStreamClient client(events_address(serving), long_enough);
+    transport::DvStreamClient client(events_address(serving), long_enough);
     const Heard heard = hear(client);
     for (const auto& packet : heard.packets) EXPECT_LT(us_of(packet.back().t) - us_of(packet.front().t), span);
     EXPECT_EQ(heard.events, events_in_file(recording));
@@ -104,7 +104,7 @@ TEST(ServeCommand, CutsPacketsByTheirSpan) {
 TEST(ServeCommand, ServesEveryCompression) {
   for (const std::string compression : {"none", "lz4", "lz4-high", "zstd", "zstd-high"}) {
     RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--compression", compression}));
-    DvStreamClient client(events_address(serving), long_enough);
+    transport::DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(name_of(client.compression()), compression);
     EXPECT_EQ(hear(client).events, events_in_file(recording));
     EXPECT_EQ(serving.wait().exit_code, 0);
@@ -115,12 +115,12 @@ TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--imu-port", "0", "--triggers-port", "0", "--speed", "0"}));
   const auto address_of = [&](const std::string& type) {
     const std::string line = serving.logged_after("serving " + type + " of ");
-    return network_address(line.substr(line.rfind(" on ") + 4));
+    return transport::network_address(line.substr(line.rfind(" on ") + 4));
   };
-  DvStreamClient events(address_of("events"), long_enough), imu(address_of("imu"), long_enough),
+  transport::DvStreamClient events(address_of("events"), long_enough), imu(address_of("imu"), long_enough),
       triggers(address_of("triggers"), long_enough);
-  EXPECT_EQ(imu.stream().type, StreamType::imu);
-  EXPECT_EQ(triggers.stream().type, StreamType::triggers);
+  EXPECT_EQ(imu.stream().type, events::StreamType::imu);
+  EXPECT_EQ(triggers.stream().type, events::StreamType::triggers);
   EXPECT_EQ(hear(events).events.size(), 6000U);
   EXPECT_EQ(hear(imu).imu, 50U);
   EXPECT_EQ(hear(triggers).triggers, 6U);
@@ -130,7 +130,7 @@ TEST(ServeCommand, ServesImuAndTriggersOfTheCameraOnPortsOfTheirOwn) {
 TEST(ServeCommand, EndsWith0OnTerminationAndOnCtrlC) {
   for (const int signal : {SIGTERM, SIGINT}) {
     RunningCommand serving(words({"serve", "sim:fan", "--port", "0", "--json"}));
-    DvStreamClient client(events_address(serving), long_enough);
+    transport::DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
     EXPECT_EQ(attribute(client.stream(), "readoutMode"), "constant");
     ASSERT_EQ(client.receive(long_enough), Received::packet);
@@ -167,19 +167,20 @@ TEST(ServeCommand, TakesNoLessTimeThanTheRecordingOverTheSpeed) {
 
 TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--loop"}));
-  DvStreamClient client(events_address(serving), long_enough);
-  const std::vector<Event> once = events_in_file(recording);
-  std::vector<Event> heard;
+  transport::DvStreamClient client(events_address(serving), long_enough);
+  const std::vector<events::Event> once = events_in_file(recording);
+  std::vector<events::Event> heard;
   while (heard.size() < 4 * once.size()) {
     ASSERT_EQ(client.receive(long_enough), Received::packet);
     heard.insert(heard.end(), client.events().begin(), client.events().end());
   }
-  EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end(), [](const Event& a, const Event& b) { return a.t < b.t; }));
+  EXPECT_TRUE(
+      std::is_sorted(heard.begin(), heard.end(), [](const events::Event& a, const events::Event& b) { return a.t < b.t; }));
   EXPECT_TRUE(std::equal(once.begin(), once.end(), heard.begin()));
   const std::int64_t shift = us_of(heard[once.size()].t) - us_of(once.front().t);
   EXPECT_GT(shift, us_of(once.back().t) - us_of(once.front().t));
   for (std::size_t i = 0; i < once.size(); ++i) {
-    Event later = once[i];
+    events::Event later = once[i];
     later.t += microseconds{shift};
     ASSERT_EQ(heard[once.size() + i], later);
   }
@@ -189,19 +190,19 @@ TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
 
 TEST(ServeCommand, DropsNoClientThatIsSlowerThanTheDisk) {
   const TemporaryFolder folder;
-  const std::vector<Event> part = steady_events(100'000, 0, 1, {640, 480});
+  const std::vector<events::Event> part = steady_events(100'000, 0, 1, {640, 480});
   constexpr std::size_t parts = 60;  // 96 MB, half as much again as a client's queue
   {
-    RecordingWriter writer(folder / "large.aedat4", {event_stream_declaration({640, 480}, "DVXplorer_DXM00001")});
-    std::vector<Event> events = part;
+    events::RecordingWriter writer(folder / "large.aedat4", {events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001")});
+    std::vector<events::Event> events = part;
     for (std::size_t i = 0; i < parts; ++i) {
       writer.write_events(0, events);
-      for (Event& event : events) event.t += microseconds{100'000};
+      for (events::Event& event : events) event.t += microseconds{100'000};
     }
     writer.close();
   }
   RunningCommand serving(words({"serve", "large.aedat4", "--port", "0", "--speed", "0", "--json"}), folder.path());
-  DvStreamClient client(events_address(serving), long_enough);
+  transport::DvStreamClient client(events_address(serving), long_enough);
   std::this_thread::sleep_for(500ms);  // the server runs far ahead
   std::size_t heard = 0;
   while (client.receive(long_enough) == Received::packet) heard += client.events().size();
@@ -215,7 +216,7 @@ TEST(ServeCommand, ServesAUnixSocketAndRemovesItAtTheEnd) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "events.socket";
   RunningCommand serving(words({"serve", recording, "--loop", "--unix", path.string()}));
-  DvStreamClient client(events_address(serving), long_enough);
+  transport::DvStreamClient client(events_address(serving), long_enough);
   EXPECT_EQ(client.address().path, path);
   EXPECT_EQ(run_tactile("serve '" + recording + "' --unix '" + path.string() + "'").exit_code, 1);
   serving.signal(SIGTERM);
@@ -232,7 +233,7 @@ TEST(ServeCommand, SaysOfASimulatedRunThatItIs) {
   info.extra["camera"] = {{"readout_mode", "variable-5000"}};
   write_run_info(run, info);
   RunningCommand serving(words({"serve", "fan/01", "--port", "0", "--speed", "0"}), folder.path());
-  DvStreamClient client(events_address(serving), long_enough);
+  transport::DvStreamClient client(events_address(serving), long_enough);
   EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
   EXPECT_EQ(attribute(client.stream(), "readoutMode"), "variable-5000");
   hear(client);
@@ -243,17 +244,18 @@ TEST(ServeCommand, SaysOfASimulatedRunThatItIs) {
 TEST(ServeCommand, ServesTheStreamThatIsChosen) {
   const TemporaryFolder folder;
   const auto file = folder / "two.aedat4";
-  Stream left = event_stream_declaration({640, 480}, "LEFT"), right = event_stream_declaration({640, 480}, "RIGHT");
+  events::Stream left = events::event_stream_declaration({640, 480}, "LEFT"),
+                 right = events::event_stream_declaration({640, 480}, "RIGHT");
   right.id = 1;
   {
-    RecordingWriter writer(file, {left, right});
+    events::RecordingWriter writer(file, {left, right});
     writer.write_events(0, steady_events(10, 0, 1, {640, 480}));
     writer.write_events(1, steady_events(20, 0, 1, {640, 480}));
     writer.close();
   }
   for (const std::string choice : {"1", "RIGHT"}) {
     RunningCommand serving(words({"serve", file.string(), "--port", "0", "--speed", "0", "--stream", choice}));
-    DvStreamClient client(events_address(serving), long_enough);
+    transport::DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(client.stream().source, "RIGHT");
     EXPECT_EQ(hear(client).events.size(), 20U);
     EXPECT_EQ(serving.wait().exit_code, 0);

@@ -14,26 +14,27 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const NetworkAddress any_port{.kind = NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
+const transport::NetworkAddress any_port{
+    .kind = transport::NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
 
-CameraPacket packet_at(std::int32_t stream_id, const std::vector<std::int64_t>& times) {
-  CameraPacket packet;
+capture::CameraPacket packet_at(std::int32_t stream_id, const std::vector<std::int64_t>& times) {
+  capture::CameraPacket packet;
   packet.stream_id = stream_id;
   for (const std::int64_t t : times) packet.events.push_back(event_at(t));
   return packet;
 }
 
-std::vector<std::int64_t> next_times(DvStreamClient& client) {
-  EXPECT_EQ(client.receive(long_enough), DvStreamClient::Received::packet);
+std::vector<std::int64_t> next_times(transport::DvStreamClient& client) {
+  EXPECT_EQ(client.receive(long_enough), transport::DvStreamClient::Received::packet);
   std::vector<std::int64_t> times;
-  for (const Event& event : client.events()) times.push_back(us_of(event.t));
+  for (const events::Event& event : client.events()) times.push_back(us_of(event.t));
   return times;
 }
 
 TEST(CameraBroadcast, CutsWhereAPacketWouldLastTooLongHoldTooMuchOrGoBack) {
-  DvStreamServer server(any_port, event_stream_declaration({640, 480}, "A"));
-  DvStreamClient client(server.address(), long_enough);
-  CameraBroadcast broadcast({.packet_span = 100us, .packet_events = 3});
+  transport::DvStreamServer server(any_port, events::event_stream_declaration({640, 480}, "A"));
+  transport::DvStreamClient client(server.address(), long_enough);
+  capture::CameraBroadcast broadcast({.packet_span = 100us, .packet_events = 3});
   broadcast.add(0, server);
   broadcast.send(packet_at(0, {0, 99, 100, 199, 200, 200, 200, 200, 150, 151}));
   using Times = std::vector<std::int64_t>;
@@ -47,16 +48,16 @@ TEST(CameraBroadcast, CutsWhereAPacketWouldLastTooLongHoldTooMuchOrGoBack) {
 }
 
 TEST(CameraBroadcast, HandsEachStreamToItsServersAndTheRestToNobody) {
-  Stream imu = stream_of(2, StreamType::imu, "IMUS");
-  DvStreamServer events(any_port, event_stream_declaration({640, 480}, "A")),
-      again(any_port, event_stream_declaration({640, 480}, "A")), samples(any_port, imu);
-  DvStreamClient events_client(events.address(), long_enough), again_client(again.address(), long_enough),
+  events::Stream imu = stream_of(2, events::StreamType::imu, "IMUS");
+  transport::DvStreamServer events(any_port, events::event_stream_declaration({640, 480}, "A")),
+      again(any_port, events::event_stream_declaration({640, 480}, "A")), samples(any_port, imu);
+  transport::DvStreamClient events_client(events.address(), long_enough), again_client(again.address(), long_enough),
       imu_client(samples.address(), long_enough);
-  CameraBroadcast broadcast;
+  capture::CameraBroadcast broadcast;
   broadcast.add(0, events);
   broadcast.add(0, again);
   broadcast.add(2, samples);
-  CameraPacket packet;
+  capture::CameraPacket packet;
   packet.stream_id = 2;
   packet.imu.resize(4);
   broadcast.send(packet);
@@ -65,15 +66,15 @@ TEST(CameraBroadcast, HandsEachStreamToItsServersAndTheRestToNobody) {
   broadcast.send(packet_at(0, {7}));
   EXPECT_EQ(next_times(events_client), std::vector<std::int64_t>{7});
   EXPECT_EQ(next_times(again_client), std::vector<std::int64_t>{7});
-  ASSERT_EQ(imu_client.receive(long_enough), DvStreamClient::Received::packet);
+  ASSERT_EQ(imu_client.receive(long_enough), transport::DvStreamClient::Received::packet);
   EXPECT_EQ(imu_client.imu().size(), 4U);
   EXPECT_EQ(broadcast.counts().imu_samples, 4U);
   EXPECT_EQ(broadcast.counts().events, 1U);
 }
 
 TEST(CameraBroadcast, RefusesOptionsOutOfRange) {
-  EXPECT_THROW(CameraBroadcast({.packet_span = 0us}), Error);
-  EXPECT_THROW(CameraBroadcast({.packet_events = 0}), Error);
+  EXPECT_THROW(capture::CameraBroadcast({.packet_span = 0us}), Error);
+  EXPECT_THROW(capture::CameraBroadcast({.packet_events = 0}), Error);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 std::string refusal_of(const std::string& text, const CameraSourceOptions& options = {}) {
@@ -114,4 +114,4 @@ TEST(ReadoutModes, AreThoseOfTheVendor) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

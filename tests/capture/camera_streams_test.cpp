@@ -7,7 +7,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 CameraPacket packet_at(std::initializer_list<std::int64_t> times_us) {
@@ -18,7 +18,7 @@ CameraPacket packet_at(std::initializer_list<std::int64_t> times_us) {
 
 std::vector<std::int64_t> times_of(const CameraPacket& packet) {
   std::vector<std::int64_t> times;
-  for (const Event& event : packet.events) times.push_back(us_of(event.t));
+  for (const events::Event& event : packet.events) times.push_back(us_of(event.t));
   return times;
 }
 
@@ -71,14 +71,14 @@ TEST(AscendingTimes, ThrowsWhereTheClockWasSetBack) {
 }
 
 TEST(CameraJson, TellsWhatTheStreamsSay) {
-  Stream stream = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
+  events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   EXPECT_EQ(camera_json({&stream, 1}), nlohmann::json({{"source", "DVXplorer_DXM00001"}}));
-  EXPECT_FALSE(is_simulated({&stream, 1}));
+  EXPECT_FALSE(events::is_simulated({&stream, 1}));
   set_info(stream, readout_mode_attribute, "constant-500");
   set_info(stream, readout_mode_attribute, "variable-5000");
-  set_info(stream, simulated_attribute, "true");
+  set_info(stream, events::simulated_attribute, "true");
   EXPECT_EQ(camera_json({&stream, 1}).at("readout_mode"), "variable-5000");
-  EXPECT_TRUE(is_simulated({&stream, 1}));
+  EXPECT_TRUE(events::is_simulated({&stream, 1}));
 }
 
 TEST(Pace, LetsEverythingThroughAtSpeedZeroAndHoldsBackWhatIsNotDue) {
@@ -99,4 +99,4 @@ TEST(Pace, LetsEverythingThroughAtSpeedZeroAndHoldsBackWhatIsNotDue) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

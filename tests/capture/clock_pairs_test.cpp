@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 HostTime host(std::int64_t us) { return HostTime{microseconds{us}}; }
@@ -38,4 +38,4 @@ TEST(ClockPairs, StandsTimesAtTheEndsOfTheClock) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -15,48 +15,49 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-ImuSample sample_at(std::int64_t t_us) {
-  ImuSample sample;
+events::ImuSample sample_at(std::int64_t t_us) {
+  events::ImuSample sample;
   sample.t = camera_time(t_us);
   sample.temperature_c = static_cast<float>(t_us % 100);
   return sample;
 }
 
-Stream sized(Stream stream) {
-  stream.size = SensorSize{640, 480};
+events::Stream sized(events::Stream stream) {
+  stream.size = events::SensorSize{640, 480};
   return stream;
 }
 
 /// Events every 100 us for 0.2 s, a sample every millisecond, a trigger every 50 ms, from an ordinary time on.
 constexpr std::int64_t begin_us = 1'605'537'493'718'345;
 void write_camera(const fs::path& file, std::chrono::microseconds packet_span = 10ms, std::size_t packet_events = 8192) {
-  RecordingWriter writer(file,
-                         {sized(test::stream_of(0, StreamType::events, "EVTS")), test::stream_of(2, StreamType::imu, "IMUS"),
-                          test::stream_of(3, StreamType::triggers, "TRIG")},
-                         {.packet_span = packet_span, .packet_events = packet_events});
+  events::RecordingWriter writer(
+      file,
+      {sized(test::stream_of(0, events::StreamType::events, "EVTS")), test::stream_of(2, events::StreamType::imu, "IMUS"),
+       test::stream_of(3, events::StreamType::triggers, "TRIG")},
+      {.packet_span = packet_span, .packet_events = packet_events});
   writer.write_events(0, test::steady_events(2000, begin_us, 100, {640, 480}));
   for (int i = 0; i < 200; ++i) {
     const std::array samples{sample_at(begin_us + 1000 * i)};
     writer.write_imu(2, samples);
   }
   for (int i = 0; i < 4; ++i) {
-    const std::array triggers{Trigger{.t = camera_time(begin_us + 50'000 * i), .type = 1}};
+    const std::array triggers{events::Trigger{.t = camera_time(begin_us + 50'000 * i), .type = 1}};
     writer.write_triggers(3, triggers);
   }
   writer.close();
 }
 
 void write_events_of(const fs::path& file, const std::vector<std::string>& sources) {
-  std::vector<Stream> streams;
+  std::vector<events::Stream> streams;
   for (std::size_t i = 0; i < sources.size(); ++i)
-    streams.push_back(sized(test::stream_of(static_cast<std::int32_t>(i), StreamType::events, "EVTS", sources[i])));
-  RecordingWriter writer(file, streams);
+    streams.push_back(sized(test::stream_of(static_cast<std::int32_t>(i), events::StreamType::events, "EVTS", sources[i])));
+  events::RecordingWriter writer(file, streams);
   for (std::size_t i = 0; i < sources.size(); ++i)
     writer.write_events(static_cast<std::int32_t>(i), test::steady_events(10, 0, 10, {640, 480}));
   writer.close();
@@ -109,7 +110,7 @@ TEST(FileSource, TakesItsOwnTimeOverTheSpeed) {
 TEST(FileSource, GivesNothingWhileNothingIsDueAndLosesNothingByIt) {
   const test::TemporaryFolder folder;
   write_camera(folder / "a.aedat4");
-  const std::vector<Event> events = test::contents_of(folder / "a.aedat4").events;
+  const std::vector<events::Event> events = test::contents_of(folder / "a.aedat4").events;
   // Packets come every 20 ms. On a busy machine each may be due by the time it is asked for: then it is played once more.
   EXPECT_TRUE(test::comes_true([&] {
     const auto source = open_file_source("file:a", folder / "a.aedat4", {.speed = 0.5});
@@ -143,9 +144,9 @@ TEST(FileSource, SaysWhatItReplaysAndWhetherAnyCameraSawIt) {
   write_whole(run / "run.json", "{ no JSON");
   EXPECT_FALSE(open_file_source("file:x", run, {.speed = 0})->simulated());
 
-  Stream stream = event_stream_declaration({640, 480}, "DVXplorer_SIM00001");
+  events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_SIM00001");
   stream.info = {{"simulated", "true"}, {"readoutMode", "constant"}};
-  RecordingWriter writer(folder / "sim.aedat4", {stream});
+  events::RecordingWriter writer(folder / "sim.aedat4", {stream});
   writer.write_events(0, test::steady_events(10, 0, 10, {640, 480}));
   writer.close();
   const auto attributed = open_file_source("file:sim", folder / "sim.aedat4", {.speed = 0});
@@ -168,7 +169,7 @@ TEST(FileSource, LeavesOutAndCountsWhatCannotBeRecorded) {
   const test::TemporaryFolder folder;
   const fs::path file = folder / "bad.aedat4";
   test::write_plain_recording(file, test::steady_events(100, 1'000, 10, {640, 480}), {640, 480});
-  const PacketRecord packet = test::packets_of(file).front();
+  const events::PacketRecord packet = test::packets_of(file).front();
   test::overwrite(file, test::event_offset(packet, 50), std::int64_t{1'100});    // a step back
   test::overwrite(file, test::event_offset(packet, 60) + 8, std::int16_t{640});  // beside the sensor
   const auto source = open_file_source("file:bad", file, {.speed = 0});
@@ -184,7 +185,7 @@ TEST(FileSource, EndsInWordsWhereAClockOf31BitsBeganAgain) {
   constexpr std::int64_t end = std::int64_t{1} << 31;
   test::write_plain_recording(file, test::steady_events(200, end - 1'000, 10, {640, 480}), {640, 480});
   std::size_t k = 0;
-  for (const PacketRecord& packet : test::packets_of(file)) {
+  for (const events::PacketRecord& packet : test::packets_of(file)) {
     for (std::int64_t i = 0; i < packet.elements; ++i, ++k) {
       const std::int64_t t = end - 1'000 + 10 * static_cast<std::int64_t>(k);
       test::overwrite(file, test::event_offset(packet, static_cast<std::size_t>(i)), t % end);
@@ -205,7 +206,7 @@ TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
     const auto source = open_file_source(name, file, {.speed = 0});
     const test::Received all = test::receive_all(*source);
     test::RecordingContents stored = test::contents_of(file);
-    std::vector<Event> events;
+    std::vector<events::Event> events;
     for (const auto& [id, stream] : all.streams) events.insert(events.end(), stream.events.begin(), stream.events.end());
     EXPECT_EQ(events, stored.events) << name;
     EXPECT_FALSE(events.empty()) << name;
@@ -213,4 +214,4 @@ TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

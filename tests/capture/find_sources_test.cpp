@@ -9,7 +9,7 @@
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/transport/dv/dv_stream_server.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,11 +83,11 @@ TEST_F(FindSources, IsNotPutOffByWhatItCannotRead) {
 }
 
 TEST_F(FindSources, FindsAStreamThatAnswers) {
-  Stream stream = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
+  events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   set_info(stream, readout_mode_attribute, "variable-5000");
-  NetworkAddress address;
+  transport::NetworkAddress address;
   address.host = "127.0.0.1";
-  DvStreamServer server(address, stream);
+  transport::DvStreamServer server(address, stream);
   places_.stream = server.address().text();
   places_.stream_patience = std::chrono::seconds(30);
   const std::vector<FoundSource> found = find_camera_sources(places_);
@@ -110,4 +110,4 @@ TEST_F(FindSources, ListsVideoDevicesThatTakePictures) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 struct Free {
@@ -46,19 +46,19 @@ TEST(LibcaerPackets, KeepPlaceAndPolarityAndCountMicrosecondsBeyondThirtyOneBits
   add(packet.get(), 1, 5, 639, 479, true);
   add(packet.get(), 2, 6, 10, 20, true, false);
   add(packet.get(), 3, 7, 640, 20, true);
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   EXPECT_EQ(append_events(packet.get(), microseconds{1'000}, {640, 480}, events), 1U) << "one lies outside";
   ASSERT_EQ(events.size(), 2U) << "the invalid one is left out too";
   const std::int64_t t = (std::int64_t{2} << 31) + 5 + 1'000;
-  EXPECT_EQ(events[0], (Event{.t = camera_time(t), .x = 0, .y = 0, .on = 0}));
-  EXPECT_EQ(events[1], (Event{.t = camera_time(t), .x = 639, .y = 479, .on = 1}));
+  EXPECT_EQ(events[0], (events::Event{.t = camera_time(t), .x = 0, .y = 0, .on = 0}));
+  EXPECT_EQ(events[1], (events::Event{.t = camera_time(t), .x = 639, .y = 479, .on = 1}));
 }
 
 TEST(LibcaerPackets, GiveSignalsTheTypesOfRecordings) {
   const auto packet =
       special_packet({EVENT_READOUT_START, EXTERNAL_INPUT_RISING_EDGE, EXTERNAL_INPUT_FALLING_EDGE, EXTERNAL_INPUT_PULSE,
                       EXTERNAL_GENERATOR_RISING_EDGE, EXTERNAL_GENERATOR_FALLING_EDGE, TIMESTAMP_WRAP});
-  std::vector<Trigger> triggers;
+  std::vector<events::Trigger> triggers;
   append_triggers(packet.get(), microseconds{100}, triggers);
   ASSERT_EQ(triggers.size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -80,7 +80,7 @@ TEST(LibcaerPackets, KeepWhatTheInertialSensorFelt) {
   caerIMU6EventSetGyroZ(felt, 3.0F);
   caerIMU6EventValidate(felt, packet.get());
   caerEventPacketHeaderSetEventNumber(&packet->packetHeader, 2);  // the second stays invalid
-  std::vector<ImuSample> samples;
+  std::vector<events::ImuSample> samples;
   append_imu(packet.get(), microseconds{-7}, samples);
   ASSERT_EQ(samples.size(), 1U);
   EXPECT_EQ(us_of(samples[0].t), 70);
@@ -112,4 +112,4 @@ TEST(LibcaerPackets, KnowAClockThatWasSetBack) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -10,23 +10,23 @@ namespace tactile::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Received = CameraSource::Received;
+using Received = capture::CameraSource::Received;
 
 /// Events at these times, one a packet, then a trigger, then the end.
-class ShortSource final : public CameraSource {
+class ShortSource final : public capture::CameraSource {
  public:
   ShortSource(std::vector<std::int64_t> events, std::int64_t trigger) : events_(std::move(events)), trigger_(trigger) {}
 
   std::string name() const override { return "short"; }
-  std::span<const Stream> streams() const override { return {&stream_, 1}; }
+  std::span<const events::Stream> streams() const override { return {&stream_, 1}; }
   nlohmann::json camera() const override { return {{"source", "A"}}; }
-  SourceDrops drops() const override {
-    SourceDrops drops;
+  capture::SourceDrops drops() const override {
+    capture::SourceDrops drops;
     drops.packets = 1;
     drops.events = 2;
     return drops;
   }
-  CameraSource::Received receive(CameraPacket& packet, std::chrono::microseconds /*patience*/) override {
+  capture::CameraSource::Received receive(capture::CameraPacket& packet, std::chrono::microseconds /*patience*/) override {
     packet.clear();
     if (next_ > events_.size()) return Received::ended;
     if (next_ < events_.size()) {
@@ -39,7 +39,7 @@ class ShortSource final : public CameraSource {
   }
 
  private:
-  Stream stream_ = event_stream_declaration({640, 480}, "A");
+  events::Stream stream_ = events::event_stream_declaration({640, 480}, "A");
   std::vector<std::int64_t> events_;
   std::int64_t trigger_;
   std::size_t next_ = 0;
@@ -47,18 +47,18 @@ class ShortSource final : public CameraSource {
 
 TEST(LoopedSource, BeginsAgainBehindTheLatestOfAllStreams) {
   int opened = 0;
-  const auto source = looped_source(
-      [&]() -> std::unique_ptr<CameraSource> {
+  const auto source = capture::looped_source(
+      [&]() -> std::unique_ptr<capture::CameraSource> {
         ++opened;
         return std::make_unique<ShortSource>(std::vector<std::int64_t>{1000, 1010}, 1030);
       },
       5us);
   std::vector<std::int64_t> events, triggers;
-  CameraPacket packet;
+  capture::CameraPacket packet;
   for (int i = 0; i < 9; ++i) {
     ASSERT_EQ(source->receive(packet, 0ms), Received::packet);
-    for (const Event& event : packet.events) events.push_back(us_of(event.t));
-    for (const Trigger& trigger : packet.triggers) triggers.push_back(us_of(trigger.t));
+    for (const events::Event& event : packet.events) events.push_back(us_of(event.t));
+    for (const events::Trigger& trigger : packet.triggers) triggers.push_back(us_of(trigger.t));
   }
   EXPECT_EQ(events, (std::vector<std::int64_t>{1000, 1010, 1035, 1045, 1070, 1080}));
   EXPECT_EQ(triggers, (std::vector<std::int64_t>{1030, 1065, 1100}));
@@ -69,18 +69,18 @@ TEST(LoopedSource, BeginsAgainBehindTheLatestOfAllStreams) {
 }
 
 TEST(LoopedSource, EndsWhereARoundBringsNothing) {
-  class Nothing final : public CameraSource {
+  class Nothing final : public capture::CameraSource {
    public:
     std::string name() const override { return "nothing"; }
-    std::span<const Stream> streams() const override { return {}; }
+    std::span<const events::Stream> streams() const override { return {}; }
     nlohmann::json camera() const override { return nlohmann::json::object(); }
-    SourceDrops drops() const override { return {}; }
-    CameraSource::Received receive(CameraPacket& /*packet*/, std::chrono::microseconds /*patience*/) override {
+    capture::SourceDrops drops() const override { return {}; }
+    capture::CameraSource::Received receive(capture::CameraPacket& /*packet*/, std::chrono::microseconds /*patience*/) override {
       return Received::ended;
     }
   };
-  const auto source = looped_source([] { return std::make_unique<Nothing>(); }, 1us);
-  CameraPacket packet;
+  const auto source = capture::looped_source([] { return std::make_unique<Nothing>(); }, 1us);
+  capture::CameraPacket packet;
   EXPECT_EQ(source->receive(packet, 0ms), Received::ended);
   EXPECT_EQ(source->receive(packet, 0ms), Received::ended);
 }

@@ -15,13 +15,13 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/transport/dv/dv_stream_server.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 using std::chrono::milliseconds;
 
-NetworkAddress any_port() {
-  NetworkAddress address;
+transport::NetworkAddress any_port() {
+  transport::NetworkAddress address;
   address.host = "127.0.0.1";
   return address;
 }
@@ -37,29 +37,29 @@ CameraPacket next_packet(CameraSource& source) {
   return {};
 }
 
-class OverTheNetwork : public testing::TestWithParam<Compression> {};
+class OverTheNetwork : public testing::TestWithParam<events::Compression> {};
 
 TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamSaysOfItsCamera) {
-  Stream stream = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
+  events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   set_info(stream, readout_mode_attribute, "constant-500");
-  set_info(stream, simulated_attribute, "true");
-  DvStreamServerOptions options;
+  set_info(stream, events::simulated_attribute, "true");
+  transport::DvStreamServerOptions options;
   options.compression = GetParam();
-  DvStreamServer server(any_port(), stream, options);
+  transport::DvStreamServer server(any_port(), stream, options);
   const auto source = open_network_source(server.address().text());
   ASSERT_TRUE(test::comes_true([&] { return server.clients() == 1; }));
   EXPECT_EQ(source->name(), server.address().text());
   EXPECT_TRUE(source->live());
   EXPECT_TRUE(source->simulated());
   ASSERT_EQ(source->streams().size(), 1U);
-  EXPECT_EQ(source->streams()[0].size, (SensorSize{640, 480}));
+  EXPECT_EQ(source->streams()[0].size, (events::SensorSize{640, 480}));
   EXPECT_EQ(source->camera().at("source"), "DVXplorer_DXM00001");
   EXPECT_EQ(source->camera().at("readout_mode"), "constant-500");
 
   CameraPacket packet;
   EXPECT_EQ(source->receive(packet, milliseconds(1)), CameraSource::Received::nothing) << "silence is legal";
   for (std::int64_t i = 0; i < 3; ++i) {
-    const std::vector<Event> events = test::steady_events(1000, 1'000'000 * i, 1, {640, 480});
+    const std::vector<events::Event> events = test::steady_events(1000, 1'000'000 * i, 1, {640, 480});
     server.send(events);
     const CameraPacket got = next_packet(*source);
     EXPECT_EQ(got.stream_id, stream.id);
@@ -69,19 +69,20 @@ TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamSaysOfItsCamera) {
   EXPECT_EQ(source->drops().events + source->drops().packets, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Compressions, OverTheNetwork, testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+INSTANTIATE_TEST_SUITE_P(Compressions, OverTheNetwork,
+                         testing::Values(events::Compression::none, events::Compression::lz4, events::Compression::zstd));
 
 TEST(NetworkSource, BringsImuSamplesThroughASocketOfTheFileSystemAndEndsWithItsServer) {
   const test::TemporaryFolder folder;
-  NetworkAddress address;
-  address.kind = NetworkAddress::Kind::unix_socket;
+  transport::NetworkAddress address;
+  address.kind = transport::NetworkAddress::Kind::unix_socket;
   address.path = folder / "imu";
-  auto server = std::make_unique<DvStreamServer>(address, test::stream_of(0, StreamType::imu, "IMUS"));
+  auto server = std::make_unique<transport::DvStreamServer>(address, test::stream_of(0, events::StreamType::imu, "IMUS"));
   const auto source = open_network_source(address.text());
   ASSERT_TRUE(test::comes_true([&] { return server->clients() == 1; }));
   EXPECT_FALSE(source->simulated());
   EXPECT_FALSE(source->camera().contains("readout_mode"));
-  std::vector<ImuSample> samples(3);
+  std::vector<events::ImuSample> samples(3);
   for (std::size_t i = 0; i < 3; ++i)
     samples[i].t = camera_time(static_cast<std::int64_t>(i)), samples[i].angular_rate_dps[1] = 4.5F;
   server->send(samples);
@@ -91,7 +92,7 @@ TEST(NetworkSource, BringsImuSamplesThroughASocketOfTheFileSystemAndEndsWithItsS
 }
 
 TEST(NetworkSource, LeavesOutAndCountsEventsThatStepBack) {
-  DvStreamServer server(any_port(), event_stream_declaration({640, 480}, "DVXplorer_DXM00001"));
+  transport::DvStreamServer server(any_port(), events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001"));
   const auto source = open_network_source(server.address().text());
   ASSERT_TRUE(test::comes_true([&] { return server.clients() == 1; }));
   server.send(std::array{test::event_at(1'000), test::event_at(2'000)});
@@ -103,4 +104,4 @@ TEST(NetworkSource, LeavesOutAndCountsEventsThatStepBack) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST(DiscardRun, RenamesItToWhatNoCommandReads) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -8,7 +8,7 @@
 #include "capture/made_source.hpp"
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 using namespace std::chrono_literals;
@@ -29,7 +29,7 @@ TEST(PacketQueue, HandsPacketsOverInOrder) {
     ASSERT_TRUE(queue.push(packet, false));
     EXPECT_TRUE(packet.empty());
   }
-  EXPECT_GT(queue.waiting_bytes(), 6 * sizeof(Event));
+  EXPECT_GT(queue.waiting_bytes(), 6 * sizeof(events::Event));
   for (std::size_t i = 0; i < 3; ++i) {
     Packet packet;
     ASSERT_TRUE(queue.pop(packet, 1ms));
@@ -42,7 +42,7 @@ TEST(PacketQueue, HandsPacketsOverInOrder) {
 
 TEST(PacketQueue, MakesNothingAnewOnceItIsWarm) {
   PacketQueue queue(1 << 20);
-  const Event* buffer = nullptr;
+  const events::Event* buffer = nullptr;
   for (int i = 0; i < 1000; ++i) {
     Packet packet = queue.take();
     EXPECT_TRUE(packet.front().elements.events.empty());
@@ -66,7 +66,7 @@ TEST(PacketQueue, RefusesWhatFindsNoRoomAndLeavesItToTheCaller) {
     EXPECT_LE(queue.waiting_bytes(), queue.limit());
     packet = queue.take();
   }
-  EXPECT_EQ(taken, 100'000 / (1000 * sizeof(Event) + sizeof(QueuedPacket)));
+  EXPECT_EQ(taken, 100'000 / (1000 * sizeof(events::Event) + sizeof(QueuedPacket)));
   ASSERT_EQ(packet.size(), 1U);
   EXPECT_EQ(packet.front().elements.events.size(), 1000U);
   Packet first;
@@ -110,7 +110,7 @@ TEST(PacketQueue, KeepsNoMoreSpareBuffersThanItsLimit) {
     packets.push_back(queue.take());
     if (packets.back().front().elements.events.capacity() >= 1000) ++kept;
   }
-  EXPECT_EQ(kept, 100'000 / (1000 * sizeof(Event) + sizeof(QueuedPacket)));
+  EXPECT_EQ(kept, 100'000 / (1000 * sizeof(events::Event) + sizeof(QueuedPacket)));
 }
 
 TEST(PacketQueue, LetsGoOfWhatABurstLeftAndNobodyTookSince) {
@@ -188,4 +188,4 @@ TEST(PacketQueue, TellsSilenceFromTheEnd) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -13,10 +13,10 @@ namespace tactile::test {
 
 /// What a source gave, whole.
 struct Received {
-  std::map<std::int32_t, CameraPacket> streams;  ///< each one's elements, one after the other
-  std::vector<std::int32_t> order;               ///< of the packets' streams
-  std::vector<CameraTime> begins;                ///< of the packets
-  std::chrono::microseconds longest_packet{};    ///< from its first element to its last
+  std::map<std::int32_t, capture::CameraPacket> streams;  ///< each one's elements, one after the other
+  std::vector<std::int32_t> order;                        ///< of the packets' streams
+  std::vector<CameraTime> begins;                         ///< of the packets
+  std::chrono::microseconds longest_packet{};             ///< from its first element to its last
 };
 
 template <class T>
@@ -27,23 +27,23 @@ void append(const std::vector<T>& from, std::vector<T>& to, Received& all) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-inline void add(const CameraPacket& packet, Received& all) {
+inline void add(const capture::CameraPacket& packet, Received& all) {
   all.order.push_back(packet.stream_id);
-  CameraPacket& stream = all.streams[packet.stream_id];
+  capture::CameraPacket& stream = all.streams[packet.stream_id];
   append(packet.events, stream.events, all);
   append(packet.imu, stream.imu, all);
   append(packet.triggers, stream.triggers, all);
 }
 
 /// Receives until the source ends; a source that gives nothing for a minute has failed.
-inline Received receive_all(CameraSource& source) {
+inline Received receive_all(capture::CameraSource& source) {
   Received all;
-  CameraPacket packet;
+  capture::CameraPacket packet;
   auto last = std::chrono::steady_clock::now();
   for (;;) {
-    const CameraSource::Received received = source.receive(packet, std::chrono::milliseconds(50));
-    if (received == CameraSource::Received::ended) return all;
-    if (received == CameraSource::Received::packet) {
+    const capture::CameraSource::Received received = source.receive(packet, std::chrono::milliseconds(50));
+    if (received == capture::CameraSource::Received::ended) return all;
+    if (received == capture::CameraSource::Received::packet) {
       add(packet, all);
       last = std::chrono::steady_clock::now();
     } else if (std::chrono::steady_clock::now() - last > std::chrono::minutes(1)) {

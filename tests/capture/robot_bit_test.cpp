@@ -4,7 +4,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 TEST(RobotBit, IsAWholeFieldOrOneBitOfIt) {
@@ -43,4 +43,4 @@ TEST(RisingEdge, NeedsALowBefore) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

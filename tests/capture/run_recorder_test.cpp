@@ -23,7 +23,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,12 +32,14 @@ using test::event_at;
 using test::events_in_file;
 using test::MadeSource;
 
-constexpr SensorSize size{640, 480};
+constexpr events::SensorSize size{640, 480};
 
-Stream event_stream(const std::string& camera = "DVXplorer_DXM00001") { return event_stream_declaration(size, camera); }
+events::Stream event_stream(const std::string& camera = "DVXplorer_DXM00001") {
+  return events::event_stream_declaration(size, camera);
+}
 
-Stream imu_stream(std::int32_t id = 0, const std::string& camera = "DVXplorer_DXM00001") {
-  return test::stream_of(id, StreamType::imu, "IMUS", camera);
+events::Stream imu_stream(std::int32_t id = 0, const std::string& camera = "DVXplorer_DXM00001") {
+  return test::stream_of(id, events::StreamType::imu, "IMUS", camera);
 }
 
 std::vector<std::unique_ptr<CameraSource>> sources_of(auto... sources) {
@@ -69,8 +71,8 @@ class RunRecorderTest : public testing::Test {
 };
 
 TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
-  const std::vector<Event> events = test::steady_events(50'000, 1'000'000, 20, size);
-  std::vector<ImuSample> samples;
+  const std::vector<events::Event> events = test::steady_events(50'000, 1'000'000, 20, size);
+  std::vector<events::ImuSample> samples;
   for (int i = 0; i < 100; ++i)
     samples.push_back({.t = camera_time(1'000'000 + 10'000 * i), .temperature_c = 20.0F + static_cast<float>(i)});
   auto imu = std::make_unique<MadeSource>("made:imu", std::vector{imu_stream(7)},
@@ -82,8 +84,8 @@ TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
                                           });
   RunRecorder recorder(sources_of(std::move(imu), event_source(test::packets_of_events(events, 777, true))), nullptr, nullptr);
   ASSERT_EQ(recorder.streams().size(), 2U);
-  EXPECT_EQ(recorder.streams()[0].type, StreamType::events);
-  EXPECT_EQ(recorder.streams()[1].type, StreamType::imu);
+  EXPECT_EQ(recorder.streams()[0].type, events::StreamType::events);
+  EXPECT_EQ(recorder.streams()[1].type, events::StreamType::imu);
   EXPECT_EQ(recorder.streams()[1].id, 1);
 
   const RunSummary summary = record(recorder);
@@ -94,10 +96,10 @@ TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
   EXPECT_EQ(summary.others, samples.size());
   EXPECT_EQ(summary.span, between(events.front().t, events.back().t));
   EXPECT_EQ(events_in_file(summary.run.events()), events);
-  RecordingReader recording(summary.run.events());
-  EXPECT_EQ(recording.index(), PacketIndex::table);
+  events::RecordingReader recording(summary.run.events());
+  EXPECT_EQ(recording.index(), events::PacketIndex::table);
   std::size_t read = 0;
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     EXPECT_LT(between(packet.first, packet.last), 10ms);
     if (packet.stream_id == 1) read += recording.read_imu(packet).size();
   }
@@ -122,7 +124,7 @@ TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
 }
 
 TEST_F(RunRecorderTest, SaysThatItIsNotCompleteWhileItRecords) {
-  const std::vector<Event> events = test::steady_events(1000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, size);
   RunRecorder recorder(sources_of(event_source(test::packets_of_events(events, 100, false))), nullptr, nullptr);
   const RunFolder run = make_run_folder(data.path(), "fan");
   recorder.begin({.run = run, .session = "monday", .duration = {}});
@@ -139,8 +141,8 @@ TEST_F(RunRecorderTest, SaysThatItIsNotCompleteWhileItRecords) {
 }
 
 TEST_F(RunRecorderTest, LeavesOutAndCountsWhatCannotBeWritten) {
-  std::vector<Event> events = test::steady_events(1000, 100'000, 10, size);
-  const std::vector<Event> sound = events;
+  std::vector<events::Event> events = test::steady_events(1000, 100'000, 10, size);
+  const std::vector<events::Event> sound = events;
   events.insert(events.begin() + 300, event_at(50'000, 1, 1));         // back in time
   events.insert(events.begin() + 400, event_at(200'000'000, 640, 1));  // beyond the sensor, and of no right time either
   events.insert(events.begin() + 500, event_at(us_of(events[499].t), 1, -1));
@@ -195,7 +197,7 @@ MadeSource::Step noise(int packets, std::atomic<std::uint64_t>& sent, int packet
 TEST_F(RunRecorderTest, DropsAndCountsWholePacketsWhereWritingIsTooSlow) {
   std::atomic<std::uint64_t> sent{0};
   RunRecorder recorder(sources_of(event_source(noise(300, sent))), nullptr, nullptr,
-                       {.queue_bytes = 300'000, .compression = Compression::zstd_high});
+                       {.queue_bytes = 300'000, .compression = events::Compression::zstd_high});
   const RunSummary summary = record(recorder);
   EXPECT_EQ(sent, 300U * 8192U);
   EXPECT_GT(summary.drops.queue_full.packets, 0U);
@@ -209,7 +211,7 @@ TEST_F(RunRecorderTest, DropsAndCountsWholePacketsWhereWritingIsTooSlow) {
 TEST_F(RunRecorderTest, LetsASourceWaitThatIsNotLive) {
   std::atomic<std::uint64_t> sent{0};
   RunRecorder recorder(sources_of(event_source(noise(40, sent), false)), nullptr, nullptr,
-                       {.queue_bytes = 300'000, .compression = Compression::zstd_high});
+                       {.queue_bytes = 300'000, .compression = events::Compression::zstd_high});
   const RunSummary summary = record(recorder);
   EXPECT_EQ(summary.drops.total().events, 0U);
   EXPECT_EQ(summary.events, 40U * 8192U);
@@ -217,11 +219,11 @@ TEST_F(RunRecorderTest, LetsASourceWaitThatIsNotLive) {
 }
 
 TEST_F(RunRecorderTest, CutsAReplayToItsDurationToTheMicrosecond) {
-  const std::vector<Event> events = test::steady_events(10'000, 5'000, 100, size);
+  const std::vector<events::Event> events = test::steady_events(10'000, 5'000, 100, size);
   RunRecorder recorder(sources_of(event_source(test::packets_of_events(events, 300, true), false)), nullptr, nullptr);
   const RunSummary summary = record(recorder, 50ms);
   EXPECT_EQ(summary.ended, "duration");
-  EXPECT_EQ(events_in_file(summary.run.events()), std::vector<Event>(events.begin(), events.begin() + 500));
+  EXPECT_EQ(events_in_file(summary.run.events()), std::vector<events::Event>(events.begin(), events.begin() + 500));
   EXPECT_EQ(summary.drops.total().events, 0U);
   EXPECT_TRUE(read_json(summary.run.info()).at("host_from_camera").empty()) << "nothing was live";
 }
@@ -255,7 +257,7 @@ TEST_F(RunRecorderTest, EndsALiveRunByTheHostsClock) {
 }
 
 TEST_F(RunRecorderTest, KeepsWhatCameBeforeTheSourceWasGone) {
-  const std::vector<Event> events = test::steady_events(5000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(5000, 0, 10, size);
   auto gone = [sent = false, events](CameraPacket& packet, std::chrono::milliseconds) mutable -> CameraSource::Received {
     if (sent) throw Error("tcp://127.0.0.1:7777: the stream ends inside a packet; expected it whole");
     sent = true;
@@ -283,7 +285,7 @@ TEST_F(RunRecorderTest, RecordsRunAfterRunAndDiscardsWhatComesInBetween) {
   };
   RunRecorder recorder(sources_of(event_source(steady)), nullptr, nullptr);
   recorder.discard();
-  std::vector<std::vector<Event>> runs;
+  std::vector<std::vector<events::Event>> runs;
   for (int k = 0; k < 3; ++k) {
     const std::int64_t before = newest;
     ASSERT_TRUE(test::comes_true([&] { return newest > before + 1000; }));
@@ -310,7 +312,7 @@ TEST_F(RunRecorderTest, RefusesTheSameStreamTwiceAndSourcesWithoutEvents) {
 }
 
 TEST_F(RunRecorderTest, TellsSimulatedStreams) {
-  Stream stream = event_stream();
+  events::Stream stream = event_stream();
   stream.info.emplace_back("simulated", "true");
   RunRecorder recorder(
       sources_of(std::make_unique<MadeSource>("made:sim", std::vector{stream}, test::packets_of_events({event_at(1)}, 1, true))),
@@ -329,7 +331,7 @@ TEST_F(RunRecorderTest, NeverTouchesAFolderThatHoldsSomething) {
 }
 
 TEST_F(RunRecorderTest, CountsWhatTheSourceLostDuringTheRunOnly) {
-  const std::vector<Event> events = test::steady_events(1000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, size);
   class Losing : public MadeSource {
    public:
     using MadeSource::MadeSource;
@@ -413,7 +415,7 @@ void expect_a_kept_beginning(const RunSummary& summary, std::uint64_t sent) {
   ASSERT_FALSE(summary.errors.empty());
   EXPECT_NE(summary.ended.find("events.aedat4: cannot be written"), std::string::npos) << summary.ended;
   EXPECT_EQ(read_run_info(summary.run).complete, false);
-  const std::vector<Event> kept = events_in_file(summary.run.events());
+  const std::vector<events::Event> kept = events_in_file(summary.run.events());
   EXPECT_GT(kept.size(), 8192U);
   EXPECT_LT(kept.size(), sent);
   for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_EQ(us_of(kept[i].t), static_cast<std::int64_t>(i) + 1);
@@ -433,7 +435,7 @@ TEST_F(RunRecorderTest, KeepsWhatFitsIfTheFileMayNotGrow) {
   RunSummary summary;
   {
     RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
-                         {.compression = Compression::none});
+                         {.compression = events::Compression::none});
     summary = record(recorder);
   }
   EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
@@ -450,7 +452,7 @@ TEST_F(RunRecorderTest, KeepsWhatFitsOnAFullDisk) {
   std::atomic<std::uint64_t> sent{0};
   {
     RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
-                         {.compression = Compression::none});
+                         {.compression = events::Compression::none});
     recorder.begin({.run = make_run_folder(disk, "fan"), .session = "", .duration = {}});
     EXPECT_TRUE(test::comes_true([&] { return !recorder.state().ended.empty(); }));
     summary = recorder.end(recorder.state().ended);
@@ -467,7 +469,7 @@ std::size_t resident_bytes() {
 
 TEST_F(RunRecorderTest, DoesNotGrowOverALongReplay) {
   constexpr std::size_t packets = 6000, packet_events = 8192;
-  const std::vector<Event> pattern = test::steady_events(packet_events, 0, 0, size);
+  const std::vector<events::Event> pattern = test::steady_events(packet_events, 0, 0, size);
   std::atomic<std::size_t> early{0}, late{0};
   auto replay = [&, k = std::size_t{0}](CameraPacket& packet, std::chrono::milliseconds) mutable {
     if (k == packets / 4) early = resident_bytes();
@@ -475,7 +477,7 @@ TEST_F(RunRecorderTest, DoesNotGrowOverALongReplay) {
     if (k == packets) return CameraSource::Received::ended;
     packet.stream_id = 0;
     packet.events = pattern;
-    for (Event& event : packet.events) event.t = camera_time(static_cast<std::int64_t>(1000 * k));
+    for (events::Event& event : packet.events) event.t = camera_time(static_cast<std::int64_t>(1000 * k));
     ++k;
     return CameraSource::Received::packet;
   };
@@ -483,8 +485,8 @@ TEST_F(RunRecorderTest, DoesNotGrowOverALongReplay) {
   const RunSummary summary = record(recorder);
   EXPECT_EQ(summary.events, packets * packet_events);
   EXPECT_LT(late, early + (std::size_t{24} << 20))
-      << "75 % of " << packets * packet_events * sizeof(Event) << " bytes came in between";
+      << "75 % of " << packets * packet_events * sizeof(events::Event) << " bytes came in between";
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

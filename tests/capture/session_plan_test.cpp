@@ -8,7 +8,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 class SessionPlanFile : public testing::Test {
@@ -105,4 +105,4 @@ TEST(CompleteRuns, LeavesOutThoseThatWereBrokenOff) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

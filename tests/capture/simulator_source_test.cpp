@@ -16,7 +16,7 @@
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,11 +29,12 @@ RunFolder make_run(const fs::path& data, const std::string& object, const std::s
 }
 
 /// Records a run as far as `part` of its events, and lets the source write the rest.
-std::vector<Event> record(CameraSource& source, const RunFolder& run, double part, bool robot = true, bool video = false) {
+std::vector<events::Event> record(CameraSource& source, const RunFolder& run, double part, bool robot = true,
+                                  bool video = false) {
   source.begin_run(run);
-  std::vector<Event> events = test::receive_all(source).streams[0].events;
+  std::vector<events::Event> events = test::receive_all(source).streams[0].events;
   events.resize(static_cast<std::size_t>(part * static_cast<double>(events.size())));
-  RecordingWriter writer(run.events(), {source.streams().begin(), source.streams().end()});
+  events::RecordingWriter writer(run.events(), {source.streams().begin(), source.streams().end()});
   writer.write_events(0, events);
   writer.close();
   source.end_run(run, robot, video);
@@ -52,8 +53,8 @@ TEST(SimulatorSource, FeelsWhatTheInertialSensorFeels) {
   ASSERT_EQ(source->streams().size(), 2U);
   source->begin_run(make_run(folder.path(), "fan", "01"));
   test::Received all = test::receive_all(*source);
-  const std::vector<Event>& events = all.streams[0].events;
-  const std::vector<ImuSample>& imu = all.streams[1].imu;
+  const std::vector<events::Event>& events = all.streams[0].events;
+  const std::vector<events::ImuSample>& imu = all.streams[1].imu;
   const double seconds = 1e-6 * static_cast<double>((events.back().t - events.front().t).count());
   EXPECT_NEAR(static_cast<double>(imu.size()), 800 * seconds, 40 * seconds);
   EXPECT_LE(all.longest_packet, 20ms);
@@ -67,7 +68,7 @@ TEST(SimulatorSource, FeelsWhatTheInertialSensorFeels) {
 
 TEST(SimulatorSource, GivesTheRunThatSimulateMakes) {
   const test::TemporaryFolder folder;
-  simulate({.data = folder / "made", .preset = "quick", .runs = 1, .objects = {"fan"}, .seed = 3, .threads = 1});
+  simulation::simulate({.data = folder / "made", .preset = "quick", .runs = 1, .objects = {"fan"}, .seed = 3, .threads = 1});
   const RunFolder made{folder / "made" / "fan" / "01", "fan", "01"};
   const auto source = open_simulator_source("sim:fan", "fan", 0, 3);
   EXPECT_TRUE(source->simulated());
@@ -94,9 +95,9 @@ TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {
   // The same run once more from a source of its own, cut in the middle of its slip.
   const auto again = open_simulator_source("sim", "water-bottle", 0, 1);
   const RunFolder cut = make_run(folder / "cut", "water-bottle", "01");
-  const std::vector<Event> events = test::events_in_file(whole.events());
+  const std::vector<events::Event> events = test::events_in_file(whole.events());
   const CameraTime middle = all[1].interval.start + (all[1].interval.end - all[1].interval.start) / 2;
-  const auto kept = std::count_if(events.begin(), events.end(), [&](const Event& event) { return event.t <= middle; });
+  const auto kept = std::count_if(events.begin(), events.end(), [&](const events::Event& event) { return event.t <= middle; });
   const CameraTime end =
       record(*again, cut, (static_cast<double>(kept) + 0.5) / static_cast<double>(events.size()), true, true).back().t;
   ASSERT_LE(end, middle);
@@ -109,12 +110,13 @@ TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {
   EXPECT_EQ(part.lift_start, read_truth(whole.truth()).lift_start);
   for (const TrueInterval& interval : part.intervals) EXPECT_LE(interval.interval.end, end) << interval.what;
 
-  const RobotLog robot = read_robot_log(cut.robot()).longest(), whole_robot = read_robot_log(whole.robot()).longest();
+  const robot::RobotLog robot = robot::read_robot_log(cut.robot()).longest(),
+                        whole_robot = robot::read_robot_log(whole.robot()).longest();
   EXPECT_LT(robot.states.size(), whole_robot.states.size());
   const CameraTime last_state = part.robot_clock->camera_from(robot.states.back().t);
   EXPECT_GE(last_state, end);
   EXPECT_LE(last_state, end + 250ms);
-  const std::vector<VideoTime> frames = read_video_times(cut.video_times());
+  const std::vector<VideoTime> frames = video::read_video_times(cut.video_times());
   const CameraTime last_frame = part.video_clock->camera_from(frames.back());
   EXPECT_GE(last_frame, end);
   EXPECT_LE(last_frame, end + 150ms);
@@ -142,7 +144,7 @@ TEST(SimulatorSource, RunsOneClockThroughASession) {
   const auto source = open_simulator_source("sim", std::nullopt, 0, 1);
   EXPECT_TRUE(source->begins_again());
   const RunFolder one = make_run(folder.path(), "fan", "01"), two = make_run(folder.path(), "sprayer", "01");
-  const std::vector<Event> first = record(*source, one, 1.0), second = record(*source, two, 1.0);
+  const std::vector<events::Event> first = record(*source, one, 1.0), second = record(*source, two, 1.0);
   EXPECT_EQ(source->camera().at("simulator").at("object"), "sprayer") << "the object is the run's where the source names none";
   EXPECT_GT(second.front().t, first.back().t);
   EXPECT_LT(second.front().t, first.back().t + 60s);
@@ -152,7 +154,7 @@ TEST(SimulatorSource, RunsOneClockThroughASession) {
   const std::int64_t stamp = robot_two.reference_us;
   EXPECT_NEAR(static_cast<double>(us_of(robot_one.camera_from(stamp)) - us_of(robot_two.camera_from(stamp))), 0.0, 1.0)
       << "one controller, one clock";
-  EXPECT_EQ(us_of(read_robot_log(two.robot()).longest().states.front().t), stamp);
+  EXPECT_EQ(us_of(robot::read_robot_log(two.robot()).longest().states.front().t), stamp);
   const std::vector<TrueInterval> labelled = labelled_in(two);
   EXPECT_GT(labelled.at(0).interval.start, second.front().t);
   EXPECT_LT(labelled.at(1).interval.end, second.back().t);
@@ -185,9 +187,9 @@ TEST(SimulatorSource, WaitsForRealTime) {
   EXPECT_TRUE(source->live());
   source->begin_run(make_run(folder.path(), "fan", "01"));
   const auto begun = std::chrono::steady_clock::now();
-  const std::vector<Event> events = test::receive_all(*source).streams[0].events;
+  const std::vector<events::Event> events = test::receive_all(*source).streams[0].events;
   EXPECT_GE(20 * (std::chrono::steady_clock::now() - begun), events.back().t - events.front().t);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -20,7 +20,7 @@
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ void expect_events(const fs::path& recording, const nlohmann::json& truth) {
   EXPECT_EQ(truth.at("digest"), contents.event_digest());
   EXPECT_EQ(us_of(contents.events.front().t), truth.at("first_us"));
   EXPECT_EQ(us_of(contents.events.back().t), truth.at("last_us"));
-  EXPECT_TRUE(examine_recording(recording).healthy());
+  EXPECT_TRUE(events::examine_recording(recording).healthy());
 }
 
 std::string refusal_of(const std::string& bag, const BagImportOptions& options = {}) {
@@ -81,10 +81,10 @@ class ImportedRun : public testing::Test {
 };
 
 TEST_F(ImportedRun, HasARobotLogWithPoseJointsAndTheSpeedThatFollows) {
-  const RobotLog log = read_robot_log(run / "robot.csv").longest();
+  const robot::RobotLog log = robot::read_robot_log(run / "robot.csv").longest();
   ASSERT_EQ(log.states.size(), 126U);
   for (std::size_t i = 0; i < log.states.size(); ++i) {
-    const RobotState& state = log.states.at(i);
+    const robot::RobotState& state = log.states.at(i);
     const double s = 0.008 * static_cast<double>(i);
     EXPECT_EQ(us_of(state.t), start_us + 8'000 * static_cast<std::int64_t>(i));
     EXPECT_NEAR(state.tcp_pose.at(2), 0.2 + 0.05 * s, 1e-9);
@@ -116,7 +116,7 @@ TEST_F(ImportedRun, HasARobotLogWithPoseJointsAndTheSpeedThatFollows) {
 
 TEST_F(ImportedRun, HasAVideoWithTheFramesOwnTimes) {
   std::vector<std::int64_t> times;
-  for (const VideoTime t : read_video_times(run / "video.csv")) times.push_back(us_of(t));
+  for (const VideoTime t : video::read_video_times(run / "video.csv")) times.push_back(us_of(t));
   EXPECT_EQ(times, (std::vector<std::int64_t>{0, 33'333, 66'667, 133'333, 166'667, 200'000}));
   EXPECT_TRUE(
       read_text(run / "video.csv").starts_with("index,pts_us,host_time_us\n0,0,1700000000009000\n1,33333,1700000000042333\n"));
@@ -169,7 +169,7 @@ TEST(ImportedRobotLog, LeavesOutPosesThatNoArmComesTo) {
   EXPECT_TRUE(add(pose(1'016'002, 0.2)));
   log.close();
   EXPECT_EQ(log.rows(), 4U);
-  EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), 4U);
+  EXPECT_EQ(robot::read_robot_log(folder / "robot.csv").longest().states.size(), 4U);
 }
 
 TEST(ImportBag, ReadsEveryEncodingAndCountsWhatTheSequenceMisses) {
@@ -208,7 +208,7 @@ TEST(ImportBag, OmitsADeselectedTopic) {
   import_bag(bags / "run.bag", folder / "fan/01", {.joints_topic = "none", .video_topic = "none", .imu_topic = "none"});
   EXPECT_FALSE(fs::exists(folder / "fan/01/video.mp4"));
   EXPECT_TRUE(read_text(folder / "fan/01/robot.csv").starts_with("timestamp,actual_TCP_pose_0,"));
-  EXPECT_EQ(RecordingReader(folder / "fan/01/events.aedat4").streams().size(), 1U);
+  EXPECT_EQ(events::RecordingReader(folder / "fan/01/events.aedat4").streams().size(), 1U);
   EXPECT_NE(refusal_of("run", {.events_topic = "none"}).find("--events-topic"), std::string::npos);
 }
 
@@ -327,4 +327,4 @@ TEST(RefuseRos2Bag, NamesTheCommandThatHelps) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

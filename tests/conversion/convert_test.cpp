@@ -12,7 +12,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/events/recording_health.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,15 +37,16 @@ TEST(Convert, KeepsEveryElementFromAnyCompressionToAnyOther) {
   for (const char* name : {"dv-none", "dv-lz4", "dv-lz4-high", "dv-zstd", "dv-zstd-high"}) {
     const fs::path in = vendor_files / (std::string(name) + ".aedat4");
     const test::RecordingContents expected = test::contents_of(in);
-    for (const Compression compression :
-         {Compression::none, Compression::lz4, Compression::lz4_high, Compression::zstd, Compression::zstd_high}) {
+    for (const events::Compression compression :
+         {events::Compression::none, events::Compression::lz4, events::Compression::lz4_high, events::Compression::zstd,
+          events::Compression::zstd_high}) {
       const fs::path out = folder / (std::string(name) + "-" + std::string(name_of(compression)) + ".aedat4");
       const ConvertSummary summary = convert_recording(in, out, {.compression = compression});
-      EXPECT_EQ(RecordingReader(out).compression(), compression);
+      EXPECT_EQ(events::RecordingReader(out).compression(), compression);
       EXPECT_TRUE(same(test::contents_of(out), expected)) << out;
       EXPECT_EQ(summary.bytes_out, fs::file_size(out));
       EXPECT_EQ(summary.streams.size(), 4U);
-      EXPECT_TRUE(examine_recording(out).healthy()) << out;
+      EXPECT_TRUE(events::examine_recording(out).healthy()) << out;
     }
   }
 }
@@ -53,7 +54,7 @@ TEST(Convert, KeepsEveryElementFromAnyCompressionToAnyOther) {
 TEST(Convert, KeepsTheInputsCompressionByDefault) {
   const test::TemporaryFolder folder;
   convert_recording(vendor_files / "dv-zstd.aedat4", folder / "out.aedat4");
-  EXPECT_EQ(RecordingReader(folder / "out.aedat4").compression(), Compression::zstd);
+  EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").compression(), events::Compression::zstd);
 }
 
 TEST(Convert, CutsEveryStreamAndLeavesTheEnd) {
@@ -77,8 +78,9 @@ TEST(Convert, CutsEveryStreamAndLeavesTheEnd) {
   EXPECT_EQ(summary.streams.at(0).elements, kept.events.size());
   EXPECT_EQ(summary.first, from);  // an event stands there
   EXPECT_LT(*summary.last, to);
-  EXPECT_TRUE(std::equal(kept.events.begin(), kept.events.end(),
-                         std::find_if(all.events.begin(), all.events.end(), [&](const Event& e) { return e.t >= from; })));
+  EXPECT_TRUE(
+      std::equal(kept.events.begin(), kept.events.end(),
+                 std::find_if(all.events.begin(), all.events.end(), [&](const events::Event& e) { return e.t >= from; })));
 }
 
 TEST(Convert, LaysCutsEndToEndWithoutLosingAnEvent) {
@@ -133,31 +135,31 @@ TEST(Convert, GivesTheSameBytesFromCsvThroughAedat4ToCsv) {
   for (const char* name : {"dv-lz4.aedat4", "dv-events-only.aedat4"}) {
     for (const char* file : {"a.csv", "b.aedat4", "c.csv"}) fs::remove(folder / file);
     convert_recording(vendor_files / name, folder / "a.csv");
-    convert_recording(folder / "a.csv", folder / "b.aedat4", {.compression = Compression::zstd});
+    convert_recording(folder / "a.csv", folder / "b.aedat4", {.compression = events::Compression::zstd});
     convert_recording(folder / "b.aedat4", folder / "c.csv");
     EXPECT_EQ(read_text(folder / "a.csv"), read_text(folder / "c.csv")) << name;
-    EXPECT_TRUE(examine_recording(folder / "b.aedat4").healthy());
+    EXPECT_TRUE(events::examine_recording(folder / "b.aedat4").healthy());
   }
 }
 
-SensorSize size_from(const std::string& csv, const ConvertOptions& options = {}) {
+events::SensorSize size_from(const std::string& csv, const ConvertOptions& options = {}) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n" + csv);
   const ConvertSummary summary = convert_recording(folder / "in.csv", folder / "out.aedat4", options);
   EXPECT_EQ(summary.size_guessed, !options.size.has_value());
-  const RecordingReader recording(folder / "out.aedat4");
+  const events::RecordingReader recording(folder / "out.aedat4");
   EXPECT_EQ(recording.streams().front().size, summary.size);
   return *summary.size;
 }
 
 TEST(Convert, TakesTheSmallestUsualSensorThatHoldsTheEventsOfACsv) {
-  EXPECT_EQ(size_from("0,319,239,1\n"), (SensorSize{320, 240}));
-  EXPECT_EQ(size_from("0,320,239,1\n"), (SensorSize{346, 260}));
-  EXPECT_EQ(size_from("0,0,240,1\n"), (SensorSize{346, 260}));
-  EXPECT_EQ(size_from("0,346,0,1\n"), (SensorSize{640, 480}));
-  EXPECT_EQ(size_from("0,0,0,1\n5,639,479,1\n"), (SensorSize{640, 480}));
-  EXPECT_EQ(size_from("0,640,9,1\n5,3,99,1\n"), (SensorSize{641, 100}));
-  EXPECT_EQ(size_from("0,0,0,1\n", {.size = SensorSize{1280, 720}}), (SensorSize{1280, 720}));
+  EXPECT_EQ(size_from("0,319,239,1\n"), (events::SensorSize{320, 240}));
+  EXPECT_EQ(size_from("0,320,239,1\n"), (events::SensorSize{346, 260}));
+  EXPECT_EQ(size_from("0,0,240,1\n"), (events::SensorSize{346, 260}));
+  EXPECT_EQ(size_from("0,346,0,1\n"), (events::SensorSize{640, 480}));
+  EXPECT_EQ(size_from("0,0,0,1\n5,639,479,1\n"), (events::SensorSize{640, 480}));
+  EXPECT_EQ(size_from("0,640,9,1\n5,3,99,1\n"), (events::SensorSize{641, 100}));
+  EXPECT_EQ(size_from("0,0,0,1\n", {.size = events::SensorSize{1280, 720}}), (events::SensorSize{1280, 720}));
 }
 
 TEST(Convert, NamesTheCameraOfACsv) {
@@ -165,15 +167,15 @@ TEST(Convert, NamesTheCameraOfACsv) {
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,0,0,1\n");
   convert_recording(folder / "in.csv", folder / "a.aedat4");
   convert_recording(folder / "in.csv", folder / "b.aedat4", {.source = "DVXplorer_DXA00042"});
-  EXPECT_EQ(RecordingReader(folder / "a.aedat4").streams().front().source, "csv");
-  EXPECT_EQ(RecordingReader(folder / "b.aedat4").streams().front().source, "DVXplorer_DXA00042");
+  EXPECT_EQ(events::RecordingReader(folder / "a.aedat4").streams().front().source, "csv");
+  EXPECT_EQ(events::RecordingReader(folder / "b.aedat4").streams().front().source, "DVXplorer_DXA00042");
 }
 
 TEST(Convert, RefusesEventsOutsideTheGivenSensorAndWritesNothing) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,0,0,1\n1,320,0,1\n");
   try {
-    convert_recording(folder / "in.csv", folder / "out.aedat4", {.size = SensorSize{320, 240}});
+    convert_recording(folder / "in.csv", folder / "out.aedat4", {.size = events::SensorSize{320, 240}});
     ADD_FAILURE() << "the event lies outside";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("in.csv:3: x is '320'; expected a whole number from 0 to 319"), std::string::npos)
@@ -186,7 +188,9 @@ TEST(Convert, CannotDeriveTheSizeOfACsvWithoutEvents) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n");
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4"), Error);
-  EXPECT_EQ(convert_recording(folder / "in.csv", folder / "out.aedat4", {.size = SensorSize{64, 48}}).streams.at(0).elements, 0U);
+  EXPECT_EQ(
+      convert_recording(folder / "in.csv", folder / "out.aedat4", {.size = events::SensorSize{64, 48}}).streams.at(0).elements,
+      0U);
 }
 
 TEST(Convert, CutsACsvByTime) {
@@ -199,14 +203,14 @@ TEST(Convert, CutsACsvByTime) {
 
 /// Two cameras, each with events and an inertial sensor.
 fs::path two_cameras(const test::TemporaryFolder& folder) {
-  Stream second = test::stream_of(4, StreamType::events, "EVTS", "B");
-  second.size = SensorSize{32, 24};
-  RecordingWriter writer(folder / "two.aedat4",
-                         {event_stream_declaration({64, 48}, "A"), test::stream_of(2, StreamType::imu, "IMUS", "A"), second,
-                          test::stream_of(6, StreamType::imu, "IMUS", "B")});
+  events::Stream second = test::stream_of(4, events::StreamType::events, "EVTS", "B");
+  second.size = events::SensorSize{32, 24};
+  events::RecordingWriter writer(folder / "two.aedat4", {events::event_stream_declaration({64, 48}, "A"),
+                                                         test::stream_of(2, events::StreamType::imu, "IMUS", "A"), second,
+                                                         test::stream_of(6, events::StreamType::imu, "IMUS", "B")});
   writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
   writer.write_events(4, test::steady_events(20, 0, 100, {32, 24}));
-  ImuSample sample;
+  events::ImuSample sample;
   writer.write_imu(2, {&sample, 1});
   writer.write_imu(6, {&sample, 1});
   writer.close();
@@ -217,7 +221,7 @@ TEST(Convert, KeepsTheChosenCameraWithItsOtherStreams) {
   const test::TemporaryFolder folder;
   const fs::path two = two_cameras(folder);
   convert_recording(two, folder / "b.aedat4", {.streams = {"B"}});
-  const RecordingReader kept(folder / "b.aedat4");
+  const events::RecordingReader kept(folder / "b.aedat4");
   ASSERT_EQ(kept.streams().size(), 2U);
   EXPECT_EQ(kept.streams()[0].id, 4);
   EXPECT_EQ(kept.streams()[1].id, 6);
@@ -229,9 +233,9 @@ TEST(Convert, KeepsSeveralChosenStreamsApart) {
   const test::TemporaryFolder folder;
   const fs::path two = two_cameras(folder);
   EXPECT_EQ(convert_recording(two, folder / "both.aedat4", {.streams = {"B", "0"}}).streams.size(), 4U);
-  const RecordingReader both(folder / "both.aedat4");
-  EXPECT_EQ(both.stream(0).size, (SensorSize{64, 48}));
-  EXPECT_EQ(both.stream(4).size, (SensorSize{32, 24}));
+  const events::RecordingReader both(folder / "both.aedat4");
+  EXPECT_EQ(both.stream(0).size, (events::SensorSize{64, 48}));
+  EXPECT_EQ(both.stream(4).size, (events::SensorSize{32, 24}));
   EXPECT_THROW(convert_recording(two, folder / "out.csv", {.streams = {"A", "B"}}), Error);
   EXPECT_THROW(convert_recording(two, folder / "out.npz", {.streams = {"A", "B"}}), Error);
   EXPECT_THROW(convert_recording(two, folder / "out.npz"), Error);
@@ -241,12 +245,12 @@ TEST(Convert, KeepsSeveralChosenStreamsApart) {
 TEST(Convert, CropsEventsAndCountsThemFromTheCorner) {
   const test::TemporaryFolder folder;
   const test::RecordingContents all = test::contents_of(vendor_files / "dv-lz4.aedat4");
-  const SensorSize size = *event_stream(RecordingReader(vendor_files / "dv-lz4.aedat4")).size;
+  const events::SensorSize size = *events::event_stream(events::RecordingReader(vendor_files / "dv-lz4.aedat4")).size;
   const PixelRegion crop{size.width / 4, size.height / 3, size.width / 2, size.height / 3};
-  std::vector<Event> expected;
-  for (const Event& e : all.events) {
+  std::vector<events::Event> expected;
+  for (const events::Event& e : all.events) {
     if (e.x < crop.x || e.y < crop.y || e.x >= crop.x + crop.width || e.y >= crop.y + crop.height) continue;
-    Event moved = e;
+    events::Event moved = e;
     moved.x = static_cast<std::int16_t>(e.x - crop.x);
     moved.y = static_cast<std::int16_t>(e.y - crop.y);
     expected.push_back(moved);
@@ -257,12 +261,12 @@ TEST(Convert, CropsEventsAndCountsThemFromTheCorner) {
     const ConvertSummary summary = convert_recording(vendor_files / "dv-lz4.aedat4", folder / out, {.crop = crop});
     EXPECT_EQ(summary.streams.at(0).elements, expected.size()) << out;
     EXPECT_EQ(summary.cropped_events, all.events.size() - expected.size()) << out;
-    EXPECT_EQ(summary.size, (SensorSize{crop.width, crop.height}));
+    EXPECT_EQ(summary.size, (events::SensorSize{crop.width, crop.height}));
   }
   convert_recording(folder / "out.h5", folder / "back.aedat4");
   for (const char* made : {"out.aedat4", "back.aedat4"}) {
     EXPECT_EQ(test::contents_of(folder / made).events, expected);
-    EXPECT_EQ(event_stream(RecordingReader(folder / made)).size, (SensorSize{crop.width, crop.height}));
+    EXPECT_EQ(events::event_stream(events::RecordingReader(folder / made)).size, (events::SensorSize{crop.width, crop.height}));
     EXPECT_EQ(test::contents_of(folder / made).imu.size(), all.imu.size());
   }
   convert_recording(folder / "out.aedat4", folder / "again.csv");
@@ -271,17 +275,17 @@ TEST(Convert, CropsEventsAndCountsThemFromTheCorner) {
 
 TEST(Convert, CropsFramesWhereverTheyLieOnTheSensor) {
   const test::TemporaryFolder folder;
-  Frame frame;
+  events::Frame frame;
   frame.format = 16;  // BGR
   frame.width = 4;
   frame.height = 3;
   frame.position_x = 2;
   frame.position_y = 1;
   for (int i = 0; i < 4 * 3 * 3; ++i) frame.pixels.push_back(static_cast<std::uint8_t>(i));
-  Stream stream = test::stream_of(1, StreamType::frames, "FRME");
-  stream.size = SensorSize{10, 8};
+  events::Stream stream = test::stream_of(1, events::StreamType::frames, "FRME");
+  stream.size = events::SensorSize{10, 8};
   {
-    RecordingWriter writer(folder / "in.aedat4", {stream});
+    events::RecordingWriter writer(folder / "in.aedat4", {stream});
     writer.write_frame(1, frame);
     frame.t = camera_time(5);
     frame.position_x = 6;
@@ -304,7 +308,7 @@ TEST(Convert, RefusesACropOutsideTheSensorOrWithoutEvents) {
   const test::TemporaryFolder folder;
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,10,10,1\n10,20,20,0\n");
   const auto crop = [&](const PixelRegion& region) {
-    convert_recording(folder / "in.csv", folder / "out.aedat4", {.crop = region, .size = SensorSize{64, 48}});
+    convert_recording(folder / "in.csv", folder / "out.aedat4", {.crop = region, .size = events::SensorSize{64, 48}});
     fs::remove(folder / "out.aedat4");
   };
   EXPECT_NO_THROW(crop({10, 10, 54, 38}));
@@ -329,8 +333,8 @@ TEST(Convert, RefusesOptionsThatDoNotApply) {
   const test::TemporaryFolder folder;
   const fs::path recording = vendor_files / "dv-lz4.aedat4";
   write_whole(folder / "in.csv", "t_us,x,y,on\n0,0,0,1\n");
-  EXPECT_THROW(convert_recording(recording, folder / "out.csv", {.compression = Compression::lz4}), Error);
-  EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.size = SensorSize{64, 48}}), Error);
+  EXPECT_THROW(convert_recording(recording, folder / "out.csv", {.compression = events::Compression::lz4}), Error);
+  EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.size = events::SensorSize{64, 48}}), Error);
   EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.source = "camera"}), Error);
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4", {.streams = {"0"}}), Error);
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.csv"), Error);
@@ -380,14 +384,14 @@ TEST(Convert, CutsByTheEventsNotByTheDataTable) {
 
 TEST(Convert, RequiresASensorSizeOnlyIfTheOutputDoes) {
   const test::TemporaryFolder folder;
-  const Stream sizeless = test::stream_of(0, StreamType::events, "EVTS", "A");
+  const events::Stream sizeless = test::stream_of(0, events::StreamType::events, "EVTS", "A");
   {
     Hdf5RecordingWriter writer(folder / "in.h5", {&sizeless, 1});
     writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
     writer.close();
   }
   EXPECT_NE(refusal_of(folder / "in.h5", folder / "out.aedat4").find("in.h5: has no sensor size"), std::string::npos);
-  const ConvertSummary summary = convert_recording(folder / "in.h5", folder / "out.aedat4", {.size = SensorSize{64, 48}});
+  const ConvertSummary summary = convert_recording(folder / "in.h5", folder / "out.aedat4", {.size = events::SensorSize{64, 48}});
   EXPECT_EQ(summary.streams.at(0).elements, 30U);
 }
 
@@ -420,4 +424,4 @@ TEST(Convert, ReportsWhatADamagedInputLost) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,7 +51,7 @@ TEST(EventNpz, HoldsTheSensorsSizeAndAnyNumberOfEvents) {
   for (const std::size_t count : {0U, 1U, 65'536U, 65'537U, 200'000U}) {
     const fs::path file = folder / (std::to_string(count) + ".npz");
     EventNpzWriter writer(file, {346, 260});
-    const std::vector<Event> events = test::steady_events(count, -5, 3, {346, 260});
+    const std::vector<events::Event> events = test::steady_events(count, -5, 3, {346, 260});
     writer.write(std::span(events).first(count / 3));
     writer.write(std::span(events).subspan(count / 3));
     writer.close();
@@ -67,7 +67,7 @@ TEST(EventNpz, HoldsTheSensorsSizeAndAnyNumberOfEvents) {
 TEST(EventNpz, GivesTheSameBytesForTheSameEvents) {
   const test::TemporaryFolder folder;
   convert_recording(vendor_files / "dv-lz4.aedat4", folder / "a.npz");
-  convert_recording(vendor_files / "dv-lz4.aedat4", folder / "other.aedat4", {.compression = Compression::zstd});
+  convert_recording(vendor_files / "dv-lz4.aedat4", folder / "other.aedat4", {.compression = events::Compression::zstd});
   convert_recording(folder / "other.aedat4", folder / "b.npz");
   EXPECT_TRUE(read_text(folder / "a.npz") == read_text(folder / "b.npz"));
 }
@@ -75,7 +75,7 @@ TEST(EventNpz, GivesTheSameBytesForTheSameEvents) {
 TEST(EventNpz, CountsStepsBackInTimeAndWritesThem) {
   const test::TemporaryFolder folder;
   EventNpzWriter writer(folder / "a.npz", {64, 48});
-  const std::vector<Event> events{test::event_at(5), test::event_at(4), test::event_at(4), test::event_at(9)};
+  const std::vector<events::Event> events{test::event_at(5), test::event_at(4), test::event_at(4), test::event_at(9)};
   writer.write(events);
   writer.close();
   EXPECT_EQ(writer.steps_back(), 1U);
@@ -84,4 +84,4 @@ TEST(EventNpz, CountsStepsBackInTimeAndWritesThem) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -15,7 +15,7 @@
 #include "tactile/events/recording_health.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,10 +53,10 @@ TEST(Hdf5Recording, GivesEveryElementBack) {
     EXPECT_EQ(there.left_out.size(), expected.frames.empty() ? 0U : 1U);
     expected.frames.clear();
     EXPECT_TRUE(same(test::contents_of(folder / (std::string(name) + ".aedat4")), expected)) << name;
-    EXPECT_TRUE(examine_recording(folder / (std::string(name) + ".aedat4")).healthy());
-    const RecordingReader before(in), after(folder / (std::string(name) + ".aedat4"));
-    for (const Stream& stream : after.streams()) {
-      const Stream& original = before.stream(stream.id);
+    EXPECT_TRUE(events::examine_recording(folder / (std::string(name) + ".aedat4")).healthy());
+    const events::RecordingReader before(in), after(folder / (std::string(name) + ".aedat4"));
+    for (const events::Stream& stream : after.streams()) {
+      const events::Stream& original = before.stream(stream.id);
       EXPECT_EQ(stream.source, original.source);
       EXPECT_EQ(stream.name, original.name);
       EXPECT_EQ(stream.size, original.size);
@@ -82,9 +82,9 @@ TEST(Hdf5Recording, IsWhatPythonFindsTrue) {
         "compression=f['events/t_us'].compression)))\n"));
     for (const char* key : {"events", "on", "sum_x", "sum_y", "first_us", "last_us", "digest"})
       EXPECT_EQ(sums.at(key), expected.at(key)) << name << ": " << key;
-    const RecordingReader recording(vendor_files / (name + ".aedat4"));
-    EXPECT_EQ(sums.at("width"), event_stream(recording).size->width);
-    EXPECT_EQ(sums.at("source"), event_stream(recording).source);
+    const events::RecordingReader recording(vendor_files / (name + ".aedat4"));
+    EXPECT_EQ(sums.at("width"), events::event_stream(recording).size->width);
+    EXPECT_EQ(sums.at("source"), events::event_stream(recording).source);
     EXPECT_EQ(sums.at("compression"), "gzip");
     fs::remove(folder / "made.h5");
   }
@@ -99,12 +99,12 @@ TEST(Hdf5Recording, GivesTheSameBytesForTheSameInput) {
 
 TEST(Hdf5Recording, KeepsSeveralStreamsApart) {
   const test::TemporaryFolder folder;
-  const std::vector<Event> left = test::steady_events(150'000, 0, 10, {64, 48}),
-                           right = test::steady_events(50, 7, 100, {32, 24});
+  const std::vector<events::Event> left = test::steady_events(150'000, 0, 10, {64, 48}),
+                                   right = test::steady_events(50, 7, 100, {32, 24});
   {
-    Stream second = test::stream_of(4, StreamType::events, "EVTS", "B");
-    second.size = SensorSize{32, 24};
-    RecordingWriter writer(folder / "two.aedat4", {event_stream_declaration({64, 48}, "A"), second});
+    events::Stream second = test::stream_of(4, events::StreamType::events, "EVTS", "B");
+    second.size = events::SensorSize{32, 24};
+    events::RecordingWriter writer(folder / "two.aedat4", {events::event_stream_declaration({64, 48}, "A"), second});
     writer.write_events(0, left);
     writer.write_events(4, right);
     writer.close();
@@ -115,13 +115,13 @@ TEST(Hdf5Recording, KeepsSeveralStreamsApart) {
              "f = h5py.File('two.h5')\nprint(sorted(f), len(f['events/x']), len(f['events_4/x']), f['events_4'].attrs['width'])"),
       "['events', 'events_4'] 150000 50 32\n");
   convert_recording(folder / "two.h5", folder / "back.aedat4");
-  RecordingReader back(folder / "back.aedat4");
-  std::vector<Event> events;
-  const auto keep = [&](std::span<const Event> some) { events.insert(events.end(), some.begin(), some.end()); };
-  for_all_events(back, 0, keep);
+  events::RecordingReader back(folder / "back.aedat4");
+  std::vector<events::Event> events;
+  const auto keep = [&](std::span<const events::Event> some) { events.insert(events.end(), some.begin(), some.end()); };
+  events::for_all_events(back, 0, keep);
   EXPECT_EQ(events, left);
   events.clear();
-  for_all_events(back, 4, keep);
+  events::for_all_events(back, 4, keep);
   EXPECT_EQ(events, right);
   EXPECT_LT(back.packets()[1].first, camera_time(20'000));  // the streams are interleaved
   EXPECT_EQ(convert_recording(folder / "two.h5", folder / "b.csv", {.streams = {"B"}}).streams.at(0).elements, 50U);
@@ -143,7 +143,7 @@ TEST(Hdf5Recording, ReadsWhatAnotherProgramMade) {
   ASSERT_EQ(contents.events.size(), 100'000U);
   EXPECT_EQ(contents.events.at(99'999), test::event_at(99'999, 99'999 % 640, 99'999 % 480, 0));
   EXPECT_EQ(contents.events.at(2), test::event_at(2, 2, 2, 1));
-  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().source, "a text of variable length");
+  EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().source, "a text of variable length");
 }
 
 TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
@@ -152,11 +152,11 @@ TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
          "with h5py.File('theirs.h5', 'w') as f:\n"
          "    for n in ('t_us', 'x', 'y', 'on'): f['events/' + n] = np.array([0, 1])\n");
   EXPECT_NE(refusal_of(folder / "theirs.h5").find("--size WxH"), std::string::npos);
-  convert_recording(folder / "theirs.h5", folder / "out.aedat4", {.size = SensorSize{320, 240}, .source = "mine"});
-  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().size, (SensorSize{320, 240}));
-  EXPECT_EQ(RecordingReader(folder / "out.aedat4").streams().front().source, "mine");
+  convert_recording(folder / "theirs.h5", folder / "out.aedat4", {.size = events::SensorSize{320, 240}, .source = "mine"});
+  EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().size, (events::SensorSize{320, 240}));
+  EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().source, "mine");
   convert_recording(folder / "out.aedat4", folder / "out.h5");
-  EXPECT_NE(refusal_of(folder / "out.h5", {.size = SensorSize{64, 48}}).find("omit --size"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "out.h5", {.size = events::SensorSize{64, 48}}).find("omit --size"), std::string::npos);
 }
 
 TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
@@ -210,8 +210,8 @@ bool is_refused(const fs::path& file) {
   try {
     Hdf5RecordingReader reader(file);
     std::vector<std::int32_t> ids;
-    for (const Stream& stream : reader.streams()) ids.push_back(stream.id);
-    const auto nothing = [](const Stream&, const auto&) {};
+    for (const events::Stream& stream : reader.streams()) ids.push_back(stream.id);
+    const auto nothing = [](const events::Stream&, const auto&) {};
     reader.read(ids, {.events = nothing, .imu = nothing, .triggers = nothing});
     return false;
   } catch (const Error&) {
@@ -267,24 +267,25 @@ TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {
 
 TEST(Hdf5Recording, NeverHoldsTimesThatStepBack) {
   const test::TemporaryFolder folder;
-  const Stream stream = event_stream_declaration({64, 48}, "A");
+  const events::Stream stream = events::event_stream_declaration({64, 48}, "A");
   Hdf5RecordingWriter writer(folder / "out.h5", {&stream, 1});
-  const std::vector<Event> events{test::event_at(5, 1, 1, 1), test::event_at(4, 1, 1, 1)};
+  const std::vector<events::Event> events{test::event_at(5, 1, 1, 1), test::event_at(4, 1, 1, 1)};
   EXPECT_THROW(writer.write_events(0, events), Error);
 }
 
 TEST(Hdf5Recording, LeavesOutASizeThatAStreamDoesNotHave) {
   const test::TemporaryFolder folder;
-  Stream sized = event_stream_declaration({64, 48}, "A"), sizeless = test::stream_of(4, StreamType::events, "EVTS", "B");
-  const std::vector<Stream> streams{sized, sizeless};
+  events::Stream sized = events::event_stream_declaration({64, 48}, "A"),
+                 sizeless = test::stream_of(4, events::StreamType::events, "EVTS", "B");
+  const std::vector<events::Stream> streams{sized, sizeless};
   Hdf5RecordingWriter writer(folder / "two.h5", streams);
   writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
   writer.write_events(4, test::steady_events(30, 0, 100, {320, 240}));
   writer.close();
   EXPECT_NE(refusal_of(folder / "two.h5").find("--size WxH"), std::string::npos);
-  const Hdf5RecordingReader reader(folder / "two.h5", SensorSize{320, 240});
-  EXPECT_EQ(reader.streams()[0].size, (SensorSize{64, 48}));
-  EXPECT_EQ(reader.streams()[1].size, (SensorSize{320, 240}));
+  const Hdf5RecordingReader reader(folder / "two.h5", events::SensorSize{320, 240});
+  EXPECT_EQ(reader.streams()[0].size, (events::SensorSize{64, 48}));
+  EXPECT_EQ(reader.streams()[1].size, (events::SensorSize{320, 240}));
 }
 
 TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
@@ -293,9 +294,9 @@ TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
          "with h5py.File('theirs.h5', 'w') as f:\n"
          "    for n in ('t_us', 'x', 'y', 'on'):\n"
          "        f.create_dataset('events/' + n, data=np.zeros(1000, dtype='i8'), chunks=(100,), compression='lzf')\n");
-  const std::string message = refusal_of(folder / "theirs.h5", {.size = SensorSize{64, 48}});
+  const std::string message = refusal_of(folder / "theirs.h5", {.size = events::SensorSize{64, 48}});
   EXPECT_NE(message.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << message;
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

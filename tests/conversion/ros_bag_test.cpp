@@ -13,7 +13,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,4 +164,4 @@ TEST(RosBagReader, RefusesAnEncryptedBag) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 std::string little_endian(std::uint64_t value, int bytes) {
@@ -30,13 +30,13 @@ std::string event_packet(const std::string& encoding, std::uint64_t base_ns, con
   return header(1, 0) + u32(480) + u32(640) + u64(12) + u64(base_ns) + text(encoding) +
          std::string(1, is_big_endian ? '\1' : '\0') + text(data);
 }
-std::vector<Event> events_in(const std::string& packet) {
+std::vector<events::Event> events_in(const std::string& packet) {
   RosEvents events;
   EXPECT_EQ(decode_event_packet(bytes_of(packet), events), PacketDecoding::whole);
   return events.events;
 }
-Event event(std::int64_t t_us, int x, int y, int on) {
-  Event made{.t = camera_time(t_us), .x = static_cast<std::int16_t>(x), .y = static_cast<std::int16_t>(y)};
+events::Event event(std::int64_t t_us, int x, int y, int on) {
+  events::Event made{.t = camera_time(t_us), .x = static_cast<std::int16_t>(x), .y = static_cast<std::int16_t>(y)};
   made.on = static_cast<std::uint8_t>(on);
   return made;
 }
@@ -48,8 +48,8 @@ TEST(DecodeEventArray, ReadsEveryFieldAndDropsWhatLiesOutside) {
                               u16(0) + u16(1) + u32(1701) + u32(1'000) + '\0';
   RosEvents events;
   ASSERT_TRUE(decode_event_array(bytes_of(message), events));
-  EXPECT_EQ(events.size, (SensorSize{640, 480}));
-  EXPECT_EQ(events.events, (std::vector<Event>{event(1'700'999'999, 639, 479, 1), event(1'701'000'001, 0, 1, 0)}));
+  EXPECT_EQ(events.size, (events::SensorSize{640, 480}));
+  EXPECT_EQ(events.events, (std::vector<events::Event>{event(1'700'999'999, 639, 479, 1), event(1'701'000'001, 0, 1, 0)}));
   EXPECT_EQ(events.outside, 1U);
   EXPECT_FALSE(events.sequence);
 }
@@ -80,9 +80,9 @@ TEST(DecodeEventPacket, ReadsLibcaerAndCarriesItsOverflow) {
   };
   const std::string data = raw(639, 479, 1, 0x7FFFFFFF) + raw(0, 3, 0, 0x7FFFFFFE) + raw(5, 0, 1, 4);
   EXPECT_EQ(events_in(event_packet("libcaer", 1'700'000'000'000'000'900, data)),
-            (std::vector<Event>{event(1'700'000'000'000'000 + 0x7FFFFFFF, 639, 479, 1),
-                                event(1'700'000'000'000'000 + 0x7FFFFFFE, 0, 3, 0),  // disorder, no overflow
-                                event(1'700'000'000'000'000 + 0x80000004, 5, 0, 1)}));
+            (std::vector<events::Event>{event(1'700'000'000'000'000 + 0x7FFFFFFF, 639, 479, 1),
+                                        event(1'700'000'000'000'000 + 0x7FFFFFFE, 0, 3, 0),  // disorder, no overflow
+                                        event(1'700'000'000'000'000 + 0x80000004, 5, 0, 1)}));
 }
 
 TEST(DecodeEventPacket, ReadsTheCompressedWordsOfLibcaer) {
@@ -90,15 +90,15 @@ TEST(DecodeEventPacket, ReadsTheCompressedWordsOfLibcaer) {
   const std::string data =
       u16(0x2007) + u16(0x3809) + u16(0x1005) + u16(0x2008) + u16(0x4010) + u16(0x5085) + u16(0x5002) + u16(0x0003) + u16(0x300A);
   EXPECT_EQ(events_in(event_packet("libcaer_cmp", 2'000'000, data)),
-            (std::vector<Event>{event(2'000, 7, 9, 1), event(2'005, 8, 16, 0), event(2'005, 8, 18, 0), event(2'005, 8, 23, 0),
-                                event(2'005, 8, 25, 0), event(2'000 + 3 * 4096 + 5, 8, 10, 0)}));
+            (std::vector<events::Event>{event(2'000, 7, 9, 1), event(2'005, 8, 16, 0), event(2'005, 8, 18, 0),
+                                        event(2'005, 8, 23, 0), event(2'005, 8, 25, 0), event(2'000 + 3 * 4096 + 5, 8, 10, 0)}));
 }
 
 TEST(DecodeEventPacket, ReadsMono) {
   const std::uint64_t on = std::uint64_t{1} << 63;
   const std::string data = u64(1'500 | std::uint64_t{3} << 32 | std::uint64_t{4} << 48) + u64(on | 0xFFFFFFFF);
   EXPECT_EQ(events_in(event_packet("mono", 1'000'600, data)),
-            (std::vector<Event>{event(1'002, 3, 4, 0), event(4'295'967, 0, 0, 1)}));
+            (std::vector<events::Event>{event(1'002, 3, 4, 0), event(4'295'967, 0, 0, 1)}));
 }
 
 TEST(DecodeEventPacket, NamesAnEncodingThatItDoesNotKnow) {
@@ -211,7 +211,7 @@ TEST(DecodeImuMessage, TurnsUnitsIntoTheCameras) {
   for (int i = 0; i < 9; ++i) message += f64(77);
   message += f64(0) + f64(9.80665) + f64(-19.6133);
   for (int i = 0; i < 9; ++i) message += f64(77);
-  ImuSample sample;
+  events::ImuSample sample;
   ASSERT_TRUE(decode_imu_message(bytes_of(message), sample));
   EXPECT_EQ(us_of(sample.t), 2'000'000);
   EXPECT_FLOAT_EQ(sample.angular_rate_dps[0], 180);
@@ -228,4 +228,4 @@ TEST(RosMessageWith, KnowsItsTypesByTheirDefinition) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -7,7 +7,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
@@ -86,4 +86,4 @@ TEST(ArrivalLine, KnowsTheMicrosecondAfterAYear) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using std::chrono::microseconds;
@@ -84,4 +84,4 @@ TEST(DeadlineMonitor, TellsNoWaitingOfWhatIsPlayed) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

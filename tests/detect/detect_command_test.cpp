@@ -28,7 +28,7 @@
 #include "transport/dv/dv_stream_bytes.hpp"
 #include "transport/scripted_server.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 namespace fs = std::filesystem;
@@ -255,7 +255,7 @@ TEST(DetectCommand, EndsAtCtrlCAndAfterItsDuration) {
 std::string stream_then(const std::string& end, std::int64_t from_us = 5'000'000) {
   std::string bytes = test::stream_start(0, test::event_node(0, 160, 120, "DVXplorer_DXM00001"));
   for (std::int64_t t = 0; t < 500'000; t += 1'000) {
-    Event event;
+    events::Event event;
     event.t = camera_time(from_us + t);
     event.x = static_cast<std::int16_t>(t / 1'000 % 160);
     bytes += test::packet(0, test::event_payload({event}));
@@ -307,7 +307,7 @@ TEST(DetectCommand, EndsWithAStreamThatCloses) {
 
 TEST(DetectCommand, ReportsThatItGaveUpABrokenStream) {
   const auto within_a_packet = [](test::ScriptedServer::Socket& client) {
-    test::send_all(client, test::packet(0, test::event_payload({Event{}})).substr(0, 20));
+    test::send_all(client, test::packet(0, test::event_payload({events::Event{}})).substr(0, 20));
   };
   for (const auto& breaks : {std::function<void(test::ScriptedServer::Socket&)>(test::reset), {within_a_packet}}) {
     const auto json = detected_from(breaks, "--reconnect 0.2", 1);
@@ -358,14 +358,14 @@ TEST(DetectCommand, TriesAStreamAgainThatBreaks) {
 /// The run's events, and one so long behind the last.
 fs::path with_an_event_ahead(const fs::path& name, microseconds ahead) {
   const fs::path folder = trained().folder.path();
-  const RecordingReader recording(folder / "data/fan/02/events.aedat4");
-  const Stream& stream = event_stream(recording);
-  std::vector<Event> events = test::events_in_file(recording.file());
-  RecordingWriter writer(folder / name, std::vector<Stream>{stream});
-  writer.write_events(stream.id, std::span<const Event>(events));
-  Event far = events.back();
+  const events::RecordingReader recording(folder / "data/fan/02/events.aedat4");
+  const events::Stream& stream = events::event_stream(recording);
+  std::vector<events::Event> events = test::events_in_file(recording.file());
+  events::RecordingWriter writer(folder / name, std::vector<events::Stream>{stream});
+  writer.write_events(stream.id, std::span<const events::Event>(events));
+  events::Event far = events.back();
   far.t = after(far.t, ahead);
-  writer.write_events(stream.id, std::span<const Event>(&far, 1));
+  writer.write_events(stream.id, std::span<const events::Event>(&far, 1));
   writer.close();
   return folder / name;
 }
@@ -373,9 +373,10 @@ fs::path with_an_event_ahead(const fs::path& name, microseconds ahead) {
 TEST(DetectCommand, RejectsARecordingWithATimeAYearAheadLikeEval) {
   const fs::path folder = trained().folder.path();
   const fs::path file = with_an_event_ahead("year.aedat4", 365 * 24h);
-  RecordingReader recording(file);
-  const std::string of_eval =
-      test::error_of([&] { for_every_tick(recording, event_stream(recording).id, {}, [](auto&&...) { FAIL() << "a tick"; }); });
+  events::RecordingReader recording(file);
+  const std::string of_eval = test::error_of([&] {
+    heatmaps::for_every_tick(recording, events::event_stream(recording).id, {}, [](auto&&...) { FAIL() << "a tick"; });
+  });
   const auto whole = run_tactile("detect --quiet --model small --speed 0 --ticks year.csv --from file:" + file.string(), folder);
   EXPECT_EQ(whole.exit_code, 1);
   EXPECT_NE(whole.err.find(of_eval), std::string::npos) << whole.err;
@@ -390,8 +391,8 @@ TEST(DetectCommand, AgreesWithEvalThroughASilence) {
   const fs::path folder = trained().folder.path();
   const fs::path file = with_an_event_ahead("minute.aedat4", 60s);
   std::vector<std::pair<std::string, std::string>> offline;
-  RecordingReader recording(file);
-  for_every_tick(recording, event_stream(recording).id, {}, [&](CameraTime t, auto, std::uint64_t events) {
+  events::RecordingReader recording(file);
+  heatmaps::for_every_tick(recording, events::event_stream(recording).id, {}, [&](CameraTime t, auto, std::uint64_t events) {
     offline.emplace_back(std::to_string(us_of(t)), std::to_string(events));
   });
   ASSERT_GT(offline.size(), 30'000U);
@@ -409,7 +410,7 @@ TEST(DetectCommand, AgreesWithEvalThroughASilence) {
 TEST(DetectCommand, ReportsAClockOf31BitsThatStartedAgain) {
   // The camera's clock of 31 bits begins again within the stream; there is one connection, so it is named and that is the end.
   constexpr std::int64_t end = std::int64_t{1} << 31;
-  Event event;
+  events::Event event;
   event.t = camera_time(100);
   const test::ScriptedServer server([&](test::ScriptedServer::Socket& client) {
     test::send_all(client, stream_then(test::packet(0, test::event_payload({event})), end - 500'000));
@@ -463,4 +464,4 @@ TEST(DetectCommand, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -15,7 +15,7 @@
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/transport/dv/dv_stream_server.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using namespace test;
@@ -39,7 +39,7 @@ std::string message_of(const std::exception_ptr& failure) {
 class DetectionSessionOfAFile : public testing::Test {
  protected:
   DetectionSessionOfAFile() {
-    const std::vector<Event> later = test::steady_events(500, 100'000, 100, sensor);
+    const std::vector<events::Event> later = test::steady_events(500, 100'000, 100, sensor);
     events.insert(events.end(), later.begin(), later.end());
     test::write_plain_recording(file, events, sensor);
   }
@@ -49,14 +49,15 @@ class DetectionSessionOfAFile : public testing::Test {
 
   test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "events.aedat4";
-  std::vector<Event> events = test::steady_events(500, 0, 100, sensor);
+  std::vector<events::Event> events = test::steady_events(500, 0, 100, sensor);
   const std::string source = "file:" + file.string();
 };
 
 TEST_F(DetectionSessionOfAFile, ReportsEveryTickOnceAndCountsEpisodes) {
   std::vector<std::pair<CameraTime, std::uint64_t>> offline, live;
-  for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms},
-                 [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
+  heatmaps::for_every_tick(
+      events, sensor, {.history = 10ms, .tick = 2ms},
+      [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
   std::vector<CameraTime> begins;
   bool has_ended = false;
   TickOutput output;
@@ -112,8 +113,8 @@ TEST_F(DetectionSessionOfAFile, RefusesAModelOfAnotherSize) {
   EXPECT_NE(test::error_of([&] { detect(options); }).find("expected the 12 x 10"), std::string::npos);
 }
 
-NetworkAddress any_free_port() {
-  NetworkAddress address;
+transport::NetworkAddress any_free_port() {
+  transport::NetworkAddress address;
   address.host = "127.0.0.1";
   return address;
 }
@@ -124,7 +125,7 @@ class LiveStream {
   LiveStream() {
     thread_ = std::thread([this] {
       for (std::int64_t t = 0; !is_over_; t += 1'000) {
-        const Event event = test::event_at(t, static_cast<int>(t / 1'000 % 50));
+        const events::Event event = test::event_at(t, static_cast<int>(t / 1'000 % 50));
         server_->send(std::span(&event, 1));
         std::this_thread::sleep_for(1ms);
       }
@@ -147,8 +148,8 @@ class LiveStream {
   }
 
  private:
-  std::unique_ptr<DvStreamServer> server_ =
-      std::make_unique<DvStreamServer>(any_free_port(), event_stream_declaration(sensor, "DVXplorer_DXM00001"));
+  std::unique_ptr<transport::DvStreamServer> server_ = std::make_unique<transport::DvStreamServer>(
+      any_free_port(), events::event_stream_declaration(sensor, "DVXplorer_DXM00001"));
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };
@@ -182,4 +183,4 @@ TEST(DetectionSession, EndsWithAStreamThatCloses) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

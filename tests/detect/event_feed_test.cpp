@@ -16,18 +16,20 @@
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/transport/dv/dv_stream_server.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using test::comes_true;
 
 /// A camera that sends what it is given, then ends or breaks.
-class MadeSource final : public CameraSource {
+class MadeSource final : public capture::CameraSource {
  public:
   static inline std::atomic<int> open_ones = 0;
 
   explicit MadeSource(std::vector<std::int64_t> times, std::string breaks = {})
-      : stream_(event_stream_declaration({50, 50}, "MADE")), times_(times.begin(), times.end()), breaks_(std::move(breaks)) {
+      : stream_(events::event_stream_declaration({50, 50}, "MADE")),
+        times_(times.begin(), times.end()),
+        breaks_(std::move(breaks)) {
     ++open_ones;
   }
   ~MadeSource() override { --open_ones; }
@@ -35,28 +37,28 @@ class MadeSource final : public CameraSource {
   MadeSource& operator=(const MadeSource&) = delete;
 
   std::string name() const override { return "made"; }
-  std::span<const Stream> streams() const override { return {&stream_, 1}; }
+  std::span<const events::Stream> streams() const override { return {&stream_, 1}; }
   nlohmann::json camera() const override { return nlohmann::json::object(); }
-  Received receive(CameraPacket& packet, std::chrono::microseconds) override {
+  Received receive(capture::CameraPacket& packet, std::chrono::microseconds) override {
     if (times_.empty()) {
       if (!breaks_.empty()) throw Error(breaks_);
       return Received::ended;
     }
-    Event event;
+    events::Event event;
     event.t = camera_time(times_.front());
     times_.pop_front();
     packet.events.push_back(event);
     times_kept_.keep(packet, name(), drops_);  // which throws where the clock was set back, as every live source does
     return Received::packet;
   }
-  SourceDrops drops() const override { return drops_; }
+  capture::SourceDrops drops() const override { return drops_; }
 
  private:
-  Stream stream_;
+  events::Stream stream_;
   std::deque<std::int64_t> times_;
   std::string breaks_;
-  AscendingTimes times_kept_;
-  SourceDrops drops_;
+  capture::AscendingTimes times_kept_;
+  capture::SourceDrops drops_;
 };
 
 struct Faults {
@@ -83,10 +85,10 @@ struct Taken {
 
 std::vector<Taken> all_of(EventFeed& feed) {
   std::vector<Taken> taken;
-  PacketQueue::Packet packet;
+  capture::PacketQueue::Packet packet;
   while (feed.next(packet, std::chrono::seconds(60), {}) && !packet.empty()) {
     Taken& one = taken.emplace_back(Taken{packet.front().source_index, {}});
-    for (const Event& event : packet.front().elements.events) one.times.push_back(us_of(event.t));
+    for (const events::Event& event : packet.front().elements.events) one.times.push_back(us_of(event.t));
     feed.give_back(std::exchange(packet, {}));
   }
   return taken;
@@ -98,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(ReceivedBy, EventFeedBothWays, testing::Values(true, fa
                          [](const auto& instance) { return instance.param ? "AThreadOfItsOwn" : "WhoeverTakes"; });
 
 TEST_P(EventFeedBothWays, ReceivesAllPacketsAndEndsWithTheSource) {
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2, 3}), queue,
                  {.receives_ahead = GetParam(), .fault = faults.tell()});
@@ -110,7 +112,7 @@ TEST_P(EventFeedBothWays, ReceivesAllPacketsAndEndsWithTheSource) {
 
 TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   constexpr std::int64_t end = std::int64_t{1} << 31;
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   int opened = 0;
   EventFeedOptions options;
@@ -118,7 +120,7 @@ TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   options.fault = faults.tell();
   options.waits = true;
   options.reconnect = std::chrono::seconds(60);
-  options.open = [&]() -> std::unique_ptr<CameraSource> {
+  options.open = [&]() -> std::unique_ptr<capture::CameraSource> {
     EXPECT_EQ(MadeSource::open_ones, 0) << "a camera opens but once";
     if (++opened == 1) throw Error("nobody is there yet");
     return std::make_unique<MadeSource>(std::vector<std::int64_t>{500, 1'000});
@@ -144,13 +146,13 @@ TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
 }
 
 TEST_P(EventFeedBothWays, DoesNotReopenASourceThatHasEnded) {
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeedOptions options;
   options.receives_ahead = GetParam();
   options.fault = faults.tell();
   options.reconnect = std::chrono::seconds(600);
-  options.open = []() -> std::unique_ptr<CameraSource> {
+  options.open = []() -> std::unique_ptr<capture::CameraSource> {
     ADD_FAILURE() << "it had ended";
     throw Error("nobody is there");
   };
@@ -163,7 +165,7 @@ TEST_P(EventFeedBothWays, DoesNotReopenASourceThatHasEnded) {
 }
 
 TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: garbage; expected events"), queue,
                  {.receives_ahead = GetParam(), .fault = faults.tell()});
@@ -175,13 +177,13 @@ TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
 }
 
 TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeedOptions options;
   options.receives_ahead = GetParam();
   options.fault = faults.tell();
   options.reconnect = std::chrono::milliseconds(120);
-  options.open = []() -> std::unique_ptr<CameraSource> { throw Error("nobody is there"); };
+  options.open = []() -> std::unique_ptr<capture::CameraSource> { throw Error("nobody is there"); };
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);
   feed.start();
   all_of(feed);
@@ -193,7 +195,7 @@ TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
 }
 
 TEST(EventFeed, CountsPacketsWithoutRoom) {
-  PacketQueue queue(1);  // one packet at a time
+  capture::PacketQueue queue(1);  // one packet at a time
   std::vector<std::int64_t> times;
   for (std::int64_t t = 0; t < 50; ++t) times.push_back(t);
   EventFeed feed(std::make_unique<MadeSource>(times), queue, {});
@@ -204,7 +206,7 @@ TEST(EventFeed, CountsPacketsWithoutRoom) {
 }
 
 TEST(EventFeed, WaitsForRoomOnRequest) {
-  PacketQueue queue(1);
+  capture::PacketQueue queue(1);
   std::vector<std::int64_t> times;
   for (std::int64_t t = 0; t < 50; ++t) times.push_back(t);
   EventFeed feed(std::make_unique<MadeSource>(times), queue, {.waits = true});
@@ -214,10 +216,10 @@ TEST(EventFeed, WaitsForRoomOnRequest) {
 }
 
 TEST(EventFeed, RestsBeforeItWaits) {
-  PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue queue(std::size_t{1} << 20);
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}), queue, {.receives_ahead = false});
   feed.start();
-  PacketQueue::Packet packet;
+  capture::PacketQueue::Packet packet;
   const HostTime begun = host_now();
   ASSERT_TRUE(feed.next(packet, 1s, 20ms));
   EXPECT_GE(host_now() - begun, 20ms) << "the packet was there all the time";
@@ -226,24 +228,24 @@ TEST(EventFeed, RestsBeforeItWaits) {
 }
 
 TEST(EventFeed, KnowsArrivalTimesEvenIfPacketsAreTakenLate) {
-  NetworkAddress any_port;
+  transport::NetworkAddress any_port;
   any_port.host = "127.0.0.1";
-  DvStreamServer server(any_port, event_stream_declaration({50, 50}, "MADE"));
+  transport::DvStreamServer server(any_port, events::event_stream_declaration({50, 50}, "MADE"));
   std::atomic<bool> is_over{false};
   std::thread sending([&] {
-    Event event;
+    events::Event event;
     for (std::int64_t t = 0; !is_over; t += 1'000) {
       event.t = camera_time(t);
       server.send(std::span(&event, 1));
       std::this_thread::sleep_for(1ms);
     }
   });
-  PacketQueue queue(std::size_t{1} << 20);
-  std::unique_ptr<CameraSource> source = open_camera_source(server.address().text());
+  capture::PacketQueue queue(std::size_t{1} << 20);
+  std::unique_ptr<capture::CameraSource> source = capture::open_camera_source(server.address().text());
   EXPECT_TRUE(source->reports_arrivals());
   EventFeed feed(std::move(source), queue, {.receives_ahead = false});
   feed.start();
-  PacketQueue::Packet packet;
+  capture::PacketQueue::Packet packet;
   // The system may take a while until it notes when bytes arrive.
   EXPECT_TRUE(comes_true([&] {
     if (!feed.next(packet, 1s, 50ms) || packet.empty()) return false;
@@ -258,7 +260,7 @@ TEST(EventFeed, KnowsArrivalTimesEvenIfPacketsAreTakenLate) {
 TEST(RecordedCopy, EndsWhenTheCamerasClockStartsAgain) {
   MadeSource source({});
   RecordedCopy copy(source, false);
-  CameraPacket packet;
+  capture::CameraPacket packet;
   packet.events.resize(1);
   packet.events[0].t = camera_time(1'000);
   copy.put(packet);
@@ -266,11 +268,11 @@ TEST(RecordedCopy, EndsWhenTheCamerasClockStartsAgain) {
   copy.put(packet);
   copy.put(packet);
   EXPECT_TRUE(copy.ended_early());
-  CameraPacket got;
-  ASSERT_EQ(copy.receive(got, std::chrono::milliseconds(1)), CameraSource::Received::packet);
+  capture::CameraPacket got;
+  ASSERT_EQ(copy.receive(got, std::chrono::milliseconds(1)), capture::CameraSource::Received::packet);
   EXPECT_EQ(got.events.front().t, camera_time(1'000));
-  EXPECT_EQ(copy.receive(got, std::chrono::milliseconds(1)), CameraSource::Received::ended);
+  EXPECT_EQ(copy.receive(got, std::chrono::milliseconds(1)), capture::CameraSource::Received::ended);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -10,7 +10,7 @@
 #include "detect/live.hpp"
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using namespace test;
@@ -203,7 +203,7 @@ TEST(LiveDetector, NeverMixesEventsOfAClockOf31BitsThatStartedAgain) {
 /// What a stopped process finds when it resumes: packets that came long ago, one at a look. One came each second, so that what a
 /// busy machine takes to read them all is nothing beside it.
 struct WaitingPackets final : PacketSupply {
-  bool next(PacketQueue::Packet& packet, microseconds /*patience*/, microseconds /*rest*/) override {
+  bool next(capture::PacketQueue::Packet& packet, microseconds /*patience*/, microseconds /*rest*/) override {
     if (given == 3'000) return false;
     packet.clear();
     packet.emplace_back();
@@ -214,7 +214,7 @@ struct WaitingPackets final : PacketSupply {
     packet.front().elements.events[0].t = camera_time(1'000'000 * given++);
     return true;
   }
-  void give_back(PacketQueue::Packet /*packet*/) override {}
+  void give_back(capture::PacketQueue::Packet /*packet*/) override {}
   std::uint64_t lost_events() const override { return 0; }
   bool more_came = false;
   HostTime begun = host_now();
@@ -287,4 +287,4 @@ TEST(LiveDetector, RestartsOnceWhenASourceIsLostAndBack) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -11,13 +11,13 @@
 
 namespace tactile::test {
 
-inline constexpr SensorSize sensor{50, 50}, input{10, 10};
+inline constexpr events::SensorSize sensor{50, 50}, input{10, 10};
 inline constexpr std::int64_t base = 1'700'000'000'000'000;
 
 inline HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
 
 /// A network that predicts slip for a heatmap with events.
-inline Logits slip_where_anything_is(std::span<const std::uint8_t> heatmap) {
+inline model::Logits slip_where_anything_is(std::span<const std::uint8_t> heatmap) {
   for (const std::uint8_t cell : heatmap) {
     if (cell != 0) return {0, 0, 1};
   }
@@ -25,23 +25,23 @@ inline Logits slip_where_anything_is(std::span<const std::uint8_t> heatmap) {
 }
 
 /// The packets of a queue.
-struct Queued final : PacketSupply {
-  explicit Queued(PacketQueue& from) : queue(from) {}
-  bool next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) override {
+struct Queued final : detect::PacketSupply {
+  explicit Queued(capture::PacketQueue& from) : queue(from) {}
+  bool next(capture::PacketQueue::Packet& packet, microseconds patience, microseconds rest) override {
     EXPECT_LE(rest, patience);
     return queue.pop(packet, patience);
   }
-  void give_back(PacketQueue::Packet packet) override { queue.give_back(std::move(packet)); }
+  void give_back(capture::PacketQueue::Packet packet) override { queue.give_back(std::move(packet)); }
   std::uint64_t lost_events() const override { return 0; }
-  PacketQueue& queue;
+  capture::PacketQueue& queue;
 };
 
 struct Live {
-  std::vector<ReportedTick> reported;
-  std::vector<DetectionFault> faults;
+  std::vector<detect::ReportedTick> reported;
+  std::vector<detect::DetectionFault> faults;
   int forgotten = 0;
   bool more_came = false;
-  LiveDetector detector;
+  detect::LiveDetector detector;
 
   explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {},
                 microseconds play_for = microseconds::max())
@@ -51,15 +51,15 @@ struct Live {
              slip_where_anything_is,
              {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
             {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
-            [this](const ReportedTick& tick) { reported.push_back(tick); },
-            [this](const DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
+            [this](const detect::ReportedTick& tick) { reported.push_back(tick); },
+            [this](const detect::DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}
 
   void take(std::vector<std::int64_t> times, std::int64_t arrived, std::size_t source_index = 0, bool is_exact = false) {
-    QueuedPacket packet{.source_index = source_index, .arrived = host_time(arrived), .elements = {}};
+    capture::QueuedPacket packet{.source_index = source_index, .arrived = host_time(arrived), .elements = {}};
     if (is_exact) packet.elements.arrived = packet.arrived;
     packet.elements.more_came = more_came;
     for (const std::int64_t t : times) {
-      Event event;
+      events::Event event;
       event.t = camera_time(t);
       event.x = static_cast<std::int16_t>((t / 100 % 50 + 50) % 50);
       packet.elements.events.push_back(event);

@@ -10,7 +10,7 @@
 #include "support/error_of.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using namespace test;
@@ -72,9 +72,11 @@ TEST(LiveDetector, RejectsAReplayWithATimeAYearAhead) {
   EXPECT_NE(refused.find("ticks of 2000 us from the first event to the last; expected at most 100000000"), std::string::npos)
       << refused;
   EXPECT_EQ(live.reported.size(), 6U);
-  std::vector<Event> events(2);
+  std::vector<events::Event> events(2);
   events[1].t = camera_time(a_year);
-  EXPECT_NE(test::error_of([&] { for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms}, {}); }).find("expected at most"),
+  EXPECT_NE(test::error_of([&] {
+              heatmaps::for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms}, {});
+            }).find("expected at most"),
             std::string::npos)
       << "as whoever looks at whole recordings does";
 }
@@ -88,8 +90,8 @@ TEST(LiveDetector, PlaysAPartOfAReplayWithATimeAYearAhead) {
 
 TEST(LiveDetector, StopsWithinTheTicksThatOneEventCloses) {
   Live live(true);
-  PacketQueue queue(std::size_t{1} << 20);
-  PacketQueue::Packet packet = queue.take();
+  capture::PacketQueue queue(std::size_t{1} << 20);
+  capture::PacketQueue::Packet packet = queue.take();
   packet.front().arrived = host_time(base);
   packet.front().elements.events.resize(2);
   packet.front().elements.events[1].t = camera_time(100'000'000'000);  // 50 million ticks
@@ -140,7 +142,7 @@ TEST(LiveDetector, GatesQuietTicksWithoutTheNetwork) {
   EXPECT_EQ(live.reported[0].verdict.events, 4U);
   EXPECT_TRUE(live.reported[0].verdict.gated);
   EXPECT_EQ(live.reported[0].verdict.verdict, Touch::none);
-  EXPECT_EQ(live.reported[0].verdict.probabilities, (Probabilities{1, 0, 0}));
+  EXPECT_EQ(live.reported[0].verdict.probabilities, (model::Probabilities{1, 0, 0}));
   EXPECT_FALSE(live.reported[1].verdict.gated) << live.reported[1].verdict.events;
   EXPECT_EQ(live.reported[1].verdict.verdict, Touch::slip);
   EXPECT_EQ(live.detector.counts().gated, 1U);
@@ -165,15 +167,16 @@ TEST(LiveDetector, ReportsEveryTickOfAReplay) {
     std::vector<std::int64_t> times;
     for (std::int64_t t = 0; t <= 30'000; t += 70) times.push_back(begin + t);
     for (std::int64_t t = 1'100'000; t <= 1'130'000; t += 70) times.push_back(begin + t);
-    std::vector<Event> events;
+    std::vector<events::Event> events;
     for (const std::int64_t t : times) {
-      Event event;
+      events::Event event;
       event.t = camera_time(t);
       events.push_back(event);
     }
     std::vector<std::pair<CameraTime, std::uint64_t>> offline;
-    for_every_tick(events, sensor, {.history = 10ms, .tick = 2ms},
-                   [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
+    heatmaps::for_every_tick(
+        events, sensor, {.history = 10ms, .tick = 2ms},
+        [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
     Live live(true);
     for (std::size_t i = 0; i < times.size(); i += 37)
       live.take({times.begin() + static_cast<std::ptrdiff_t>(i),
@@ -197,13 +200,13 @@ TEST(TickDetector, GivesTheSameVerdictsIfEventsWereCountedAhead) {
         sensor, input,
         [&seen](std::span<const std::uint8_t> heatmap) {
           seen.emplace_back(heatmap.begin(), heatmap.end());
-          return Logits{};
+          return model::Logits{};
         },
         options);
     std::uint32_t random = 1;
     for (std::int64_t tick = 2'000; tick <= 100'000; tick += 2'000) {
       for (std::int64_t packet = tick - 2'000; packet < tick; packet += 250) {
-        std::vector<Event> events(7);
+        std::vector<events::Event> events(7);
         for (std::size_t i = 0; i < events.size(); ++i) {
           random = random * 1'664'525 + 1'013'904'223;
           events[i].t = camera_time(packet + (i > 4 ? 300 : 0));  // the last ones may be later than the tick
@@ -211,7 +214,7 @@ TEST(TickDetector, GivesTheSameVerdictsIfEventsWereCountedAhead) {
           events[i].y = static_cast<std::int16_t>(random >> 24U & 15U);
         }
         if (packet % 2'000 > 0) std::fill(events.begin(), events.end() - 2, events.front());
-        for (Event& event : events) event.t = std::max(event.t, camera_time(packet + 50));
+        for (events::Event& event : events) event.t = std::max(event.t, camera_time(packet + 50));
         detector.add(events);
         if (ahead == 1 && random % 3 != 0) detector.count_ahead(camera_time(tick));
       }
@@ -230,4 +233,4 @@ TEST(LiveDetector, RejectsAModelOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -10,7 +10,7 @@
 #include "support/comes_true.hpp"
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using namespace test;
@@ -24,13 +24,13 @@ TEST(LiveDetector, WakesOnlyForPacketsThatCloseATickOrAreLarge) {
       {.clock = {.tick = 1000s, .history = 1000s, .slack = 2ms}, .jump = 10'000s, .stopped_for = 10'000s},
       [&reported](const ReportedTick& each) { reported.push_back(each); }, [](const DetectionFault&) {});
   const auto events_at = [](std::int64_t t, std::size_t count) {
-    Event event;
+    events::Event event;
     event.t = camera_time(t);
-    return std::vector<Event>(count, event);
+    return std::vector<events::Event>(count, event);
   };
-  PacketQueue queue(1U << 20U);
+  capture::PacketQueue queue(1U << 20U);
   const auto push = [&](std::int64_t t, bool wakes) {
-    PacketQueue::Packet packet = queue.take();
+    capture::PacketQueue::Packet packet = queue.take();
     packet.front().arrived = host_now();
     packet.front().elements.events = events_at(t, 1);
     return queue.push(packet, false, wakes);
@@ -93,7 +93,7 @@ TEST(LiveDetector, LetsNoPacketWaitWithoutAKnownArrival) {
 TEST(LiveDetector, LearnsNothingFromPacketsThatArrivedWithLaterOnes) {
   Live live;
   for (std::int64_t ms = 0; ms < 1'000; ++ms) {
-    QueuedPacket packet{.source_index = 0, .arrived = host_time(base + 1'000 * ms + 1'000), .elements = {}};
+    capture::QueuedPacket packet{.source_index = 0, .arrived = host_time(base + 1'000 * ms + 1'000), .elements = {}};
     packet.elements.events.resize(1);
     packet.elements.events[0].t = camera_time(1'000 * ms);
     packet.elements.arrived = packet.arrived;
@@ -124,4 +124,4 @@ TEST(LiveDetector, DoesNotCloseATickWhoseEventsMayStillWait) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <fstream>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 TEST(AwakeProcessors, ReportWhyTheyMaySleep) {
@@ -26,4 +26,4 @@ TEST(AwakeProcessors, ReportWhyTheyMaySleep) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 
 #include "detect/live.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using namespace test;
@@ -38,8 +38,8 @@ struct Rehearsing {
 
   /// Reported at once, if it closes a tick.
   void take(std::int64_t t, std::size_t count = 1) {
-    QueuedPacket packet{.arrived = host_at(t), .elements = {}};
-    Event event;
+    capture::QueuedPacket packet{.arrived = host_at(t), .elements = {}};
+    events::Event event;
     event.t = camera_time(100 * t);
     event.x = static_cast<std::int16_t>(t / 100'000 % 50);
     packet.elements.events.assign(count, event);
@@ -119,4 +119,4 @@ TEST(LiveDetector, DoesNotRehearseBelowTheGate) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

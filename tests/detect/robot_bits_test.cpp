@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr RobotBitRule both{}, press{.at_press = true, .at_slip = false}, slip{.at_press = false, .at_slip = true};
@@ -34,4 +34,4 @@ TEST(RobotBits, FallWhereNothingIsKnownAnyMoreUnlessTheyNeverDo) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

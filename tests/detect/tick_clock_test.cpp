@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
@@ -72,7 +72,7 @@ TEST(TickClock, KnowsWhichEventsAreTooLate) {
   TickClock clock(usual);
   clock.arrived(camera_time(0), camera_time(42'500), host_time(base));
   clock.reported(*clock.newest(host_time(base)));
-  std::vector<Event> events(3);
+  std::vector<events::Event> events(3);
   events[0].t = camera_time(41'990);
   events[1].t = camera_time(41'999);
   events[2].t = camera_time(42'000);
@@ -143,7 +143,7 @@ TEST(TickClock, ForgetsAStreamThatBeganAnew) {
   clock.reported(*clock.newest(host_time(base)));
   clock.restart();
   EXPECT_FALSE(clock.next(host_time(base + 1'000'000)));
-  std::vector<Event> earlier(1);
+  std::vector<events::Event> earlier(1);
   EXPECT_EQ(clock.too_late(earlier), 0U);
   clock.arrived(camera_time(100), camera_time(42'000), host_time(base + 1));
   ASSERT_TRUE(clock.next(host_time(base + 1)));
@@ -170,4 +170,4 @@ TEST(TickClock, GoesOnAcrossTheEndsOf31And32Bits) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 ReportedTick made_tick() {
@@ -71,7 +71,8 @@ TEST(UdpRecords, ArriveOneDatagramEachAndNeverWait) {
   socklen_t length = sizeof address;
   ASSERT_EQ(::bind(receiver, reinterpret_cast<sockaddr*>(&address), length), 0);
   ASSERT_EQ(::getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &length), 0);
-  UdpRecords records({.kind = NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = ntohs(address.sin_port), .path = {}});
+  UdpRecords records(
+      {.kind = transport::NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = ntohs(address.sin_port), .path = {}});
   records.send(made_tick());
   VerdictRecord got{};
   std::array<std::byte, 100> larger{};
@@ -86,4 +87,4 @@ TEST(UdpRecords, ArriveOneDatagramEachAndNeverWait) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -7,14 +7,14 @@
 #include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::interval_ms;
 using test::ticks_of;
 using test::verdict_row;
 
-constexpr OverTimeOptions small{.bin = 4ms, .longest = 16ms, .first = 6ms, .last = 4ms};
+constexpr results::OverTimeOptions small{.bin = 4ms, .longest = 16ms, .first = 6ms, .last = 4ms};
 
 OverTimeCounts counts_in(std::string_view letters, std::vector<TouchInterval> intervals, Touch touch) {
   const auto verdicts = verdict_row(letters);
@@ -56,14 +56,14 @@ TEST(OverTime, ComparesTheEndWithWhatIsAheadOfItInTheSameIntervalAlone) {
 TEST(OverTime, CountsWhatIsStillSaidBehindAnIntervalWhereNothingElseIs) {
   // Behind the end at 5 ms lie 6, 8, 10 ms; the slip holds 10 ms.
   const auto verdicts = verdict_row(".pppss..");
-  OverTimeOptions options = small;
+  results::OverTimeOptions options = small;
   options.after = 6ms;
   const std::vector<TouchInterval> press{interval_ms(Touch::press, 1, 5)}, slip{interval_ms(Touch::slip, 9, 12)};
   const auto counts = over_time_of(ticks_of(verdicts), verdicts, press, options, slip);
   expect_counts(counts[static_cast<std::size_t>(Touch::press)].after, 2, 0, 1);
   const auto alone = over_time_of(ticks_of(verdicts), verdicts, press, options);
   expect_counts(alone[static_cast<std::size_t>(Touch::press)].after, 3, 0, 1);
-  const OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{"fan", counts}}, options);
+  const results::OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{"fan", counts}}, options);
   EXPECT_EQ(over_time.press.all.still_said.value, 1.0);
 }
 
@@ -97,7 +97,7 @@ TEST(AccuracyOverTime, IsTheMeanOverObjectsAndTheDifferenceIsPaired) {
   };
   // Ticks 1 to 9 are in; of the fan's first three all are right and of its last two none, of the box's all.
   const std::vector<RunOverTime> runs{run("fan", ".ppppppp.."), run("box", ".ppppppppp")};
-  const OverTime over_time = accuracy_over_time(runs, small);
+  const results::OverTime over_time = accuracy_over_time(runs, small);
   EXPECT_DOUBLE_EQ(over_time.press.all.first.value, 1.0);
   EXPECT_DOUBLE_EQ(over_time.press.all.last.value, 0.5);
   EXPECT_DOUBLE_EQ(over_time.press.all.last_minus_before.value, -0.5);
@@ -118,4 +118,4 @@ TEST(AccuracyOverTime, IsTheMeanOverObjectsAndTheDifferenceIsPaired) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -5,20 +5,20 @@
 #include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::verdict_row;
 
 /// `correct` of `samples` presses said right, the others taken for none.
-RunConfusion run_with(const std::string& object, std::uint64_t correct, std::uint64_t samples) {
-  RunConfusion run{object, {}};
+results::RunConfusion run_with(const std::string& object, std::uint64_t correct, std::uint64_t samples) {
+  results::RunConfusion run{object, {}};
   for (std::uint64_t i = 0; i < samples; ++i) run.confusion.add(Touch::press, i < correct ? Touch::press : Touch::none);
   return run;
 }
 
 TEST(Confusion, HasTheTruthInRowsAndWhatWasSaidInColumns) {
-  const Confusion confusion = confusion_of(verdict_row("..pppsss"), verdict_row(".pppss.s"));
+  const results::Confusion confusion = confusion_of(verdict_row("..pppsss"), verdict_row(".pppss.s"));
   const nlohmann::json json = confusion;
   EXPECT_EQ(json, nlohmann::json::parse("[[1, 1, 0], [0, 2, 1], [1, 0, 2]]"));
   EXPECT_EQ(confusion.samples(), 8U);
@@ -26,13 +26,13 @@ TEST(Confusion, HasTheTruthInRowsAndWhatWasSaidInColumns) {
   EXPECT_DOUBLE_EQ(*confusion.accuracy(), 0.625);
 }
 
-TEST(Confusion, HasNoAccuracyWithoutSamples) { EXPECT_FALSE(Confusion{}.accuracy().has_value()); }
+TEST(Confusion, HasNoAccuracyWithoutSamples) { EXPECT_FALSE(results::Confusion{}.accuracy().has_value()); }
 
 TEST(Confusion, NeedsAVerdictForEachSample) { EXPECT_THROW(confusion_of(verdict_row(".."), verdict_row(".")), Error); }
 
 TEST(Accuracy, PoolsTheSamplesOfAnObjectAndAveragesOverObjects) {
-  const std::vector<RunConfusion> runs{run_with("fan", 1, 2), run_with("fan", 6, 6), run_with("box", 1, 4)};
-  const Accuracy accuracy = accuracy_of(runs);
+  const std::vector<results::RunConfusion> runs{run_with("fan", 1, 2), run_with("fan", 6, 6), run_with("box", 1, 4)};
+  const results::Accuracy accuracy = accuracy_of(runs);
   EXPECT_DOUBLE_EQ(accuracy.objects.at("fan").value, 7.0 / 8);
   EXPECT_DOUBLE_EQ(accuracy.objects.at("box").value, 0.25);
   EXPECT_DOUBLE_EQ(accuracy.mean.value, (7.0 / 8 + 0.25) / 2);
@@ -41,8 +41,8 @@ TEST(Accuracy, PoolsTheSamplesOfAnObjectAndAveragesOverObjects) {
 }
 
 TEST(Accuracy, LeavesOutRunsWithoutSamples) {
-  const std::vector<RunConfusion> runs{run_with("fan", 1, 2), run_with("fan", 0, 0), run_with("box", 0, 0)};
-  const Accuracy accuracy = accuracy_of(runs);
+  const std::vector<results::RunConfusion> runs{run_with("fan", 1, 2), run_with("fan", 0, 0), run_with("box", 0, 0)};
+  const results::Accuracy accuracy = accuracy_of(runs);
   EXPECT_EQ(accuracy.objects.at("fan").n, 1U);
   EXPECT_EQ(accuracy.objects.count("box"), 0U);
   EXPECT_EQ(accuracy.mean.n, 1U);
@@ -50,12 +50,12 @@ TEST(Accuracy, LeavesOutRunsWithoutSamples) {
 
 TEST(AccuracyDifference, IsPairedOverTheSameRuns) {
   // Runs differ wildly, but the second is one sample in ten better in each: the paired difference knows no spread.
-  std::vector<RunConfusion> a, b;
+  std::vector<results::RunConfusion> a, b;
   for (std::uint64_t i = 0; i < 9; ++i) {
     a.push_back(run_with("fan", i, 10));
     b.push_back(run_with("fan", i + 1, 10));
   }
-  const Figure difference = accuracy_difference(a, b).objects.at("fan");
+  const results::Figure difference = accuracy_difference(a, b).objects.at("fan");
   EXPECT_NEAR(difference.value, 0.1, 1e-12);
   EXPECT_NEAR(*difference.low, 0.1, 1e-12);
   EXPECT_NEAR(*difference.high, 0.1, 1e-12);
@@ -63,9 +63,9 @@ TEST(AccuracyDifference, IsPairedOverTheSameRuns) {
 }
 
 TEST(AccuracyDifference, RefusesRunsThatAreNotTheSame) {
-  const std::vector<RunConfusion> a{run_with("fan", 1, 2)}, b{run_with("box", 1, 2)};
+  const std::vector<results::RunConfusion> a{run_with("fan", 1, 2)}, b{run_with("box", 1, 2)};
   EXPECT_THROW(accuracy_difference(a, b), Error);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::verdict_row;
@@ -206,4 +206,4 @@ TEST(Logistic, NeedsMomentsForEachSample) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 TEST(Reliability, PutsAnUpperEdgeIntoTheBinBelowIt) {
@@ -39,13 +39,13 @@ TEST(Calibration, TellsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
   for (int i = 0; i < 10; ++i) sure.add(0.7, i < 5);
   for (int i = 0; i < 10; ++i) unsure.add(0.7, i < 9);
   const std::vector<RunReliability> runs{{"fan", sure}, {"box", unsure}, {"none", {}}};
-  const Calibration calibration = calibration_of(runs);
+  const results::Calibration calibration = calibration_of(runs);
   EXPECT_NEAR(calibration.error.value, 0.0, 1e-12);
   EXPECT_EQ(calibration.error.n, 2U);
   EXPECT_NEAR(calibration.objects.at("fan").value, 0.2, 1e-12);
   EXPECT_NEAR(calibration.objects.at("box").value, 0.2, 1e-12);
   ASSERT_EQ(calibration.bins.size(), reliability_bins);
-  const ReliabilityBin& bin = calibration.bins[10];
+  const results::ReliabilityBin& bin = calibration.bins[10];
   EXPECT_EQ(bin.samples, 20U);
   EXPECT_NEAR(bin.confidence, 0.7, 1e-12);
   EXPECT_NEAR(bin.accuracy.value, 0.7, 1e-12);
@@ -55,4 +55,4 @@ TEST(Calibration, TellsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

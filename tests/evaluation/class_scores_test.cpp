@@ -4,18 +4,18 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
-RunConfusion run_with(std::string object, std::array<std::array<std::uint64_t, 3>, 3> counts) {
+results::RunConfusion run_with(std::string object, std::array<std::array<std::uint64_t, 3>, 3> counts) {
   return {std::move(object), {counts}};
 }
 
 TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
-  const std::vector<RunConfusion> runs{run_with("fan", {{{8, 1, 1}, {2, 7, 1}, {0, 0, 10}}}),
-                                       run_with("box", {{{9, 0, 1}, {0, 10, 0}, {3, 3, 4}}})};
-  const ClassScores scores = class_scores_of(runs);
-  const ClassScore& press = scores.all[static_cast<std::size_t>(Touch::press)];
+  const std::vector<results::RunConfusion> runs{run_with("fan", {{{8, 1, 1}, {2, 7, 1}, {0, 0, 10}}}),
+                                                run_with("box", {{{9, 0, 1}, {0, 10, 0}, {3, 3, 4}}})};
+  const results::ClassScores scores = class_scores_of(runs);
+  const results::ClassScore& press = scores.all[static_cast<std::size_t>(Touch::press)];
   EXPECT_DOUBLE_EQ(press.precision.value, 17.0 / 21);  // said press: 1 + 7 + 10 + 3
   EXPECT_DOUBLE_EQ(press.recall.value, 17.0 / 20);
   EXPECT_DOUBLE_EQ(press.f1.value, 34.0 / 41);
@@ -26,8 +26,8 @@ TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
 }
 
 TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
-  const std::vector<RunConfusion> runs{run_with("fan", {{{5, 0, 0}, {5, 0, 0}, {0, 0, 0}}}), run_with("empty", {})};
-  const ClassScores scores = class_scores_of(runs);
+  const std::vector<results::RunConfusion> runs{run_with("fan", {{{5, 0, 0}, {5, 0, 0}, {0, 0, 0}}}), run_with("empty", {})};
+  const results::ClassScores scores = class_scores_of(runs);
   EXPECT_TRUE(std::isnan(scores.all[1].precision.value));
   EXPECT_DOUBLE_EQ(scores.all[1].recall.value, 0.0);
   EXPECT_DOUBLE_EQ(scores.all[1].f1.value, 0.0);
@@ -40,11 +40,11 @@ TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
 
 TEST(ClassScores, OfAClassOfOneSampleAreAllOrNothing) {
   for (const bool right : {true, false}) {
-    const std::vector<RunConfusion> runs{run_with("fan", {{{5, 1, 0}, {0, 6, 0}, {right ? 0U : 1U, 0, right ? 1U : 0U}}}),
-                                         run_with("box", {{{6, 0, 0}, {1, 5, 0}, {0, 0, 0}}}),
-                                         run_with("cup", {{{6, 0, 0}, {0, 6, 0}, {0, 0, 0}}})};
-    const ClassScores scores = class_scores_of(runs);
-    const ClassScore& slip = scores.all[static_cast<std::size_t>(Touch::slip)];
+    const std::vector<results::RunConfusion> runs{
+        run_with("fan", {{{5, 1, 0}, {0, 6, 0}, {right ? 0U : 1U, 0, right ? 1U : 0U}}}),
+        run_with("box", {{{6, 0, 0}, {1, 5, 0}, {0, 0, 0}}}), run_with("cup", {{{6, 0, 0}, {0, 6, 0}, {0, 0, 0}}})};
+    const results::ClassScores scores = class_scores_of(runs);
+    const results::ClassScore& slip = scores.all[static_cast<std::size_t>(Touch::slip)];
     EXPECT_EQ(slip.recall.value, right ? 1.0 : 0.0);
     EXPECT_EQ(std::isnan(slip.precision.value), !right) << "where it is never said there is nothing to be precise in";
     EXPECT_EQ(slip.f1.value, right ? 1.0 : 0.0);
@@ -58,4 +58,4 @@ TEST(ClassScores, OfAClassOfOneSampleAreAllOrNothing) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

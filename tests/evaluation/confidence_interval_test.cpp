@@ -8,7 +8,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 /// The mean over all runs given of `values[run]`.
@@ -33,17 +33,17 @@ std::vector<std::size_t> first(std::size_t count) {
 }
 
 TEST(FigureOfObject, HasNoBoundsBelowThreeRuns) {
-  const Figure two = figure_of_object(first(2), mean_of({1, 3}));
+  const results::Figure two = figure_of_object(first(2), mean_of({1, 3}));
   EXPECT_DOUBLE_EQ(two.value, 2);
   EXPECT_EQ(two.n, 2U);
   EXPECT_FALSE(two.low || two.high);
-  const Figure three = figure_of_object(first(3), mean_of({1, 3, 5}));
+  const results::Figure three = figure_of_object(first(3), mean_of({1, 3, 5}));
   EXPECT_TRUE(three.low && three.high);
 }
 
 TEST(FigureOfObject, MatchesTheBinomialOfOnesAndZeros) {
   // Of 10 runs half are 1: a draw's mean is binomial(10, 1/2) / 10, whose 2.5 % and 97.5 % quantiles are 0.2 and 0.8.
-  const Figure figure = figure_of_object(first(10), mean_of({1, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
+  const results::Figure figure = figure_of_object(first(10), mean_of({1, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
   EXPECT_DOUBLE_EQ(figure.value, 0.5);
   EXPECT_DOUBLE_EQ(*figure.low, 0.2);
   EXPECT_DOUBLE_EQ(*figure.high, 0.8);
@@ -51,12 +51,12 @@ TEST(FigureOfObject, MatchesTheBinomialOfOnesAndZeros) {
 
 TEST(FigureOfObject, IsTheSameForTheSameSeedAndWiderForMoreConfidence) {
   const auto statistic = mean_of({3.14, 1.59, 2.65, 3.58, 9.79, 3.23, 8.46, 2.64});
-  const Figure one = figure_of_object(first(8), statistic), again = figure_of_object(first(8), statistic);
+  const results::Figure one = figure_of_object(first(8), statistic), again = figure_of_object(first(8), statistic);
   EXPECT_EQ(one.low, again.low);
   EXPECT_EQ(one.high, again.high);
-  const Figure other_seed = figure_of_object(first(8), statistic, {.seed = 2});
+  const results::Figure other_seed = figure_of_object(first(8), statistic, {.seed = 2});
   EXPECT_NE(one.low, other_seed.low);
-  const Figure wider = figure_of_object(first(8), statistic, {.confidence = 0.99});
+  const results::Figure wider = figure_of_object(first(8), statistic, {.confidence = 0.99});
   EXPECT_LT(*wider.low, *one.low);
   EXPECT_GT(*wider.high, *one.high);
 }
@@ -68,7 +68,7 @@ TEST(FigureOfObject, CoversTheTruthAboutAsOftenAsItSays) {
   for (int i = 0; i < experiments; ++i) {
     std::vector<double> values(30);
     for (double& value : values) value = random.normal();
-    const Figure figure = figure_of_object(first(30), mean_of(values), {.draws = 400});
+    const results::Figure figure = figure_of_object(first(30), mean_of(values), {.draws = 400});
     covered += *figure.low <= 0 && 0 <= *figure.high ? 1 : 0;
   }
   EXPECT_GT(covered, experiments * 0.88);
@@ -79,7 +79,7 @@ TEST(FigureOverObjects, DrawsObjectsFirst) {
   // Three objects whose runs agree among themselves: only the drawing of objects spreads the figure, from -1 (all three the
   // first, one draw in 27) to 1, so both ends lie inside the middle 95 %.
   const RunsByObject runs{{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}};
-  const Figure figure = figure_over_objects(runs, mean_of({-1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1}));
+  const results::Figure figure = figure_over_objects(runs, mean_of({-1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1}));
   EXPECT_EQ(figure.n, 3U);
   EXPECT_DOUBLE_EQ(figure.value, 0);
   EXPECT_DOUBLE_EQ(*figure.low, -1);
@@ -89,20 +89,21 @@ TEST(FigureOverObjects, DrawsObjectsFirst) {
 TEST(FigureOverObjects, DrawsRunsWithinObjects) {
   // Three objects alike, each with runs 0 and 1: the spread comes from the runs alone.
   const RunsByObject runs{{0, 1}, {2, 3}, {4, 5}};
-  const Figure figure = figure_over_objects(runs, mean_of({0, 1, 0, 1, 0, 1}));
+  const results::Figure figure = figure_over_objects(runs, mean_of({0, 1, 0, 1, 0, 1}));
   EXPECT_DOUBLE_EQ(figure.value, 0.5);
   EXPECT_LT(*figure.low, 0.2);
   EXPECT_GT(*figure.high, 0.8);
 }
 
 TEST(FigureOverObjects, PassesOverObjectsWithoutRuns) {
-  const Figure figure = figure_over_objects({{0}, {}, {1}}, mean_of({1, 3}));
+  const results::Figure figure = figure_over_objects({{0}, {}, {1}}, mean_of({1, 3}));
   EXPECT_EQ(figure.n, 2U);
   EXPECT_DOUBLE_EQ(figure.value, 2);
 }
 
 TEST(Figure, WithoutAnythingToMeasureIsNullInJson) {
-  const Figure figure = figure_of_object(first(4), [](const RunsByObject&) -> std::optional<double> { return std::nullopt; });
+  const results::Figure figure =
+      figure_of_object(first(4), [](const RunsByObject&) -> std::optional<double> { return std::nullopt; });
   const nlohmann::json json = figure;
   EXPECT_EQ(json, nlohmann::json::parse(R"({"value": null, "low": null, "high": null, "n": 4})"));
 }
@@ -114,7 +115,7 @@ TEST(Figure, HasNoBoundsWhereMostDrawsGiveNothing) {
     if (runs[0] != std::vector<std::size_t>{0, 1, 2, 3} && zeros < 3) return std::nullopt;
     return 1.0;
   };
-  const Figure figure = figure_of_object(first(4), rare);
+  const results::Figure figure = figure_of_object(first(4), rare);
   EXPECT_DOUBLE_EQ(figure.value, 1);
   EXPECT_FALSE(figure.low || figure.high);
 }
@@ -140,4 +141,4 @@ TEST(MeanOverObjects, LeavesOutObjectsThatGiveNothing) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

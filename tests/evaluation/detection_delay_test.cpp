@@ -8,14 +8,14 @@
 #include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::interval_ms;
 using test::ticks_of;
 using test::verdict_row;
 
-Detection detection_in(std::string_view letters, TouchInterval interval, DelayOptions options = {}) {
+results::Detection detection_in(std::string_view letters, TouchInterval interval, DelayOptions options = {}) {
   const auto verdicts = verdict_row(letters);
   const TouchInterval intervals[] = {interval};
   return detections_of(ticks_of(verdicts), verdicts, intervals, options).front();
@@ -25,16 +25,16 @@ Detection detection_in(std::string_view letters, TouchInterval interval, DelayOp
 
 TEST(DetectionDelay, OfAVerdictRightAtTheFirstTickIsOneTick) {
   // Onset at 5 ms: k0 is tick 3 at 6 ms.
-  const Detection detection = detection_in("...pp", interval_ms(Touch::press, 5, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detection_in("...pp", interval_ms(Touch::press, 5, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 2ms);
   EXPECT_EQ(detection.first_right, camera_time(6000));
   EXPECT_FALSE(detection.leading_episode.has_value());
 }
 
 TEST(DetectionDelay, CountsTicksFromTheFirstAfterTheOnset) {
-  const Detection detection = detection_in("......s", interval_ms(Touch::slip, 5, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detection_in("......s", interval_ms(Touch::slip, 5, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 8ms);  // k0 = 3, k = 6
 }
 
@@ -46,46 +46,46 @@ TEST(DetectionDelay, BeginsBehindATickThatLiesExactlyOnTheOnset) {
 
 TEST(DetectionDelay, TakesOnlyTheRightClass) {
   EXPECT_EQ(detection_in("...ssp", interval_ms(Touch::press, 5, 100)).delay, 6ms);
-  EXPECT_EQ(detection_in("...ss", interval_ms(Touch::press, 5, 100)).outcome, DetectionOutcome::missed);
+  EXPECT_EQ(detection_in("...ss", interval_ms(Touch::press, 5, 100)).outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, OfAnEpisodeThatBeginsTenMillisecondsAheadIsOneTick) {
   // Onset at 21 ms: k0 is tick 11 at 22 ms; the episode begins at tick 6, 10 ms before k0.
-  const Detection detection = detection_in("......pppppp", interval_ms(Touch::press, 21, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detection_in("......pppppp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 2ms);
   EXPECT_EQ(detection.leading_episode, 6);
 }
 
 TEST(DetectionDelay, IsEarlyWhereTheEpisodeBeginsFurtherAhead) {
-  const Detection detection = detection_in(".....ppppppp", interval_ms(Touch::press, 21, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::early);
+  const results::Detection detection = detection_in(".....ppppppp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::early);
   EXPECT_EQ(detection.leading_episode, 5);
 }
 
 TEST(DetectionDelay, OfAnEpisodeThatEndsBeforeTheFirstTickIsCountedAsUsual) {
   // Press said until tick 10, not at k0 = 11; said again at tick 12.
-  const Detection detection = detection_in("ppppppppppp.p", interval_ms(Touch::press, 21, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detection_in("ppppppppppp.p", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 4ms);
   EXPECT_FALSE(detection.leading_episode.has_value());
 }
 
 TEST(DetectionDelay, AnotherClassAheadOfTheOnsetIsNoHeadStart) {
-  const Detection detection = detection_in("sssssssssssp", interval_ms(Touch::press, 21, 100));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detection_in("sssssssssssp", interval_ms(Touch::press, 21, 100));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 2ms);
 }
 
 TEST(DetectionDelay, IsAMissWithoutARightVerdict) {
-  const Detection detection = detection_in("............", interval_ms(Touch::press, 5, 12));
-  EXPECT_EQ(detection.outcome, DetectionOutcome::missed);
+  const results::Detection detection = detection_in("............", interval_ms(Touch::press, 5, 12));
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, StillCountsATickExactlyAtTheEnd) {
   // Ends at 12 ms, the time of tick 6; tick 7 is behind it.
   EXPECT_EQ(detection_in("......p", interval_ms(Touch::press, 5, 12)).delay, 8ms);
-  EXPECT_EQ(detection_in(".......p", interval_ms(Touch::press, 5, 12)).outcome, DetectionOutcome::missed);
+  EXPECT_EQ(detection_in(".......p", interval_ms(Touch::press, 5, 12)).outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, StopsHalfASecondAfterTheOnset) {
@@ -95,26 +95,26 @@ TEST(DetectionDelay, StopsHalfASecondAfterTheOnset) {
   EXPECT_EQ(detection_in(letters, interval_ms(Touch::slip, 4, 590)).delay, 500ms);
   letters[252] = '.';
   letters[253] = 's';
-  EXPECT_EQ(detection_in(letters, interval_ms(Touch::slip, 4, 590)).outcome, DetectionOutcome::missed);
+  EXPECT_EQ(detection_in(letters, interval_ms(Touch::slip, 4, 590)).outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, OfAnIntervalShorterThanATickIsAMiss) {
   const auto verdicts = verdict_row("....pp");
   const TouchInterval between_ticks{Touch::press, camera_time(6100), camera_time(7900)};
-  EXPECT_EQ(detections_of(ticks_of(verdicts), verdicts, {&between_ticks, 1}).front().outcome, DetectionOutcome::missed);
+  EXPECT_EQ(detections_of(ticks_of(verdicts), verdicts, {&between_ticks, 1}).front().outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, CountsFromTheOnsetAlsoWhereTheFirstTicksAreMissing) {
   // Full ticks begin at 40 ms only; onset at 31 ms, so k0 would have been at 32 ms and the first verdict is 4 ticks behind it.
   const auto verdicts = verdict_row("pp");
   const TouchInterval interval = interval_ms(Touch::press, 31, 100);
-  const Detection detection = detections_of(ticks_of(verdicts, 40), verdicts, {&interval, 1}).front();
-  EXPECT_EQ(detection.outcome, DetectionOutcome::detected);
+  const results::Detection detection = detections_of(ticks_of(verdicts, 40), verdicts, {&interval, 1}).front();
+  EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 10ms);
 }
 
 TEST(DetectionDelay, OfAnIntervalBehindTheLastTickIsAMiss) {
-  EXPECT_EQ(detection_in("pppp", interval_ms(Touch::press, 50, 100)).outcome, DetectionOutcome::missed);
+  EXPECT_EQ(detection_in("pppp", interval_ms(Touch::press, 50, 100)).outcome, results::DetectionOutcome::missed);
 }
 
 TEST(DetectionDelay, HoldsForNegativeTimes) {
@@ -129,13 +129,13 @@ TEST(DetectionDelay, HoldsAtBothEndsOfTheClock) {
   for (const std::int64_t first : {lowest - lowest % 2'000 + 2'000, highest - highest % 2'000 - 8'000}) {
     const TickRange ticks{camera_time(first), 5, 2ms};
     const TouchInterval interval{Touch::press, camera_time(first + 4'500), after(camera_time(first), 100ms)};
-    const Detection detection = detections_of(ticks, verdicts, {&interval, 1}).front();
-    EXPECT_EQ(detection.outcome, DetectionOutcome::detected) << first;
+    const results::Detection detection = detections_of(ticks, verdicts, {&interval, 1}).front();
+    EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected) << first;
     EXPECT_EQ(detection.delay, 2ms) << first;
     EXPECT_EQ(detection.first_right, camera_time(first + 6'000)) << first;
     const TouchInterval far{Touch::press, camera_time(first < 0 ? highest - 500 : lowest),
                             camera_time(first < 0 ? highest : lowest + 500)};
-    EXPECT_EQ(detections_of(ticks, verdicts, {&far, 1}).front().outcome, DetectionOutcome::missed) << "at the other end";
+    EXPECT_EQ(detections_of(ticks, verdicts, {&far, 1}).front().outcome, results::DetectionOutcome::missed) << "at the other end";
   }
 }
 
@@ -149,23 +149,27 @@ TEST(DetectionDelay, NeedsOneVerdictForEachTick) {
 TEST(DetectionDelay, CountedFromALaterOnsetMayBeNegative) {
   const auto verdicts = verdict_row("....s");  // said at 8 ms
   const TouchInterval interval = interval_ms(Touch::slip, 5, 100);
-  const Detection detection = detections_of(ticks_of(verdicts), verdicts, {&interval, 1}).front();
+  const results::Detection detection = detections_of(ticks_of(verdicts), verdicts, {&interval, 1}).front();
   EXPECT_EQ(detection.delay, 4ms);
   EXPECT_EQ(counted_from(detection, camera_time(7000), ticks_of(verdicts)).delay, 2ms);
   EXPECT_EQ(counted_from(detection, camera_time(8000), ticks_of(verdicts)).delay, 0ms);
   EXPECT_EQ(counted_from(detection, camera_time(13'000), ticks_of(verdicts)).delay, -4ms);
 }
 
-Detection detected(Touch touch, microseconds delay) { return {{touch, {}, {}}, DetectionOutcome::detected, delay, {}, {}}; }
-Detection without_delay(Touch touch, DetectionOutcome outcome) { return {{touch, {}, {}}, outcome, 0us, {}, {}}; }
+results::Detection detected(Touch touch, microseconds delay) {
+  return {{touch, {}, {}}, results::DetectionOutcome::detected, delay, {}, {}};
+}
+results::Detection without_delay(Touch touch, results::DetectionOutcome outcome) {
+  return {{touch, {}, {}}, outcome, 0us, {}, {}};
+}
 
 TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
-  const std::vector<RunDetections> runs{
+  const std::vector<results::RunDetections> runs{
       {"fan", {detected(Touch::press, 2ms), detected(Touch::slip, 4ms)}},
-      {"fan", {detected(Touch::press, 4ms), without_delay(Touch::slip, DetectionOutcome::missed)}},
-      {"box", {detected(Touch::press, 12ms), without_delay(Touch::press, DetectionOutcome::early)}},
+      {"fan", {detected(Touch::press, 4ms), without_delay(Touch::slip, results::DetectionOutcome::missed)}},
+      {"box", {detected(Touch::press, 12ms), without_delay(Touch::press, results::DetectionOutcome::early)}},
   };
-  const DelayTable press = delay_table(runs, Touch::press);
+  const results::DelayTable press = delay_table(runs, Touch::press);
   EXPECT_DOUBLE_EQ(press.all.mean_ms.value, 6.0);
   EXPECT_DOUBLE_EQ(press.all.median_ms.value, 4.0);
   EXPECT_NEAR(press.all.sem_ms, std::sqrt(28.0 / 3), 1e-12);  // deviations -4, -2, 6: variance 56/2, over 3 values
@@ -178,7 +182,7 @@ TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
   EXPECT_DOUBLE_EQ(press.objects.at("box").median_ms.value, 12.0);
   EXPECT_TRUE(std::isnan(press.objects.at("box").sem_ms));
 
-  const DelayTable slip = delay_table(runs, Touch::slip);
+  const results::DelayTable slip = delay_table(runs, Touch::slip);
   EXPECT_DOUBLE_EQ(slip.all.mean_ms.value, 4.0);
   EXPECT_EQ(slip.all.intervals, 2U);
   EXPECT_EQ(slip.all.misses, 1U);
@@ -186,7 +190,7 @@ TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
 }
 
 TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
-  const std::vector<RunDetections> runs{{"fan", {without_delay(Touch::slip, DetectionOutcome::missed)}}};
+  const std::vector<results::RunDetections> runs{{"fan", {without_delay(Touch::slip, results::DetectionOutcome::missed)}}};
   const nlohmann::json json = delay_table(runs, Touch::slip);
   EXPECT_TRUE(json.at("mean").at("value").is_null());
   EXPECT_TRUE(json.at("sem").is_null());
@@ -195,4 +199,4 @@ TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

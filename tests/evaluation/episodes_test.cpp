@@ -4,7 +4,7 @@
 
 #include "support/verdict_row.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::verdict_row;
@@ -25,4 +25,4 @@ TEST(Episodes, AreNoneWhereNothingIsSaid) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

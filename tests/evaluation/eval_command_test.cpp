@@ -19,7 +19,7 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -162,20 +162,21 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
 
 /// Shifts labels against the truth, flags an interval, and adds motion that nobody labels, so that every definition has its case.
 void make_odd(const std::filesystem::path& data) {
-  const auto alter = [&](const std::string& run, const std::function<void(Labels&)>& change) {
-    Labels labels = read_labels(data / run / "labels.json");
+  const auto alter = [&](const std::string& run, const std::function<void(labels::Labels&)>& change) {
+    labels::Labels labels = labels::read_labels(data / run / "labels.json");
     change(labels);
-    write_labels(data / run / "labels.json", labels);
+    labels::write_labels(data / run / "labels.json", labels);
   };
-  const auto shift = [](UncertainTime& time, microseconds by) {
+  const auto shift = [](alignment::UncertainTime& time, microseconds by) {
     time = {after(time.at, by), after(time.low, by), after(time.high, by)};
   };
-  alter("fan/02", [&](Labels& labels) { shift(labels.intervals[0].start, -37ms); });
-  alter("fan/03", [&](Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: said long before
-  alter("small-box/02", [&](Labels& labels) { shift(labels.intervals[0].start, 7ms); });  // a head start
-  alter("small-box/03", [&](Labels& labels) { shift(labels.intervals[0].end, -120ms); });
-  alter("usb-hub/02", [](Labels& labels) { labels.flags.push_back({1, "in doubt", false}); });
-  alter("usb-hub/03", [](Labels& labels) { labels.intervals[1].touch = Touch::press, labels.intervals[1].id = "press-2"; });
+  alter("fan/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, -37ms); });
+  alter("fan/03", [&](labels::Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: said long before
+  alter("small-box/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, 7ms); });  // a head start
+  alter("small-box/03", [&](labels::Labels& labels) { shift(labels.intervals[0].end, -120ms); });
+  alter("usb-hub/02", [](labels::Labels& labels) { labels.flags.push_back({1, "in doubt", false}); });
+  alter("usb-hub/03",
+        [](labels::Labels& labels) { labels.intervals[1].touch = Touch::press, labels.intervals[1].id = "press-2"; });
   for (const char* run : {"fan/02", "small-box/03"}) {
     Truth truth = read_truth(data / run / "truth.json");
     truth.intervals.push_back({{Touch::slip, camera_time(5'560'000), camera_time(5'640'000)}, {}, {}, false});
@@ -227,7 +228,7 @@ TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {
   auto labels = read_json(data / "fan/02/labels.json");
   labels.at("intervals")[0]["confirmed"] = true;
   write_json(data / "fan/02/labels.json", labels);
-  write_dataset(data, data / "dataset.h5", {}, 1);
+  windows::write_dataset(data, data / "dataset.h5", {}, 1);
   const auto refused = run_tactile("eval", trained.folder.path());
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("--model small"), std::string::npos) << refused.err;
@@ -239,13 +240,13 @@ TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {
   EXPECT_EQ(json.at("test_runs"), nlohmann::json({"fan/02", "fan/03", "usb-hub/02", "usb-hub/03"}));
   EXPECT_EQ(json.at("baselines").size(), 4U) << "fitted on the runs it learned from, which are there";
   EXPECT_FALSE(fs::exists(trained.bundle.evaluation()));
-  EXPECT_TRUE(
-      fs::exists(trained.bundle.folder / ("eval-on-" + Dataset(data / "dataset.h5").manifest_hash().substr(0, 8) + ".json")));
+  EXPECT_TRUE(fs::exists(trained.bundle.folder /
+                         ("eval-on-" + windows::Dataset(data / "dataset.h5").manifest_hash().substr(0, 8) + ".json")));
 
   // Data of which nothing was learned: all of it is judged, and no baseline is fitted.
   fs::remove_all(data / "fan/01");
   fs::remove_all(data / "usb-hub/01");
-  write_dataset(data, data / "dataset.h5", {}, 1);
+  windows::write_dataset(data, data / "dataset.h5", {}, 1);
   const auto others = run_tactile("eval --json --model small", trained.folder.path());
   ASSERT_EQ(others.exit_code, 0) << others.err;
   EXPECT_EQ(nlohmann::json::parse(others.out).at("test_runs"), json.at("test_runs"));
@@ -296,7 +297,7 @@ TEST(EvalCommand, WithoutAModelNamesTheCommandThatTrainsOne) {
   const auto no_dataset = run_tactile("eval", folder.path());
   EXPECT_EQ(no_dataset.exit_code, 1);
   EXPECT_NE(no_dataset.err.find("tactile train --th 40"), std::string::npos) << no_dataset.err;
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
   const auto no_model = run_tactile("eval", folder.path());
   EXPECT_EQ(no_model.exit_code, 1);
   EXPECT_NE(no_model.err.find("tactile train --th 40"), std::string::npos) << no_model.err;
@@ -335,4 +336,4 @@ TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

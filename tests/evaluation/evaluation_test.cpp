@@ -11,27 +11,27 @@
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::Trained;
 
-std::vector<std::uint32_t> test_runs(const Dataset& dataset) { return split_of(dataset, {}).test_runs; }
+std::vector<std::uint32_t> test_runs(const windows::Dataset& dataset) { return model::split_of(dataset, {}).test_runs; }
 
 TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
   const Trained trained;
-  const Dataset dataset(trained.file);
-  const Classifier classifier(trained.bundle.folder, 1);
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier classifier(trained.bundle.folder, 1);
   const std::uint32_t run = 1;
-  const FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+  const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
   // Events from 5 s to 6.2 s: ticks from 5.04 s to 6.2 s.
   EXPECT_EQ(full.ticks.first, camera_time(5'040'000));
   EXPECT_EQ(full.ticks.count, 581);
   ASSERT_EQ(full.verdicts.size(), 581U);
   EXPECT_EQ(expected_ticks(dataset.run_folder(run) / "events.aedat4", classifier.rendering()), 581U);
-  const auto samples = samples_of_runs(dataset, {&run, 1});
+  const auto samples = model::samples_of_runs(dataset, {&run, 1});
   ASSERT_FALSE(samples.empty());
-  const auto said = classifier.verdicts(sample_heatmaps(dataset, classifier.rendering(), samples, 1));
+  const auto said = classifier.verdicts(model::sample_heatmaps(dataset, classifier.rendering(), samples, 1));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto place = (dataset.samples()[samples[i]].t - full.ticks.first) / full.ticks.tick;
     EXPECT_EQ(full.verdicts[static_cast<std::size_t>(place)], said[i]);
@@ -40,12 +40,13 @@ TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
 
 TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
   const Trained trained;
-  const Dataset dataset(trained.file);
-  const Classifier fast(trained.bundle.folder, 1), libtorch = open_classifier(trained.bundle.folder, 1, EngineKind::libtorch);
-  EXPECT_EQ(fast.engine(), EngineKind::fast);
-  EXPECT_EQ(libtorch.engine(), EngineKind::libtorch);
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier fast(trained.bundle.folder, 1),
+      libtorch = model::open_classifier(trained.bundle.folder, 1, model::EngineKind::libtorch);
+  EXPECT_EQ(fast.engine(), model::EngineKind::fast);
+  EXPECT_EQ(libtorch.engine(), model::EngineKind::libtorch);
   const auto events = dataset.run_folder(1) / "events.aedat4";
-  const FullRun by_fast = classify_full_run(events, fast, 2), by_libtorch = classify_full_run(events, libtorch, 1);
+  const results::FullRun by_fast = classify_full_run(events, fast, 2), by_libtorch = classify_full_run(events, libtorch, 1);
   ASSERT_EQ(by_fast.verdicts.size(), by_libtorch.verdicts.size());
   std::size_t other = 0;
   for (std::size_t k = 0; k < by_fast.verdicts.size(); ++k) {
@@ -59,11 +60,11 @@ TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
 
 TEST(Evaluation, TellsItsEngineAndCloseTicks) {
   const Trained trained({"fan", "small-box"});
-  const Dataset dataset(trained.file);
-  const auto by = [&](EngineKind engine) -> nlohmann::json {
-    return evaluate(dataset, open_classifier(trained.bundle.folder, 1, engine), test_runs(dataset), {.threads = 1});
+  const windows::Dataset dataset(trained.file);
+  const auto by = [&](model::EngineKind engine) -> nlohmann::json {
+    return evaluate(dataset, model::open_classifier(trained.bundle.folder, 1, engine), test_runs(dataset), {.threads = 1});
   };
-  const nlohmann::json fast = by(EngineKind::fast), libtorch = by(EngineKind::libtorch);
+  const nlohmann::json fast = by(model::EngineKind::fast), libtorch = by(model::EngineKind::libtorch);
   EXPECT_EQ(fast.at("engine").at("name").get<std::string>(), "fast");
   EXPECT_EQ(libtorch.at("engine").at("name").get<std::string>(), "libtorch");
   EXPECT_GT(fast.at("engine").at("ticks").get<int>(), 500);
@@ -73,11 +74,12 @@ TEST(Evaluation, TellsItsEngineAndCloseTicks) {
 
 TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   const Trained trained({"fan", "small-box", "usb-hub"});
-  const Dataset dataset(trained.file);
-  const Evaluation evaluation = evaluate(dataset, Classifier(trained.bundle.folder, 2), test_runs(dataset), {.threads = 2});
+  const windows::Dataset dataset(trained.file);
+  const results::Evaluation evaluation =
+      evaluate(dataset, model::Classifier(trained.bundle.folder, 2), test_runs(dataset), {.threads = 2});
   EXPECT_GT(evaluation.accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.accuracy.objects.size(), 3U);
-  EXPECT_EQ(evaluation.confusion.samples(), samples_of_runs(dataset, test_runs(dataset)).size());
+  EXPECT_EQ(evaluation.confusion.samples(), model::samples_of_runs(dataset, test_runs(dataset)).size());
   ASSERT_EQ(evaluation.baselines.size(), 4U);
   EXPECT_NEAR(evaluation.baselines[0].accuracy.mean.value, 1.0 / 3, 1e-12);
   EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // left or right is told by the centre
@@ -96,29 +98,29 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   // 581 ticks of which 100 lie in each interval and 50 in the guard after each, in each of three runs.
   EXPECT_EQ(evaluation.network.false_alarms.total.none_time, 3 * 281 * 2ms);
   EXPECT_EQ(evaluation.network.false_alarms.total.after_intervals_time, 3 * 100 * 2ms);
-  EXPECT_NE(title_of(evaluation).find("simulated"), std::string::npos);
+  EXPECT_NE(results::title_of(evaluation).find("simulated"), std::string::npos);
 }
 
 TEST(Evaluation, TakesABalancedSamplesVerdictAtItsTick) {
   const Trained trained;
-  const Dataset dataset(trained.file);
-  const Classifier classifier(trained.bundle.folder, 1);
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier classifier(trained.bundle.folder, 1);
   const auto runs = test_runs(dataset);
   for (const Confirmation confirmation : {Confirmation{1, 1}, Confirmation{12, 20}}) {
     const EvaluationOptions options{.confirmation = confirmation, .threads = 1};
-    Confusion by_hand;
+    results::Confusion by_hand;
     for (const std::uint32_t run : runs) {
-      const FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+      const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
       const auto verdicts = confirmed(full.verdicts, confirmation);
-      for (const std::uint32_t i : samples_of_runs(dataset, {&run, 1})) {
-        const Sample& sample = dataset.samples()[i];
+      for (const std::uint32_t i : model::samples_of_runs(dataset, {&run, 1})) {
+        const windows::Sample& sample = dataset.samples()[i];
         by_hand.add(sample.touch, verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);
       }
     }
-    const Evaluation evaluation = evaluate(dataset, classifier, runs, options);
+    const results::Evaluation evaluation = evaluate(dataset, classifier, runs, options);
     EXPECT_EQ(evaluation.confusion, by_hand);
-    Confusion of_runs;
-    for (const RunConfusion& run : sample_confusions(dataset, classifier, runs, options)) of_runs += run.confusion;
+    results::Confusion of_runs;
+    for (const results::RunConfusion& run : sample_confusions(dataset, classifier, runs, options)) of_runs += run.confusion;
     EXPECT_EQ(of_runs, by_hand);
     // So many ticks have to pass since the onset.
     EXPECT_GE(evaluation.network.press.all.mean_ms.value, 2.0 * confirmation.needed);
@@ -127,10 +129,10 @@ TEST(Evaluation, TakesABalancedSamplesVerdictAtItsTick) {
 
 TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {
   const Trained trained;
-  const Dataset dataset(trained.file);
-  const Classifier classifier(trained.bundle.folder, 1);
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier classifier(trained.bundle.folder, 1);
   const auto runs = test_runs(dataset);
-  const Evaluation evaluation = evaluate(dataset, classifier, runs, {.threads = 1});
+  const results::Evaluation evaluation = evaluate(dataset, classifier, runs, {.threads = 1});
   ASSERT_EQ(evaluation.guards.size(), 2U);
   EXPECT_EQ(evaluation.guards[0].guard, 100ms);
   EXPECT_EQ(evaluation.guards[0].confusion, evaluation.confusion);
@@ -138,13 +140,13 @@ TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {
   EXPECT_EQ(evaluation.guards[1].guard, 0ms);
 
   const auto other_file = trained.folder / "data/guard0.h5";
-  write_dataset(trained.folder / "data", other_file, {.sampling = {.guard = 0us}}, 1);
-  const Dataset other(other_file);
-  Confusion by_hand;
+  windows::write_dataset(trained.folder / "data", other_file, {.sampling = {.guard = 0us}}, 1);
+  const windows::Dataset other(other_file);
+  results::Confusion by_hand;
   for (const std::uint32_t run : runs) {
-    const FullRun full = classify_full_run(other.run_folder(run) / "events.aedat4", classifier, 1);
-    for (const std::uint32_t i : samples_of_runs(other, {&run, 1})) {
-      const Sample& sample = other.samples()[i];
+    const results::FullRun full = classify_full_run(other.run_folder(run) / "events.aedat4", classifier, 1);
+    for (const std::uint32_t i : model::samples_of_runs(other, {&run, 1})) {
+      const windows::Sample& sample = other.samples()[i];
       by_hand.add(sample.touch, full.verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);
     }
   }
@@ -155,12 +157,13 @@ TEST(Evaluation, AgainstTheTruthCountsATickAsWhatItTrulyIs) {
   // By its labels the usb-hub's test run begins its slip 100 ms before it does.
   const Trained trained({"fan", "usb-hub"}, 2, 4, [](const std::filesystem::path& data) {
     const auto file = data / "usb-hub/02/labels.json";
-    Labels labels = read_labels(file);
+    labels::Labels labels = labels::read_labels(file);
     labels.intervals[1].start.at = labels.intervals[1].start.low = before(labels.intervals[1].start.at, 100ms);
-    write_labels(file, labels);
+    labels::write_labels(file, labels);
   });
-  const Dataset dataset(trained.file);
-  const Evaluation evaluation = evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+  const windows::Dataset dataset(trained.file);
+  const results::Evaluation evaluation =
+      evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
   ASSERT_TRUE(evaluation.truth.has_value());
   EXPECT_LT(evaluation.accuracy.objects.at("usb-hub").value, 0.95);
   EXPECT_GT(evaluation.truth->accuracy.objects.at("usb-hub").value, evaluation.accuracy.objects.at("usb-hub").value + 0.05);
@@ -173,7 +176,7 @@ TEST(Evaluation, AgainstTheTruthCountsATickAsWhatItTrulyIs) {
 
 TEST(RunPrediction, IsWrittenAsOneRowATick) {
   const Trained trained;
-  const Classifier classifier(trained.bundle.folder, 1);
+  const model::Classifier classifier(trained.bundle.folder, 1);
   test::make_run(trained.folder / "elsewhere/new/07", 5, false, false);
   const RunFolder unlabelled = run_folder_at(trained.folder / "elsewhere/new/07");
   const RunPrediction prediction = predict_run(unlabelled, classifier, {.confirmation = {2, 3}});
@@ -195,33 +198,33 @@ TEST(RunPrediction, IsWrittenAsOneRowATick) {
   std::size_t rows = 2;
   while (std::getline(in, line)) ++rows;
   EXPECT_EQ(rows, prediction.verdicts.size());
-  for (const Probabilities& p : prediction.full.probabilities) EXPECT_NEAR(p[0] + p[1] + p[2], 1.0, 1e-5);
+  for (const model::Probabilities& p : prediction.full.probabilities) EXPECT_NEAR(p[0] + p[1] + p[2], 1.0, 1e-5);
 }
 
 TEST(Evaluation, DoesNotDependOnTheNumberOfThreads) {
   const Trained trained;
-  const Dataset dataset(trained.file);
-  const nlohmann::json one = evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
-  const nlohmann::json three = evaluate(dataset, Classifier(trained.bundle.folder, 3), test_runs(dataset), {.threads = 3});
+  const windows::Dataset dataset(trained.file);
+  const nlohmann::json one = evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+  const nlohmann::json three = evaluate(dataset, model::Classifier(trained.bundle.folder, 3), test_runs(dataset), {.threads = 3});
   EXPECT_EQ(one, three);
 }
 
 TEST(Evaluation, IsReadBackAsItIsWritten) {
   const Trained trained;
-  const Dataset dataset(trained.file);
+  const windows::Dataset dataset(trained.file);
   const EvaluationOptions options{.confirmation = {2, 3}, .gate = true, .threads = 1};
-  const nlohmann::json json = evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), options);
+  const nlohmann::json json = evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), options);
   ASSERT_FALSE(json.at("gate").is_null());
   ASSERT_TRUE(json.contains("accuracy_true"));
-  EXPECT_EQ(nlohmann::json(JsonView(json, "eval.json").get<Evaluation>()), json);
+  EXPECT_EQ(nlohmann::json(results::JsonView(json, "eval.json").get<results::Evaluation>()), json);
 }
 
 TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {
   const Trained trained;
-  const Dataset dataset(trained.file);
+  const windows::Dataset dataset(trained.file);
   std::ofstream(trained.folder / "data/usb-hub/02/labels.json", std::ios::app) << "\n";
   try {
-    evaluate(dataset, Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+    evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
     ADD_FAILURE() << "no error";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("usb-hub/02"), std::string::npos) << e.what();
@@ -230,10 +233,10 @@ TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {
 
 TEST(Evaluation, RefusesAModelOfAnotherDataset) {
   const Trained trained;
-  write_dataset(trained.folder / "data", trained.folder / "data/other.h5", {.sampling = {.seed = 2}}, 1);
-  const Dataset other(trained.folder / "data/other.h5");
-  EXPECT_THROW(evaluate(other, Classifier(trained.bundle.folder, 1), test_runs(other)), Error);
+  windows::write_dataset(trained.folder / "data", trained.folder / "data/other.h5", {.sampling = {.seed = 2}}, 1);
+  const windows::Dataset other(trained.folder / "data/other.h5");
+  EXPECT_THROW(evaluate(other, model::Classifier(trained.bundle.folder, 1), test_runs(other)), Error);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -7,15 +7,15 @@
 #include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::interval_ms;
 using test::ticks_of;
 using test::verdict_row;
 
-FalseAlarms alarms_in(std::string_view letters, std::vector<TouchInterval> intervals, microseconds guard = 4ms,
-                      std::vector<TouchInterval> unlabelled = {}) {
+results::FalseAlarms alarms_in(std::string_view letters, std::vector<TouchInterval> intervals, microseconds guard = 4ms,
+                               std::vector<TouchInterval> unlabelled = {}) {
   const auto verdicts = verdict_row(letters);
   const auto detections = detections_of(ticks_of(verdicts), verdicts, intervals);
   return false_alarms_of(ticks_of(verdicts), verdicts, intervals, unlabelled, detections, guard);
@@ -24,7 +24,7 @@ FalseAlarms alarms_in(std::string_view letters, std::vector<TouchInterval> inter
 // Ticks lie at 0, 2, 4, ... ms, so tick i at 2 i ms.
 
 TEST(FalseAlarms, AreEpisodesThatBeginInNoInterval) {
-  const FalseAlarms found = alarms_in("pp.s.pp.", {});
+  const results::FalseAlarms found = alarms_in("pp.s.pp.", {});
   EXPECT_EQ(found.alarms, 3U);
   EXPECT_EQ(found.none_time, 16ms);
 }
@@ -46,7 +46,7 @@ TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesBehindItsStart) {
 TEST(FalseAlarms, WithinTheGuardAfterAnIntervalAreCountedApart) {
   // Ends at 8 ms (tick 4); the guard of 4 ms holds ticks 5 and 6.
   const std::vector<TouchInterval> intervals{interval_ms(Touch::press, 3, 8)};
-  const FalseAlarms within = alarms_in("......s...", intervals);
+  const results::FalseAlarms within = alarms_in("......s...", intervals);
   EXPECT_EQ(within.alarms, 0U);
   EXPECT_EQ(within.after_intervals, 1U);
   EXPECT_EQ(within.after_intervals_time, 4ms);
@@ -55,7 +55,7 @@ TEST(FalseAlarms, WithinTheGuardAfterAnIntervalAreCountedApart) {
 }
 
 TEST(FalseAlarms, InUnlabelledMotionAreCountedApart) {
-  const FalseAlarms found = alarms_in("..s..s....", {}, 4ms, {interval_ms(Touch::slip, 3, 6)});
+  const results::FalseAlarms found = alarms_in("..s..s....", {}, 4ms, {interval_ms(Touch::slip, 3, 6)});
   EXPECT_EQ(found.alarms, 1U);
   EXPECT_EQ(found.unlabelled, 1U);
   EXPECT_EQ(found.unlabelled_time, 4ms);
@@ -88,7 +88,7 @@ TEST(FalseAlarms, AreCountedAtBothEndsOfTheClock) {
     const TickRange ticks{camera_time(first), 7, 2ms};
     // The slip lies where it is said; the guard behind the last press ends with the clock.
     const std::vector<TouchInterval> intervals{{Touch::slip, camera_time(first + 5'000), camera_time(first + 9'000)}};
-    const FalseAlarms found =
+    const results::FalseAlarms found =
         false_alarms_of(ticks, verdicts, intervals, {}, detections_of(ticks, verdicts, intervals), microseconds::max());
     EXPECT_EQ(found.alarms, 1U) << first;
     EXPECT_EQ(found.after_intervals, 1U) << first;
@@ -107,7 +107,7 @@ TEST(FalseAlarms, NeedOneVerdictForEachTick) {
 /// Of each object `runs` runs of `none_time` with `alarms` each.
 std::vector<RunFalseAlarms> alike(std::initializer_list<const char*> objects, std::size_t runs, std::uint64_t alarms,
                                   microseconds none_time) {
-  FalseAlarms counts;
+  results::FalseAlarms counts;
   counts.alarms = alarms;
   counts.none_time = none_time;
   std::vector<RunFalseAlarms> made;
@@ -117,7 +117,7 @@ std::vector<RunFalseAlarms> alike(std::initializer_list<const char*> objects, st
 
 TEST(FalseAlarmTable, DoesNotTakeNoAlarmInTwentySecondsForNone) {
   // Four runs of 5 s; Garwood's bound for none met is 3.68888, over a third of a minute.
-  const Figure per_min = false_alarm_table(alike({"fan", "box", "hub", "bottle"}, 1, 0, 5s)).per_min;
+  const results::Figure per_min = false_alarm_table(alike({"fan", "box", "hub", "bottle"}, 1, 0, 5s)).per_min;
   EXPECT_EQ(per_min.value, 0);
   ASSERT_TRUE(per_min.low && per_min.high);
   EXPECT_EQ(*per_min.low, 0);
@@ -126,7 +126,7 @@ TEST(FalseAlarmTable, DoesNotTakeNoAlarmInTwentySecondsForNone) {
 
 TEST(FalseAlarmTable, EndsNoIntervalBelowWhatAFewAlarmsMayMean) {
   // Every run of an object alike: the draws alone would end at the value itself.
-  const FalseAlarmTable table = false_alarm_table(alike({"fan", "box", "hub"}, 4, 1, 10s));
+  const results::FalseAlarmTable table = false_alarm_table(alike({"fan", "box", "hub"}, 4, 1, 10s));
   EXPECT_DOUBLE_EQ(table.per_min.value, 6);
   ASSERT_TRUE(table.per_min.high && table.objects.at("fan").high);
   EXPECT_NEAR(*table.per_min.high, 20.961585 / 2, 1e-4) << "12 in two minutes";
@@ -137,39 +137,39 @@ TEST(FalseAlarmTable, LeavesTheIntervalOfManyAlarmsToTheDraws) {
   auto runs = alike({"fan"}, 3, 2000, 60s);
   const auto quiet = alike({"box", "hub"}, 3, 1000, 60s);
   runs.insert(runs.end(), quiet.begin(), quiet.end());
-  const Figure per_min = false_alarm_table(runs).per_min;
+  const results::Figure per_min = false_alarm_table(runs).per_min;
   EXPECT_DOUBLE_EQ(per_min.value, 12'000.0 / 9);
   ASSERT_TRUE(per_min.high);
   EXPECT_DOUBLE_EQ(*per_min.high, 2000) << "only fan drawn; the count alone leaves 1357 at most";
 }
 
 TEST(FalseAlarmTable, HasNoIntervalOfTwoRuns) {
-  const FalseAlarmTable table = false_alarm_table(alike({"fan"}, 2, 0, 5s));
+  const results::FalseAlarmTable table = false_alarm_table(alike({"fan"}, 2, 0, 5s));
   EXPECT_FALSE(table.per_min.high || table.objects.at("fan").high);
 }
 
 TEST(WidenByFewAlarms, TakesTheAlarmsAndTheTimeOfOneSeed) {
-  FalseAlarms counted;
+  results::FalseAlarms counted;
   counted.alarms = 3;  // of two seeds: 2 of one, rounded up
   counted.none_time = 120s;
-  Figure per_min{.value = 1.5, .low = 1, .high = 2, .n = 3};
+  results::Figure per_min{.value = 1.5, .low = 1, .high = 2, .n = 3};
   widen_by_few_alarms(per_min, counted, 0.95, 2);
   EXPECT_NEAR(*per_min.high, 7.224688, 1e-5) << "2 in a minute";
   EXPECT_EQ(*per_min.low, 1);
-  Figure wide{.value = 1.5, .low = 1, .high = 8, .n = 3};
+  results::Figure wide{.value = 1.5, .low = 1, .high = 8, .n = 3};
   widen_by_few_alarms(wide, counted, 0.95, 2);
   EXPECT_EQ(*wide.high, 8);
 }
 
 TEST(FalseAlarmTable, DividesAllAlarmsByAllNoneTime) {
-  FalseAlarms busy, quiet;
+  results::FalseAlarms busy, quiet;
   busy.alarms = 3;
   busy.none_time = 30s;
   quiet.none_time = 90s;
   quiet.after_intervals = 2;
   quiet.after_intervals_time = 6s;
   const std::vector<RunFalseAlarms> runs{{"fan", busy}, {"fan", quiet}, {"box", quiet}};
-  const FalseAlarmTable table = false_alarm_table(runs);
+  const results::FalseAlarmTable table = false_alarm_table(runs);
   EXPECT_DOUBLE_EQ(table.per_min.value, 3 / 3.5);
   EXPECT_EQ(table.per_min.n, 2U);
   EXPECT_DOUBLE_EQ(table.objects.at("fan").value, 1.5);
@@ -182,4 +182,4 @@ TEST(FalseAlarmTable, DividesAllAlarmsByAllNoneTime) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

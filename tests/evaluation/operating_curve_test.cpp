@@ -4,13 +4,13 @@
 
 #include "support/verdict_row.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using test::verdict_row;
 
 TEST(VerdictsAbove, SayTheLikelierTouchFromTheThresholdOn) {
-  const std::vector<Probabilities> probabilities{
+  const std::vector<model::Probabilities> probabilities{
       {0.8F, 0.15F, 0.05F}, {0.4F, 0.25F, 0.35F}, {0.0F, 0.5F, 0.5F}, {0.0F, 0.25F, 0.75F}, {1.0F, 0.0F, 0.0F}};
   EXPECT_EQ(verdicts_above(probabilities, 0.1), verdict_row("psps."));
   EXPECT_EQ(verdicts_above(probabilities, 0.5), verdict_row("..ps."));
@@ -26,12 +26,12 @@ TEST(DefaultThresholds, AscendWithinZeroAndOne) {
 }
 
 TEST(OperatingPoint, HoldsDelaysAndFalseAlarmsOfAllRuns) {
-  const Detection press{{Touch::press, {}, {}}, DetectionOutcome::detected, 6ms, {}, {}};
-  const Detection missed{{Touch::press, {}, {}}, DetectionOutcome::missed, 0us, {}, {}};
-  FalseAlarms alarms;
+  const results::Detection press{{Touch::press, {}, {}}, results::DetectionOutcome::detected, 6ms, {}, {}};
+  const results::Detection missed{{Touch::press, {}, {}}, results::DetectionOutcome::missed, 0us, {}, {}};
+  results::FalseAlarms alarms;
   alarms.alarms = 2;
   alarms.none_time = 30s;
-  const std::vector<RunDetections> detections{{"fan", {press}}, {"box", {missed}}};
+  const std::vector<results::RunDetections> detections{{"fan", {press}}, {"box", {missed}}};
   const std::vector<RunFalseAlarms> false_alarms{{"fan", alarms}, {"box", alarms}};
   const nlohmann::json json = operating_point(0.9, detections, false_alarms);
   EXPECT_EQ(json.at("threshold"), 0.9);
@@ -43,4 +43,4 @@ TEST(OperatingPoint, HoldsDelaysAndFalseAlarmsOfAllRuns) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -16,17 +16,17 @@ namespace tactile::test {
 struct Trained {
   TemporaryFolder folder;
   std::filesystem::path file = folder / "data/dataset.h5";
-  ModelBundle bundle{folder / "models/small"};
+  model::ModelBundle bundle{folder / "models/small"};
 
   /// @param alter  what becomes of the runs before the dataset is made of them
   explicit Trained(const std::vector<std::string>& objects = {"fan", "usb-hub"}, int runs = 2, unsigned epochs = 4,
                    const std::function<void(const std::filesystem::path& data)>& alter = {}) {
     make_runs(folder / "data", objects, runs);
     if (alter) alter(folder / "data");
-    write_dataset(folder / "data", file, {}, 2);
-    ModelSettings settings;
+    windows::write_dataset(folder / "data", file, {}, 2);
+    model::ModelSettings settings;
     settings.training.epochs = epochs;
-    train_model(Dataset(file), settings, bundle, {.threads = 1});
+    model::train_model(windows::Dataset(file), settings, bundle, {.threads = 1});
   }
 };
 

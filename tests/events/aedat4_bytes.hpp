@@ -124,7 +124,7 @@ inline std::string file_start(int compression, const std::string& xml, const std
   return "#!AER-DAT4.0\r\n" + prefixed(header);
 }
 
-inline std::string event_payload(const std::vector<Event>& events) {
+inline std::string event_payload(const std::vector<events::Event>& events) {
   std::string payload(32, '\0');
   put(payload, 4, std::uint32_t{16});
   payload.replace(8, 4, "EVTS");
@@ -134,7 +134,7 @@ inline std::string event_payload(const std::vector<Event>& events) {
   put(payload, 20, std::int32_t{6});
   put(payload, 24, std::uint32_t{4});
   put(payload, 28, static_cast<std::uint32_t>(events.size()));
-  for (const Event& event : events) payload.append(reinterpret_cast<const char*>(&event), sizeof event);
+  for (const events::Event& event : events) payload.append(reinterpret_cast<const char*>(&event), sizeof event);
   return prefixed(payload);
 }
 
@@ -235,7 +235,7 @@ inline std::string zstd_without_size(const std::string& content) {
   return frame;
 }
 
-inline Event event(std::int64_t t, int x, int y, int on) {
+inline events::Event event(std::int64_t t, int x, int y, int on) {
   return {.t = camera_time(t),
           .x = static_cast<std::int16_t>(x),
           .y = static_cast<std::int16_t>(y),

@@ -10,7 +10,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/repair.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::event;
@@ -234,4 +234,4 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedMiddle, testing::Combine(testing::Values(0,
                          });
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 
 #include "events/aedat4_bytes.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::event;
@@ -107,4 +107,4 @@ TEST(EventChecks, DropWhatIsOutsideAndKeepTheOrder) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

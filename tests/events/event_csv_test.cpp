@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::event_at;
@@ -121,4 +121,4 @@ TEST(EventCsvReader, RefusesWhatIsNoCsv) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -16,7 +16,7 @@
 #include "tactile/events/event.hpp"
 #include "tactile/events/packet_compression.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::size_t full = std::size_t{64} << 10;
@@ -284,4 +284,4 @@ TEST(Lz4Blocks, OfFramesMayBeShortUncompressedLinkedOrNot) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

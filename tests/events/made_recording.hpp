@@ -14,15 +14,16 @@
 
 namespace tactile::test {
 
-inline Event event_at(std::int64_t t_us, int x = 0, int y = 0, int on = 1) {
-  Event event{.t = camera_time(t_us), .x = static_cast<std::int16_t>(x), .y = static_cast<std::int16_t>(y)};
+inline events::Event event_at(std::int64_t t_us, int x = 0, int y = 0, int on = 1) {
+  events::Event event{.t = camera_time(t_us), .x = static_cast<std::int16_t>(x), .y = static_cast<std::int16_t>(y)};
   event.on = static_cast<std::uint8_t>(on);
   return event;
 }
 
 /// `count` events one every `step_us` from `begin_us` on, wandering over the sensor.
-inline std::vector<Event> steady_events(std::size_t count, std::int64_t begin_us, std::int64_t step_us, SensorSize size) {
-  std::vector<Event> events;
+inline std::vector<events::Event> steady_events(std::size_t count, std::int64_t begin_us, std::int64_t step_us,
+                                                events::SensorSize size) {
+  std::vector<events::Event> events;
   for (std::size_t i = 0; i < count; ++i) {
     const int k = static_cast<int>(i);
     events.push_back(event_at(begin_us + step_us * static_cast<std::int64_t>(i), 7 * k % size.width, 11 * k % size.height,
@@ -31,9 +32,9 @@ inline std::vector<Event> steady_events(std::size_t count, std::int64_t begin_us
   return events;
 }
 
-inline Stream stream_of(std::int32_t id, StreamType type, const std::string& identifier,
-                        const std::string& source = "DVXplorer_DXM00001") {
-  Stream stream;
+inline events::Stream stream_of(std::int32_t id, events::StreamType type, const std::string& identifier,
+                                const std::string& source = "DVXplorer_DXM00001") {
+  events::Stream stream;
   stream.id = id;
   stream.type = type;
   stream.type_identifier = identifier;
@@ -45,13 +46,15 @@ inline Stream stream_of(std::int32_t id, StreamType type, const std::string& ide
 
 /// Uncompressed, so that a test can damage it byte by byte: events of 16 bytes each, after the 32 that every such packet begins
 /// with.
-inline void write_plain_recording(const std::filesystem::path& file, std::span<const Event> events, SensorSize size) {
-  RecordingWriter writer(file, {event_stream_declaration(size, "DVXplorer_DXM00001")}, {.compression = Compression::none});
+inline void write_plain_recording(const std::filesystem::path& file, std::span<const events::Event> events,
+                                  events::SensorSize size) {
+  events::RecordingWriter writer(file, {events::event_stream_declaration(size, "DVXplorer_DXM00001")},
+                                 {.compression = events::Compression::none});
   writer.write_events(0, events);
   writer.close();
 }
 
-inline std::uint64_t event_offset(const PacketRecord& packet, std::size_t event_index) {
+inline std::uint64_t event_offset(const events::PacketRecord& packet, std::size_t event_index) {
   return packet.payload_offset + 32 + 16 * event_index;
 }
 
@@ -62,8 +65,8 @@ void overwrite(const std::filesystem::path& file, std::uint64_t offset, const T&
   stream.write(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-inline std::vector<PacketRecord> packets_of(const std::filesystem::path& file) {
-  const RecordingReader recording(file);
+inline std::vector<events::PacketRecord> packets_of(const std::filesystem::path& file) {
+  const events::RecordingReader recording(file);
   return {recording.packets().begin(), recording.packets().end()};
 }
 
@@ -72,7 +75,7 @@ inline constexpr std::uint64_t table_position_offset = 54;
 
 /// The file as after a kill: no table, and no byte after its last whole packet.
 inline void cut_off_table(const std::filesystem::path& file) {
-  const PacketRecord last = packets_of(file).back();
+  const events::PacketRecord last = packets_of(file).back();
   std::filesystem::resize_file(file, last.payload_offset + last.payload_size);
   overwrite(file, table_position_offset, std::int64_t{-1});
 }

@@ -9,7 +9,7 @@
 #include "tactile/events/recording_health.hpp"
 #include "tactile/events/repair.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ TEST_F(PacketChecksumsOf, AreGivenUpWhereTheyCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

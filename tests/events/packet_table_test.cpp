@@ -12,7 +12,7 @@
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::uint64_t begin = 1234;
@@ -172,4 +172,4 @@ TEST(PacketTableMemory, OfAClosingRecordingFollowsAPiece) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

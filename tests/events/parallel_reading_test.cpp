@@ -9,7 +9,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST_F(ParallelReading, ReportsAFileThatBecomesShorterMeanwhile) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

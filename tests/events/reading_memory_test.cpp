@@ -6,7 +6,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 TEST(ReadingMemory, IsAskedForOnlyUntilTheLargestPacketWasRead) {
@@ -67,4 +67,4 @@ TEST(ReadingMemory, FollowsThePacketNotTheClaims) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -13,7 +13,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 /// What is known of a recording from a reading that owes nothing to this code.
@@ -282,4 +282,4 @@ INSTANTIATE_TEST_SUITE_P(All, RealRecording, testing::Values(&tonic, &aestream),
                          });
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -17,10 +17,10 @@ namespace tactile::test {
 /// SHA-256 over events in their order, each as 13 bytes: int64 t, int16 x, int16 y, uint8 polarity, little-endian.
 class EventDigest {
  public:
-  void add(std::span<const Event> events) {
+  void add(std::span<const events::Event> events) {
     packed_.resize(events.size() * 13);
     std::byte* at = packed_.data();
-    for (const Event& e : events) {
+    for (const events::Event& e : events) {
       const std::int64_t t = us_of(e.t);
       std::memcpy(at, &t, 8);
       std::memcpy(at + 8, &e.x, 2);
@@ -39,10 +39,10 @@ class EventDigest {
 
 /// Everything that a recording holds, all event streams one after the other packet by packet.
 struct RecordingContents {
-  std::vector<Event> events;
-  std::vector<ImuSample> imu;
-  std::vector<Trigger> triggers;
-  std::vector<Frame> frames;
+  std::vector<events::Event> events;
+  std::vector<events::ImuSample> imu;
+  std::vector<events::Trigger> triggers;
+  std::vector<events::Frame> frames;
   std::int64_t event_packets = 0;
 
   std::string event_digest() const {
@@ -52,31 +52,31 @@ struct RecordingContents {
   }
   std::string frame_digest() const {
     Sha256 digest;
-    for (const Frame& frame : frames) digest.add(std::as_bytes(std::span(frame.pixels)));
+    for (const events::Frame& frame : frames) digest.add(std::as_bytes(std::span(frame.pixels)));
     return digest.hex();
   }
 };
 
-inline RecordingContents contents_of(RecordingReader& recording) {
+inline RecordingContents contents_of(events::RecordingReader& recording) {
   RecordingContents all;
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     switch (recording.stream(packet.stream_id).type) {
-      case StreamType::events: {
+      case events::StreamType::events: {
         const auto events = recording.read_events(packet);
         all.events.insert(all.events.end(), events.begin(), events.end());
         ++all.event_packets;
         break;
       }
-      case StreamType::imu:
-        for (const ImuSample& sample : recording.read_imu(packet)) all.imu.push_back(sample);
+      case events::StreamType::imu:
+        for (const events::ImuSample& sample : recording.read_imu(packet)) all.imu.push_back(sample);
         break;
-      case StreamType::triggers:
-        for (const Trigger& trigger : recording.read_triggers(packet)) all.triggers.push_back(trigger);
+      case events::StreamType::triggers:
+        for (const events::Trigger& trigger : recording.read_triggers(packet)) all.triggers.push_back(trigger);
         break;
-      case StreamType::frames:
+      case events::StreamType::frames:
         if (auto frame = recording.read_frame(packet)) all.frames.push_back(std::move(*frame));
         break;
-      case StreamType::other:
+      case events::StreamType::other:
         break;
     }
   }
@@ -84,19 +84,19 @@ inline RecordingContents contents_of(RecordingReader& recording) {
 }
 
 inline RecordingContents contents_of(const std::filesystem::path& file) {
-  RecordingReader recording(file);
+  events::RecordingReader recording(file);
   return contents_of(recording);
 }
 
-inline bool same(const ImuSample& a, const ImuSample& b) {
+inline bool same(const events::ImuSample& a, const events::ImuSample& b) {
   const auto equal = [](const auto& one, const auto& other) {
     return std::equal(std::begin(one), std::end(one), std::begin(other));
   };
   return a.t == b.t && a.temperature_c == b.temperature_c && equal(a.acceleration_g, b.acceleration_g) &&
          equal(a.angular_rate_dps, b.angular_rate_dps) && equal(a.magnetic_field_ut, b.magnetic_field_ut);
 }
-inline bool same(const Trigger& a, const Trigger& b) { return a.t == b.t && a.type == b.type; }
-inline bool same(const Frame& a, const Frame& b) {
+inline bool same(const events::Trigger& a, const events::Trigger& b) { return a.t == b.t && a.type == b.type; }
+inline bool same(const events::Frame& a, const events::Frame& b) {
   return a.t == b.t && a.frame_start == b.frame_start && a.frame_end == b.frame_end && a.exposure_start == b.exposure_start &&
          a.exposure_end == b.exposure_end && a.format == b.format && a.width == b.width && a.height == b.height &&
          a.position_x == b.position_x && a.position_y == b.position_y && a.pixels == b.pixels;

@@ -12,7 +12,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::append;
@@ -975,4 +975,4 @@ TEST_F(DamagedRecording, CutByTimeKeepsTheBeginAndLeavesTheEnd) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::event_at;
@@ -380,4 +380,4 @@ TEST(ExamineRecording, KeepsTwoCamerasApart) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

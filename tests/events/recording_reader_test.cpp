@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
@@ -74,4 +74,4 @@ INSTANTIATE_TEST_SUITE_P(All, VendorFile,
                          });
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

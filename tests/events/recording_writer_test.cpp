@@ -23,7 +23,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 using test::event;
@@ -614,4 +614,4 @@ TEST(KilledRecording, OnAFullDiskReportsItAndKeepsItsWholePackets) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_health.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 namespace fs = std::filesystem;
@@ -263,4 +263,4 @@ TEST_F(Repair, WritesOnlyAedat4) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

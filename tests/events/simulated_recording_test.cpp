@@ -8,7 +8,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 TEST(SimulatedRecording, IsKnownByItsCameraOrItsAttribute) {
@@ -50,4 +50,4 @@ TEST(SimulatedRecording, OfARunIsKnownByRunJsonTruthOrCamera) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::events

@@ -13,7 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,4 +117,4 @@ TEST_F(Processes, EndWhenTheProcessThatStartedThemIsKilled) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -7,27 +7,28 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 namespace {
 
 using Names = std::vector<std::string>;
 
-const std::vector<LabelFlag> on_slip{{1, "it slides", false}};
+const std::vector<labels::LabelFlag> on_slip{{1, "it slides", false}};
 
 class RunDivisionOf : public testing::Test {
  protected:
   /// Runs 01 to 03 of mug and fan; flagged are those that are named.
-  Dataset dataset(const Names& flagged) {
+  windows::Dataset dataset(const Names& flagged) {
     std::uint64_t seed = 0;
     for (const char* object : {"fan", "mug"}) {
       for (const char* run : {"01", "02", "03"}) {
         const bool is_flagged = std::find(flagged.begin(), flagged.end(), std::string(object) + "/" + run) != flagged.end();
-        test::make_run(data.path(),
-                       {.object = object, .run = run, .seed = ++seed, .flags = is_flagged ? on_slip : std::vector<LabelFlag>{}});
+        test::make_run(
+            data.path(),
+            {.object = object, .run = run, .seed = ++seed, .flags = is_flagged ? on_slip : std::vector<labels::LabelFlag>{}});
       }
     }
-    write_dataset(data.path(), data / "dataset.h5", {}, 1);
-    return Dataset(data / "dataset.h5");
+    windows::write_dataset(data.path(), data / "dataset.h5", {}, 1);
+    return windows::Dataset(data / "dataset.h5");
   }
 
   test::TemporaryFolder data;
@@ -35,7 +36,7 @@ class RunDivisionOf : public testing::Test {
 };
 
 TEST_F(RunDivisionOf, WholeRunsAreDividedByTheirIds) {
-  const Dataset whole = dataset({});
+  const windows::Dataset whole = dataset({});
   const RunDivision runs = divide_runs(whole, "01", choice);
   EXPECT_EQ(names_of(whole, runs.train), (Names{"fan/01", "mug/01"}));
   EXPECT_EQ(names_of(whole, runs.choice), (Names{"fan/02", "mug/02"}));
@@ -45,7 +46,7 @@ TEST_F(RunDivisionOf, WholeRunsAreDividedByTheirIds) {
 }
 
 TEST_F(RunDivisionOf, ARunThatTakesAnothersPlaceIsNeitherChosenNorReportedOn) {
-  const Dataset damaged = dataset({"mug/01"});
+  const windows::Dataset damaged = dataset({"mug/01"});
   const RunDivision runs = divide_runs(damaged, "01", choice);
   EXPECT_EQ(names_of(damaged, runs.train), (Names{"fan/01", "mug/02"}));
   EXPECT_EQ(names_of(damaged, runs.choice), (Names{"fan/02"}));
@@ -54,7 +55,7 @@ TEST_F(RunDivisionOf, ARunThatTakesAnothersPlaceIsNeitherChosenNorReportedOn) {
 }
 
 TEST_F(RunDivisionOf, ObjectsWithoutARunInASetAreNamed) {
-  const Dataset damaged = dataset({"mug/01", "mug/03", "fan/03"});
+  const windows::Dataset damaged = dataset({"mug/01", "mug/03", "fan/03"});
   const RunDivision runs = divide_runs(damaged, "01", choice);
   EXPECT_EQ(names_of(damaged, runs.train), (Names{"fan/01", "mug/02"}));
   EXPECT_EQ(names_of(damaged, runs.reported), (Names{"fan/02"})) << "chosen on nothing, so that it is reported on";
@@ -62,10 +63,10 @@ TEST_F(RunDivisionOf, ObjectsWithoutARunInASetAreNamed) {
 }
 
 TEST_F(RunDivisionOf, WithoutAnythingToTestOnIsAnError) {
-  const Dataset damaged = dataset({"mug/02", "mug/03", "fan/02", "fan/03"});
+  const windows::Dataset damaged = dataset({"mug/02", "mug/03", "fan/02", "fan/03"});
   EXPECT_NE(test::error_of([&] { divide_runs(damaged, "01", choice); }).find("no run with samples is left to test on"),
             std::string::npos);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::experiments

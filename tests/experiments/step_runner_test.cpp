@@ -11,7 +11,7 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ TEST_F(Steps, InputsAreRemembered) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -24,17 +24,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::int64_t> th{40};
   std::vector<std::string> held_out;
   std::optional<double> speed;
-  Command command = add_command(app, "windows", "", [&](const CommonArguments& common) {
+  cli::Command command = cli::add_command(app, "windows", "", [&](const cli::CommonArguments& common) {
     test::abort_unless(window_ms > 0 && guard_us >= -5 && guard_us <= 5 && common.threads >= 1 && common.threads <= 1024);
   });
-  command.add_option("--window-ms", window_ms).check(in_range(1e-3, 1e6));
-  command.add_option("--guard-us", guard_us).check(in_range(-5, 5));
-  command.add_option("--seed", seed).check(is_seed());
+  command.add_option("--window-ms", window_ms).check(cli::in_range(1e-3, 1e6));
+  command.add_option("--guard-us", guard_us).check(cli::in_range(-5, 5));
+  command.add_option("--seed", seed).check(cli::is_seed());
   command.add_flag("--mix", mix);
-  command.add_option("--denoise", denoise).check(one_of({"mean", "literal", "none"}));
-  command.add_option("--th", th).delimiter(',').check(in_range(1, 1000));
+  command.add_option("--denoise", denoise).check(cli::one_of({"mean", "literal", "none"}));
+  command.add_option("--th", th).delimiter(',').check(cli::in_range(1, 1000));
   command.add_option("--held-out", held_out).delimiter(',');
-  command.add_option("--speed", speed).check(in_range(0.0, 1e6));
+  command.add_option("--speed", speed).check(cli::in_range(0.0, 1e6));
   const std::string path = file.path();
   const std::array<const char*, 4> arguments{"tactile", "windows", "--config", path.c_str()};
   try {

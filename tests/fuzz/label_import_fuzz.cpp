@@ -16,11 +16,11 @@ namespace {
 using namespace tactile;
 
 /// Labels before the import: a press and a slip in three seconds.
-Labels old_labels() {
-  Labels labels;
+labels::Labels old_labels() {
+  labels::Labels labels;
   for (const auto& [id, touch, start_us] :
        {std::tuple("press-1", Touch::press, 929'637), std::tuple("slip-1", Touch::slip, 1'484'400)}) {
-    LabelledInterval interval;
+    labels::LabelledInterval interval;
     interval.id = id;
     interval.touch = touch;
     interval.start = {camera_time(start_us), camera_time(start_us - 700), camera_time(start_us + 900)};
@@ -32,19 +32,19 @@ Labels old_labels() {
   return labels;
 }
 
-void check_edited(const Labels& labels) {
+void check_edited(const labels::Labels& labels) {
   test::check(labels);
-  for (const LabelledInterval& interval : labels.intervals)
+  for (const labels::LabelledInterval& interval : labels.intervals)
     test::abort_unless(interval.end.at >= interval.start.at && !interval.id.empty());
 }
 
-void edit(const ImportedLabels& imported) {
-  const Labels old = old_labels();
-  EditCounts counts;
-  const Labels edited =
-      with_edits(old, imported, imported.times.value_or(FileTimes{}), camera_time(0), camera_time(3'000'000), counts);
+void edit(const labels::ImportedLabels& imported) {
+  const labels::Labels old = old_labels();
+  labels::EditCounts counts;
+  const labels::Labels edited = labels::with_edits(old, imported, imported.times.value_or(labels::FileTimes{}), camera_time(0),
+                                                   camera_time(3'000'000), counts);
   check_edited(edited);
-  check_edited(keep_human_edits(old, edited));
+  check_edited(labels::keep_human_edits(old, edited));
 }
 
 }  // namespace
@@ -52,12 +52,12 @@ void edit(const ImportedLabels& imported) {
 /// For any input, read as the file of each tool: edited labels are in order and do not overlap, or there is an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const test::BytesAsFile file(data, size);
-  const std::array<std::vector<ImportedLabels> (*)(const std::filesystem::path&), 4> readers{
-      [](const std::filesystem::path& path) { return std::vector{read_audacity(path)}; },
-      [](const std::filesystem::path& path) { return std::vector{read_elan(path)}; }, read_label_studio, read_label_csv};
+  const std::array<std::vector<labels::ImportedLabels> (*)(const std::filesystem::path&), 4> readers{
+      [](const std::filesystem::path& path) { return std::vector{labels::read_audacity(path)}; },
+      [](const std::filesystem::path& path) { return std::vector{labels::read_elan(path)}; }, read_label_studio, read_label_csv};
   for (const auto read : readers) {
     try {
-      for (const ImportedLabels& imported : read(file.path())) {
+      for (const labels::ImportedLabels& imported : read(file.path())) {
         try {
           edit(imported);
         } catch (const Error&) {

@@ -7,11 +7,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tactile;
   const test::BytesAsFile file(data, size);
   try {
-    const Labels labels = read_labels(file.path());
+    const labels::Labels labels = labels::read_labels(file.path());
     test::check(labels);
-    std::vector<FittedClock> clocks = labels.robot_clocks;
+    std::vector<alignment::FittedClock> clocks = labels.robot_clocks;
     if (labels.video_clock) clocks.push_back(*labels.video_clock);
-    for (const FittedClock& clock : clocks) {
+    for (const alignment::FittedClock& clock : clocks) {
       clock.relation.clock_us_from(clock.relation.camera_from(1'000'000));
     }
   } catch (const Error&) {

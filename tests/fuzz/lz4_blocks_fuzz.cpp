@@ -28,10 +28,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int by_library =
       LZ4_decompress_safe(stored.data(), theirs.data(), static_cast<int>(stored.size()), static_cast<int>(room));
   const auto block = [&](std::vector<char>& to) {
-    return Lz4Block{.stored = std::as_bytes(std::span(stored)), .room = std::as_writable_bytes(std::span(to))};
+    return events::Lz4Block{.stored = std::as_bytes(std::span(stored)), .room = std::as_writable_bytes(std::span(to))};
   };
-  const auto alone = decode_lz4_block(block(ours));
-  const auto two = decode_lz4_blocks(block(first), block(second));
+  const auto alone = events::decode_lz4_block(block(ours));
+  const auto two = events::decode_lz4_blocks(block(first), block(second));
   abort_unless(alone.has_value() == two.has_value() && (alone || !is_content));
   if (!alone) return 0;
   const auto same = [&](const std::vector<char>& other, std::size_t length) {

@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t piece = data[0] == 0 ? size : data[0];
   std::span<const std::uint8_t> left(data + 1, size - 1);
   try {
-    DvStreamParser parser("stream");
+    transport::DvStreamParser parser("stream");
     while (!left.empty()) {
       const std::span<std::byte> room = parser.room();
       const std::size_t count = std::min({room.size(), left.size(), piece});
@@ -26,9 +26,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       left = left.subspan(count);
       if (!parser.received(count)) continue;
       std::int64_t sum = 0;  // every element is read
-      for (const Event& event : parser.events()) sum ^= us_of(event.t) + event.x + event.y + event.on;
-      for (const ImuSample& sample : parser.imu()) sum ^= us_of(sample.t);
-      for (const Trigger& trigger : parser.triggers()) sum ^= us_of(trigger.t) + trigger.type;
+      for (const events::Event& event : parser.events()) sum ^= us_of(event.t) + event.x + event.y + event.on;
+      for (const events::ImuSample& sample : parser.imu()) sum ^= us_of(sample.t);
+      for (const events::Trigger& trigger : parser.triggers()) sum ^= us_of(trigger.t) + trigger.type;
       if (parser.frame()) {
         for (const std::uint8_t pixel : parser.frame()->pixels) sum ^= pixel;
       }

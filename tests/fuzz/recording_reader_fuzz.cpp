@@ -12,27 +12,27 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const test::TemporaryFolder folder;
   const test::BytesAsFile file(data, size);
   try {
-    RecordingReader recording(file.path(), size % 4 == 0 ? 2 : 1);
-    for (const PacketRecord& packet : recording.packets()) {
+    events::RecordingReader recording(file.path(), size % 4 == 0 ? 2 : 1);
+    for (const events::PacketRecord& packet : recording.packets()) {
       switch (recording.stream(packet.stream_id).type) {
-        case StreamType::events:
+        case events::StreamType::events:
           recording.read_events(packet);
           break;
-        case StreamType::imu:
+        case events::StreamType::imu:
           recording.read_imu(packet);
           break;
-        case StreamType::triggers:
+        case events::StreamType::triggers:
           recording.read_triggers(packet);
           break;
-        case StreamType::frames:
+        case events::StreamType::frames:
           recording.read_frame(packet);
           break;
-        case StreamType::other:
+        case events::StreamType::other:
           break;
       }
     }
     if (size % 8 == 0) {
-      repair_recording(file.path(), folder / "repaired.aedat4", true);
+      events::repair_recording(file.path(), folder / "repaired.aedat4", true);
       std::filesystem::remove(folder / "repaired.aedat4");
     }
   } catch (const Error&) {

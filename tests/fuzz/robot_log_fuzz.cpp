@@ -13,17 +13,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using test::abort_unless;
   const test::BytesAsFile file(data, size);
   try {
-    const RobotLogFile logs = read_robot_log(file.path());
-    for (const RobotLog& log : logs.pieces) {
+    const robot::RobotLogFile logs = robot::read_robot_log(file.path());
+    for (const robot::RobotLog& log : logs.pieces) {
       abort_unless(!log.states.empty());
       for (std::size_t i = 1; i < log.states.size(); ++i) abort_unless(log.states[i].t > log.states[i - 1].t);
-      for (const RobotState& state : log.states) {
+      for (const robot::RobotState& state : log.states) {
         for (std::size_t k = 0; k < 6; ++k) abort_unless(std::isfinite(state.tcp_pose[k]) && std::isfinite(state.tcp_speed[k]));
       }
-      lost_packages(log);
-      for (const OutputChange& change : log.output_changes)
+      robot::lost_packages(log);
+      for (const robot::OutputChange& change : log.output_changes)
         abort_unless(change.at > change.last_before && change.from != change.to);
-      for (const MotionPhase& phase : motion_phases(log))
+      for (const alignment::MotionPhase& phase : alignment::motion_phases(log))
         abort_unless(phase.end >= phase.start && phase.start_sigma_us > 0 && phase.end_sigma_us > 0);
     }
   } catch (const Error&) {

@@ -11,25 +11,25 @@ using test::abort_unless;
 
 /// Decoded events are inside the sensor, and the angles of rotations are at most pi.
 void decode(std::span<const std::byte> message) {
-  RosEvents events;
+  conversion::RosEvents events;
   const auto check = [&] {
-    for (const Event& event : events.events)
+    for (const events::Event& event : events.events)
       abort_unless(event.x >= 0 && event.y >= 0 && event.x < events.size.width && event.y < events.size.height && event.on <= 1);
   };
-  if (decode_event_array(message, events)) check();
-  if (decode_event_packet(message, events) == PacketDecoding::whole) check();
-  JointPositions joints;
-  decode_joint_state(message, joints);
-  std::vector<ToolPose> poses;
+  if (conversion::decode_event_array(message, events)) check();
+  if (conversion::decode_event_packet(message, events) == conversion::PacketDecoding::whole) check();
+  conversion::JointPositions joints;
+  conversion::decode_joint_state(message, joints);
+  std::vector<conversion::ToolPose> poses;
   std::uint64_t unusable = 0;
-  decode_tool_poses(message, poses, unusable);
-  for (const ToolPose& pose : poses) {
-    for (const double component : rotation_vector(pose.turn)) abort_unless(component > -3.15 && component < 3.15);
+  conversion::decode_tool_poses(message, poses, unusable);
+  for (const conversion::ToolPose& pose : poses) {
+    for (const double component : conversion::rotation_vector(pose.turn)) abort_unless(component > -3.15 && component < 3.15);
   }
-  RosImage image;
-  decode_image(message, image);
-  ImuSample sample;
-  decode_imu_message(message, sample);
+  conversion::RosImage image;
+  conversion::decode_image(message, image);
+  events::ImuSample sample;
+  conversion::decode_imu_message(message, sample);
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   decode(std::as_bytes(std::span(data, size)));
   const test::BytesAsFile file(data, size);
   try {
-    RosBagReader bag(file.path());
+    conversion::RosBagReader bag(file.path());
     std::uint64_t before = 0;
     while (const auto message = bag.next()) {
       decode(message->data);

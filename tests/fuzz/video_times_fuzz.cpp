@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tactile;
   const test::BytesAsFile file(data, size);
   try {
-    const std::vector<VideoTime> times = read_video_times(file.path());
+    const std::vector<VideoTime> times = video::read_video_times(file.path());
     for (std::size_t i = 1; i < times.size(); ++i) test::abort_unless(times[i] > times[i - 1]);
   } catch (const Error&) {
   }

@@ -8,7 +8,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 /// Counts of pixels of a sensor, changed by one again and again.
@@ -86,7 +86,7 @@ void expect_true_bytes(const CellGrid& grid, std::uint32_t largest, Random& rand
 TEST(ByteBlocks, AreTheSameOnEveryProcessorAndTheSumsOfTheirWeights) {
   Random random(3);
   for (int round = 0; round < 6; ++round) {
-    const SensorSize sensor{static_cast<int>(40 + random.below(300)), static_cast<int>(30 + random.below(60))};
+    const events::SensorSize sensor{static_cast<int>(40 + random.below(300)), static_cast<int>(30 + random.below(60))};
     for (const int step : {1, 2, 5, 10, 15}) {
       const CellGrid all{
           .sensor = sensor, .cells = {sensor.width / step, sensor.height / step}, .step = step, .first = 0, .read = step};
@@ -154,4 +154,4 @@ TEST(CellCounts, TakeABlockForWhatItWasUntilItIsSeenToBeLess) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -7,7 +7,7 @@
 #include "heatmaps/rendered_heatmap.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 using test::every_way;
@@ -15,7 +15,7 @@ using test::Hits;
 using test::is_true;
 using test::rendered;
 
-constexpr SensorSize sensor{20, 15};
+constexpr events::SensorSize sensor{20, 15};
 
 TEST(HeatmapExtremes, OneEvent) {
   for (int y = 0; y < sensor.height; ++y) {
@@ -93,8 +93,9 @@ TEST(HeatmapExtremes, TimesNearTheEndsOfTheClock) {
     const auto expect_counts = [&](const std::vector<Hits>& pixels) {
       EXPECT_TRUE(is_true(renderer, test::dense_counts(pixels, sensor), sensor));
     };
-    renderer.add(std::vector{Event{.t = camera_time(first), .x = 2, .y = 2}, Event{.t = camera_time(first + 1), .x = 7, .y = 2},
-                             Event{.t = camera_time(first + 1), .x = 7, .y = 2}});
+    renderer.add(std::vector{events::Event{.t = camera_time(first), .x = 2, .y = 2},
+                             events::Event{.t = camera_time(first + 1), .x = 7, .y = 2},
+                             events::Event{.t = camera_time(first + 1), .x = 7, .y = 2}});
     renderer.move_to(camera_time(first));
     expect_counts({});
     renderer.move_to(camera_time(first + 1));  // its history would begin before the clock does
@@ -103,8 +104,9 @@ TEST(HeatmapExtremes, TimesNearTheEndsOfTheClock) {
     expect_counts({{.x = 2, .y = 2}, {.x = 7, .y = 2, .count = 2}});
     renderer.move_to(camera_time(first + 40'001));
     expect_counts({{.x = 7, .y = 2, .count = 2}});
-    renderer.add(std::vector{Event{.t = camera_time(last - 40'000), .x = 12, .y = 7},
-                             Event{.t = camera_time(last - 1), .x = 17, .y = 7}, Event{.t = camera_time(last), .x = 2, .y = 12}});
+    renderer.add(std::vector{events::Event{.t = camera_time(last - 40'000), .x = 12, .y = 7},
+                             events::Event{.t = camera_time(last - 1), .x = 17, .y = 7},
+                             events::Event{.t = camera_time(last), .x = 2, .y = 12}});
     renderer.move_to(camera_time(last - 1));
     expect_counts({{.x = 12, .y = 7}});
     renderer.move_to(camera_time(last));  // an event at it belongs to the next
@@ -113,4 +115,4 @@ TEST(HeatmapExtremes, TimesNearTheEndsOfTheClock) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

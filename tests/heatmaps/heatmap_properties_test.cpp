@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 template <class T>
@@ -17,8 +17,8 @@ T any_of(Random& random, std::initializer_list<T> values) {
 }
 
 /// Events over about `length_us` from `begin_us` on, many of them at whole ticks, some at pixels hotter than others.
-std::vector<Event> any_events(Random& random, SensorSize sensor, std::int64_t begin_us, std::int64_t length_us,
-                              std::int64_t tick_us) {
+std::vector<events::Event> any_events(Random& random, events::SensorSize sensor, std::int64_t begin_us, std::int64_t length_us,
+                                      std::int64_t tick_us) {
   const std::size_t count = any_of<std::size_t>(random, {0, 1, 30, 400, 3'000});
   const double share_of_hot = random.uniform(0, 0.7), share_on_ticks = random.uniform();
   std::vector<std::int64_t> times;
@@ -28,7 +28,7 @@ std::vector<Event> any_events(Random& random, SensorSize sensor, std::int64_t be
     times.push_back(begin_us + t);
   }
   std::sort(times.begin(), times.end());
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   const auto hot_x = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(sensor.width)));
   for (const std::int64_t t : times) {
     const bool is_hot = random.uniform() < share_of_hot;
@@ -52,11 +52,11 @@ TEST_P(HeatmapProperties, EachWindowIsRenderedAsIfItWereAlone) {
     options.denoise = any_of(random, {Denoise::mean, Denoise::literal, Denoise::none});
     options.resize = any_of(random, {Resize::area, Resize::linear});
     options.factor = any_of(random, {0.1, 0.2, 0.25, 0.5, 1.0, 1.0 / 17});
-    const SensorSize sensor{static_cast<int>(9 + random.below(80)), static_cast<int>(9 + random.below(60))};
+    const events::SensorSize sensor{static_cast<int>(9 + random.below(80)), static_cast<int>(9 + random.below(60))};
     const std::int64_t tick_us = options.tick.count(), length_us = 3 * options.history.count() + 10 * tick_us;
     const std::int64_t begin_us = any_of<std::int64_t>(
         random, {0, -length_us / 2, 1'700'000'000'000'000, first, first + 3, last - length_us, last - length_us / 2 * 2});
-    const std::vector<Event> events = any_events(random, sensor, begin_us, length_us, tick_us);
+    const std::vector<events::Event> events = any_events(random, sensor, begin_us, length_us, tick_us);
 
     HeatmapRenderer renderer(sensor, options);
     std::size_t given = 0;
@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, HeatmapProperties, testing::Range<std::uint64_t>
 TEST(HeatmapProperties, CountsFromOneToAMillionAreWeighedRight) {
   Random random(5);
   for (int round = 0; round < 12; ++round) {
-    const SensorSize sensor{static_cast<int>(5 + random.below(20)), static_cast<int>(5 + random.below(20))};
+    const events::SensorSize sensor{static_cast<int>(5 + random.below(20)), static_cast<int>(5 + random.below(20))};
     const double largest = std::pow(10.0, random.uniform(0, 6));
     std::vector<test::Hits> pixels;
     for (std::uint64_t i = 0; i < 1 + random.below(12); ++i) {
@@ -98,12 +98,14 @@ TEST(HeatmapProperties, CountsFromOneToAMillionAreWeighedRight) {
 
 TEST(HeatmapProperties, EventsOutOfOrderOrOutsideAreRefusedAndLeaveTheHeatmapAsItWas) {
   HeatmapRenderer renderer({20, 10}, {});
-  renderer.add(std::vector{Event{.t = camera_time(1'000), .x = 3, .y = 3}, Event{.t = camera_time(2'000), .x = 8, .y = 3}});
+  renderer.add(std::vector{events::Event{.t = camera_time(1'000), .x = 3, .y = 3},
+                           events::Event{.t = camera_time(2'000), .x = 8, .y = 3}});
   renderer.move_to(camera_time(2'001));
   const auto before = test::rendered<std::uint8_t>(renderer);
-  EXPECT_THROW(renderer.add(std::vector{Event{.t = camera_time(3'000)}, Event{.t = camera_time(2'999)}}), Error);
-  EXPECT_THROW(renderer.add(std::vector{Event{.t = camera_time(1'999)}}), Error);
-  EXPECT_THROW(renderer.add(std::vector{Event{.t = camera_time(3'000)}, Event{.t = camera_time(3'000), .x = 20}}), Error);
+  EXPECT_THROW(renderer.add(std::vector{events::Event{.t = camera_time(3'000)}, events::Event{.t = camera_time(2'999)}}), Error);
+  EXPECT_THROW(renderer.add(std::vector{events::Event{.t = camera_time(1'999)}}), Error);
+  EXPECT_THROW(renderer.add(std::vector{events::Event{.t = camera_time(3'000)}, events::Event{.t = camera_time(3'000), .x = 20}}),
+               Error);
   EXPECT_THROW(renderer.move_to(camera_time(2'000)), Error);
   renderer.move_to(camera_time(2'002));
   EXPECT_EQ(renderer.events(), 2U);
@@ -111,4 +113,4 @@ TEST(HeatmapProperties, EventsOutOfOrderOrOutsideAreRefusedAndLeaveTheHeatmapAsI
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 using test::every_way;
@@ -80,8 +80,8 @@ TEST(Heatmap, RoundsHalvesUp) {
 
 TEST(Heatmap, IsThatOfThePlainFormulaForRandomEvents) {
   Random random(7);
-  for (const SensorSize sensor :
-       {SensorSize{640, 480}, {346, 260}, {320, 240}, {641, 479}, {643, 482}, {644, 13}, {5, 5}, {3, 4}, {23, 8}}) {
+  for (const events::SensorSize sensor :
+       {events::SensorSize{640, 480}, {346, 260}, {320, 240}, {641, 479}, {643, 482}, {644, 13}, {5, 5}, {3, 4}, {23, 8}}) {
     for (const double density : {0.001, 0.1, 3.0}) {
       std::vector<Hits> pixels;
       const auto count = static_cast<std::size_t>(density * sensor.width * sensor.height) + 1;
@@ -96,7 +96,7 @@ TEST(Heatmap, IsThatOfThePlainFormulaForRandomEvents) {
 }
 
 /// Random counts up to `most` are a random float32 frame once they are scaled to their maximum. OpenCV adds up in float32.
-void expect_resized_as_opencv_does(SensorSize sensor, double factor, std::uint64_t most, Random& random) {
+void expect_resized_as_opencv_does(events::SensorSize sensor, double factor, std::uint64_t most, Random& random) {
   std::vector<Hits> pixels;
   cv::Mat frame(sensor.height, sensor.width, CV_32F);
   double largest = 1;
@@ -113,14 +113,14 @@ void expect_resized_as_opencv_does(SensorSize sensor, double factor, std::uint64
     const std::string where =
         std::to_string(sensor.width) + "x" + std::to_string(sensor.height) + " by " + std::to_string(factor);
     const HeatmapOptions options{.history = history, .denoise = Denoise::none, .resize = resize, .factor = factor};
-    const SensorSize size = heatmap_size(sensor, factor);
+    const events::SensorSize size = heatmap_size(sensor, factor);
     if (size.width == 0 || size.height == 0) {
       EXPECT_THROW(HeatmapRenderer(sensor, options), Error) << where;
       continue;
     }
     cv::Mat expected;
     cv::resize(frame, expected, {}, factor, factor, resize == Resize::area ? cv::INTER_AREA : cv::INTER_LINEAR);
-    ASSERT_EQ(size, (SensorSize{expected.cols, expected.rows})) << where;
+    ASSERT_EQ(size, (events::SensorSize{expected.cols, expected.rows})) << where;
     const auto floats = rendered<float>(pixels, sensor, options);
     const auto bytes = rendered<std::uint8_t>(pixels, sensor, options);
     for (int y = 0; y < expected.rows; ++y) {
@@ -144,18 +144,18 @@ TEST(Heatmap, IsResizedAsOpenCvDoesAtEverySmallSize) {
 
 TEST(Heatmap, IsResizedAsOpenCvDoesAtSizesOfSensors) {
   Random random(12);
-  for (const SensorSize sensor : {SensorSize{640, 480},
-                                  {346, 260},
-                                  {240, 180},
-                                  {128, 128},
-                                  {641, 479},
-                                  {642, 478},
-                                  {643, 477},
-                                  {644, 476},
-                                  {645, 475},
-                                  {655, 465},
-                                  {656, 466},
-                                  {1280, 720}}) {
+  for (const events::SensorSize sensor : {events::SensorSize{640, 480},
+                                          {346, 260},
+                                          {240, 180},
+                                          {128, 128},
+                                          {641, 479},
+                                          {642, 478},
+                                          {643, 477},
+                                          {644, 476},
+                                          {645, 475},
+                                          {655, 465},
+                                          {656, 466},
+                                          {1280, 720}}) {
     for (const double factor : {0.2, 0.1, 0.25, 0.5, 1.0 / 20}) expect_resized_as_opencv_does(sensor, factor, 3, random);
   }
 }
@@ -202,11 +202,11 @@ TEST(StoredName, IsThePlainOneForTheDefaultRenderingOnly) {
 }
 
 TEST(HeatmapSize, IsRoundedAsOpenCvRounds) {
-  EXPECT_EQ(heatmap_size({640, 480}, 0.2), (SensorSize{128, 96}));
-  EXPECT_EQ(heatmap_size({346, 260}, 0.2), (SensorSize{69, 52}));
-  EXPECT_EQ(heatmap_size({643, 642}, 0.2), (SensorSize{129, 128}));
-  EXPECT_EQ(heatmap_size({645, 655}, 0.1), (SensorSize{64, 66}));
+  EXPECT_EQ(heatmap_size({640, 480}, 0.2), (events::SensorSize{128, 96}));
+  EXPECT_EQ(heatmap_size({346, 260}, 0.2), (events::SensorSize{69, 52}));
+  EXPECT_EQ(heatmap_size({643, 642}, 0.2), (events::SensorSize{129, 128}));
+  EXPECT_EQ(heatmap_size({645, 655}, 0.1), (events::SensorSize{64, 66}));
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

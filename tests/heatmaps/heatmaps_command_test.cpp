@@ -23,7 +23,7 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ class HeatmapsCommand : public testing::Test {
  protected:
   void SetUp() override {
     test::make_three_runs(folder.path() / "data");
-    write_dataset(folder / "data", folder / "data/dataset.h5");
+    windows::write_dataset(folder / "data", folder / "data/dataset.h5");
   }
   test::TemporaryFolder folder;
 };
@@ -51,7 +51,7 @@ TEST_F(HeatmapsCommand, RendersTheHistoriesItIsGivenAndKeepsThemTheNextTime) {
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_NE(again.out.find("unchanged"), std::string::npos) << again.out;
   EXPECT_EQ(fs::last_write_time(folder / "data/dataset.th_040.h5"), written);
-  EXPECT_EQ(Dataset(folder / "data/dataset.h5").heatmaps().size(), 2U);
+  EXPECT_EQ(windows::Dataset(folder / "data/dataset.h5").heatmaps().size(), 2U);
 }
 
 TEST_F(HeatmapsCommand, DamagedHistoriesAreFoundByVerifying) {
@@ -79,14 +79,15 @@ TEST_F(HeatmapsCommand, DamagedHistoriesAreFoundByVerifying) {
 TEST_F(HeatmapsCommand, RendersEveryHistoryOfThePaperWithoutArguments) {
   ASSERT_EQ(run_tactile("heatmaps", folder.path()).exit_code, 0);
   std::vector<std::string> names;
-  for (const StoredHeatmaps& stored : Dataset(folder / "data/dataset.h5").heatmaps()) names.push_back(stored.name);
+  for (const windows::StoredHeatmaps& stored : windows::Dataset(folder / "data/dataset.h5").heatmaps())
+    names.push_back(stored.name);
   EXPECT_EQ(names, (std::vector<std::string>{"th_002", "th_010", "th_020", "th_030", "th_040", "th_050"}));
 }
 
 TEST_F(HeatmapsCommand, NamesOtherRenderingsByTheirSettings) {
   ASSERT_EQ(run_tactile("heatmaps --th 40 --denoise literal --resize linear --factor 0.1", folder.path()).exit_code, 0);
   ASSERT_EQ(run_tactile("heatmaps --th 2.5 --tick-us 500", folder.path()).exit_code, 0);
-  const Dataset dataset(folder / "data/dataset.h5");
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   ASSERT_EQ(dataset.heatmaps().size(), 2U);
   EXPECT_EQ(dataset.heatmaps()[0].name.substr(0, 7), "th_002-");
   EXPECT_EQ(dataset.heatmaps()[0].settings.at("history_us"), 2'500);
@@ -107,7 +108,7 @@ TEST_F(HeatmapsCommand, RefusesInWordsWhatItCannotRender) {
   const auto too_long = run_tactile("heatmaps --th 40,60", folder.path());
   EXPECT_EQ(too_long.exit_code, 1);
   EXPECT_NE(too_long.err.find("history of 60000 us; expected at most the 50000 us"), std::string::npos) << too_long.err;
-  EXPECT_TRUE(Dataset(folder / "data/dataset.h5").heatmaps().empty());
+  EXPECT_TRUE(windows::Dataset(folder / "data/dataset.h5").heatmaps().empty());
   const auto no_ticks = run_tactile("heatmaps --th 41", folder.path());
   EXPECT_EQ(no_ticks.exit_code, 1);
   EXPECT_NE(no_ticks.err.find("whole number of ticks"), std::string::npos) << no_ticks.err;
@@ -126,10 +127,10 @@ TEST_F(HeatmapsCommand, NamesTheCommandForAMissingDataset) {
 TEST_F(HeatmapsCommand, WritesPicturesWhosePixelsAreTheHeatmaps) {
   const auto result = run_tactile("heatmaps --th 40 --png pictures", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Dataset dataset(folder / "data/dataset.h5");
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   for (const std::uint32_t index : {0U, 100U, 269U}) {
-    const Sample& sample = dataset.samples()[index];
-    const DatasetRun& run = dataset.runs()[sample.run_index];
+    const windows::Sample& sample = dataset.samples()[index];
+    const windows::DatasetRun& run = dataset.runs()[sample.run_index];
     const std::string name =
         run.object + "-" + run.run + "-" + std::to_string(us_of(sample.t)) + "-" + std::string(name_of(sample.touch)) + ".png";
     const fs::path file = folder.path() / "pictures/th_040" / run.object / run.run / name;
@@ -147,10 +148,10 @@ TEST_F(HeatmapsCommand, ListsItsPicturesAndReplacesNoOtherFiles) {
   std::string line;
   std::getline(list, line);
   EXPECT_EQ(line, "file,object,run,t_us,label");
-  const Dataset dataset(folder / "data/dataset.h5");
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   std::string before;
-  for (const Sample& sample : dataset.samples()) {
-    const DatasetRun& run = dataset.runs()[sample.run_index];
+  for (const windows::Sample& sample : dataset.samples()) {
+    const windows::DatasetRun& run = dataset.runs()[sample.run_index];
     ASSERT_TRUE(std::getline(list, line));
     const std::string file = line.substr(0, line.find(','));
     EXPECT_EQ(line, file + "," + run.object + "," + run.run + "," + std::to_string(us_of(sample.t)) + "," +
@@ -244,7 +245,7 @@ TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNoExistingFile) {
   test::KillMoments moments(end - begin, static_cast<std::uint64_t>(end.time_since_epoch().count()));
   const auto make_dataset = [&] {
     fs::remove(file);
-    write_dataset(folder / "data", file);
+    windows::write_dataset(folder / "data", file);
   };
   make_dataset();
   int killed = 0;
@@ -266,10 +267,10 @@ TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNoExistingFile) {
     ::waitpid(child, &status, 0);
     WIFSIGNALED(status) ? void(++killed) : moments.were_too_late();
 
-    const Dataset dataset(file);
+    const windows::Dataset dataset(file);
     std::vector<std::uint32_t> every(dataset.samples().size());
     std::iota(every.begin(), every.end(), 0U);
-    for (const StoredHeatmaps& stored : dataset.heatmaps())
+    for (const windows::StoredHeatmaps& stored : dataset.heatmaps())
       EXPECT_EQ(dataset.read_heatmaps(stored.name, every).size(), every.size() * 48) << stored.name;
     if (dataset.heatmaps().size() == 13) make_dataset();  // all done: begin again
   }
@@ -278,4 +279,4 @@ TEST_F(HeatmapsCommand, KilledAtAnyMomentHarmsNoExistingFile) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

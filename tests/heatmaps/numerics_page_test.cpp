@@ -15,7 +15,7 @@
 #include "heatmaps/rendered_heatmap.hpp"
 #include "support/paths.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 using Counts = std::vector<std::uint32_t>;
@@ -76,7 +76,7 @@ template <class T>
 std::vector<T> heatmap_of(const Counts& counts, Denoise denoise) {
   std::vector<test::Hits> pixels;
   for (std::size_t i = 0; i < counts.size(); ++i) pixels.push_back({.x = static_cast<int>(i), .count = counts[i]});
-  const SensorSize sensor{static_cast<int>(counts.size()), 1};
+  const events::SensorSize sensor{static_cast<int>(counts.size()), 1};
   const HeatmapOptions options{.denoise = denoise, .factor = 1};
   EXPECT_TRUE(test::is_true(pixels, sensor, options));
   return test::rendered<T>(pixels, sensor, options);
@@ -123,7 +123,7 @@ std::vector<Row> rows() {
   constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min();
   const auto begin = static_cast<std::int64_t>(static_cast<std::uint64_t>(first + 1'000) - 40'000U);  // wraps, as int64 would
   HeatmapRenderer renderer({1, 1}, {.factor = 1});
-  renderer.add(std::vector{Event{.t = camera_time(first + 999)}});
+  renderer.add(std::vector{events::Event{.t = camera_time(first + 999)}});
   renderer.move_to(camera_time(first + 1'000));
   rows.push_back({"an event at −2⁶³ + 999 µs, t_c = −2⁶³ + 1000 µs, t_h = 40 ms; the event's pixel",
                   "t_c − t_h wraps to the clock's other end", begin <= first + 999 ? "255" : "0",
@@ -144,4 +144,4 @@ TEST(NumericsPage, ShowsWhatIsWorkedOutHere) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -17,17 +17,17 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 class RenderSamples : public testing::Test {
  protected:
   void SetUp() override {
     test::make_three_runs(folder.path());
-    write_dataset(folder.path(), file());
+    windows::write_dataset(folder.path(), file());
   }
   std::filesystem::path file() const { return folder / "dataset.h5"; }
-  static std::vector<std::uint32_t> all_of(const Dataset& dataset) {
+  static std::vector<std::uint32_t> all_of(const windows::Dataset& dataset) {
     std::vector<std::uint32_t> indexes(dataset.samples().size());
     std::iota(indexes.begin(), indexes.end(), 0U);
     return indexes;
@@ -56,7 +56,7 @@ void expect_rounded(std::span<const std::uint8_t> rendered, const std::vector<lo
 }
 
 TEST_F(RenderSamples, GivesThePlainFormulaOfTheWholeRecordingForEachSample) {
-  const Dataset dataset(file());
+  const windows::Dataset dataset(file());
   for (const HeatmapOptions& options : {HeatmapOptions{.history = 50ms}, HeatmapOptions{.history = 2ms, .denoise = Denoise::none},
                                         HeatmapOptions{.history = 20ms, .resize = Resize::linear, .factor = 0.1}}) {
     const auto heatmaps = render_samples(dataset, options, all_of(dataset), 2);
@@ -75,7 +75,7 @@ TEST_F(RenderSamples, GivesThePlainFormulaOfTheWholeRecordingForEachSample) {
 }
 
 TEST_F(RenderSamples, DoesNotDependOnThreadsOrderOrTheOtherSamples) {
-  const Dataset dataset(file());
+  const windows::Dataset dataset(file());
   const HeatmapOptions options{.history = 40ms};
   const auto all = render_samples(dataset, options, all_of(dataset), 1);
   EXPECT_EQ(all, render_samples(dataset, options, all_of(dataset), 2));
@@ -91,7 +91,7 @@ TEST_F(RenderSamples, DoesNotDependOnThreadsOrderOrTheOtherSamples) {
 }
 
 TEST_F(RenderSamples, RefusesAHistoryThatIsNotStoredAndSamplesThatLieAtNoTick) {
-  const Dataset dataset(file());
+  const windows::Dataset dataset(file());
   const std::string message = message_of([&] { render_samples(dataset, {.history = 52ms}, std::vector<std::uint32_t>{0}); });
   EXPECT_NE(message.find("history of 52000 us; expected at most the 50000 us"), std::string::npos) << message;
   EXPECT_NE(message_of([&] { check_renders(dataset, {.history = 30ms, .tick = 3ms}); }).find("is not at a tick"),
@@ -107,15 +107,15 @@ TEST_F(RenderSamples, StoresWhatItRendersOfSeveralHistoriesAtOnce) {
       {.history = 2500us, .tick = 500us, .denoise = Denoise::none, .resize = Resize::linear},
       {.history = 40ms},  // again
       {.history = 10ms, .denoise = Denoise::literal, .factor = 0.1}};
-  const auto first = store_heatmaps(Dataset(file()), std::span(histories).first(1), 2);
+  const auto first = store_heatmaps(windows::Dataset(file()), std::span(histories).first(1), 2);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_FALSE(first[0].kept);
   std::uint64_t reported = 0;
-  const auto stored = store_heatmaps(Dataset(file()), histories, 2, [&](const Progress& progress) {
+  const auto stored = store_heatmaps(windows::Dataset(file()), histories, 2, [&](const Progress& progress) {
     EXPECT_GT(progress.done, reported);
     reported = progress.done;
   });
-  const Dataset dataset(file());
+  const windows::Dataset dataset(file());
   EXPECT_EQ(reported, dataset.samples().size());
   ASSERT_EQ(stored.size(), histories.size());
   ASSERT_EQ(dataset.heatmaps().size(), 3U);
@@ -132,40 +132,40 @@ TEST_F(RenderSamples, StoresWhatItRendersOfSeveralHistoriesAtOnce) {
 
 TEST_F(RenderSamples, ListsAHistoryNamedTwiceOnce) {
   const std::vector<HeatmapOptions> twice(2);
-  const auto stored = store_heatmaps(Dataset(file()), twice);
+  const auto stored = store_heatmaps(windows::Dataset(file()), twice);
   EXPECT_FALSE(stored[0].kept);
   EXPECT_TRUE(stored[1].kept);
-  EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
+  EXPECT_EQ(windows::Dataset(file()).heatmaps().size(), 1U);
 }
 
 TEST_F(RenderSamples, StoresNoHistoryIfOneIsRefusedOrTheStepIsEnded) {
   const std::vector<HeatmapOptions> one_too_long{{.history = 40ms}, {.history = 52ms}}, two{{.history = 40ms}, {.history = 10ms}};
-  EXPECT_THROW(store_heatmaps(Dataset(file()), one_too_long), Error);
+  EXPECT_THROW(store_heatmaps(windows::Dataset(file()), one_too_long), Error);
   for (const std::uint64_t most : {0U, 100U}) {
     for (const unsigned threads : {1U, 2U, 3U}) {
       const auto end = [&](const Progress& progress) {
         if (progress.done > most) throw Error("ended");
       };
-      EXPECT_EQ(message_of([&] { store_heatmaps(Dataset(file()), two, threads, end); }), "ended");
+      EXPECT_EQ(message_of([&] { store_heatmaps(windows::Dataset(file()), two, threads, end); }), "ended");
     }
   }
-  EXPECT_TRUE(Dataset(file()).heatmaps().empty());
+  EXPECT_TRUE(windows::Dataset(file()).heatmaps().empty());
   for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
     EXPECT_EQ(entry.path().filename().string().find("th_0"), std::string::npos) << entry.path();
 }
 
 TEST_F(RenderSamples, RendersAHistoryAgainIfItsFileIsGone) {
   const std::vector<HeatmapOptions> plain(1);
-  store_heatmaps(Dataset(file()), plain);
+  store_heatmaps(windows::Dataset(file()), plain);
   std::filesystem::remove(folder / "dataset.th_040.h5");
-  EXPECT_THROW(Dataset(file()).heatmaps(), Error);
-  EXPECT_FALSE(store_heatmaps(Dataset(file()), plain)[0].kept);
-  EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
+  EXPECT_THROW(windows::Dataset(file()).heatmaps(), Error);
+  EXPECT_FALSE(store_heatmaps(windows::Dataset(file()), plain)[0].kept);
+  EXPECT_EQ(windows::Dataset(file()).heatmaps().size(), 1U);
 }
 
 TEST(ForEveryTick, HandsOverEachFullTickWithItsHeatmapAndCount) {
   const test::LabelledRun run{.begin_us = -100'301, .length_us = 200'000};
-  const std::vector<Event> events = test::random_events(run);
+  const std::vector<events::Event> events = test::random_events(run);
   const HeatmapOptions options{.history = 20ms};
   std::vector<CameraTime> ticks;
   const TickRange range =
@@ -194,8 +194,8 @@ TEST(ForEveryTick, GivesTheSameFromARecording) {
     };
   };
   for_every_tick(test::random_events(run), run.sensor, {}, see(from_memory));
-  RecordingReader recording(made.events());
-  const TickRange range = for_every_tick(recording, event_stream(recording).id, {}, see(from_file));
+  events::RecordingReader recording(made.events());
+  const TickRange range = for_every_tick(recording, events::event_stream(recording).id, {}, see(from_file));
   EXPECT_GT(range.count, 100);
   EXPECT_EQ(from_memory, from_file);
 }
@@ -208,7 +208,7 @@ TEST(ForEveryTick, HasNoneIfTheRunIsShorterThanTheHistory) {
 
 TEST(ForEveryTick, EndsAtTheEndOfTheClock) {
   constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max();
-  const std::vector<Event> events{
+  const std::vector<events::Event> events{
       {.t = camera_time(latest - 9'000)}, {.t = camera_time(latest - 1'000), .x = 1}, {.t = camera_time(latest)}};
   std::vector<std::uint64_t> counts;
   const TickRange range =
@@ -220,20 +220,20 @@ TEST(ForEveryTick, EndsAtTheEndOfTheClock) {
 }
 
 TEST(ForEveryTick, RefusesEventsThatGoBackInTime) {
-  const std::vector<Event> events{{.t = camera_time(10)}, {.t = camera_time(9)}};
+  const std::vector<events::Event> events{{.t = camera_time(10)}, {.t = camera_time(9)}};
   EXPECT_THROW(for_every_tick(events, {5, 5}, {}, [](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}), Error);
 }
 
 TEST(ForEveryTick, RefusesARecordingThatSeemsToLastAYear) {
   const test::TemporaryFolder folder;
   constexpr std::int64_t year = 365 * std::int64_t{86'400'000'000};
-  std::vector<Event> events = test::steady_events(2'000, 1'000, 50, {40, 30});
+  std::vector<events::Event> events = test::steady_events(2'000, 1'000, 50, {40, 30});
   for (const std::int64_t last : {std::int64_t{200'000}, year, std::numeric_limits<std::int64_t>::max()}) {
     events.push_back(test::event_at(last));
     const std::filesystem::path file = folder / (std::to_string(last) + ".aedat4");
     test::write_plain_recording(file, events, {40, 30});
     events.pop_back();
-    RecordingReader reader(file);
+    events::RecordingReader reader(file);
     const HeatmapOptions options{.history = 10ms, .tick = 2ms};
     std::int64_t seen = 0;
     const auto count = [&](CameraTime, std::span<const std::uint8_t>, std::uint64_t) { ++seen; };
@@ -250,4 +250,4 @@ TEST(ForEveryTick, RefusesARecordingThatSeemsToLastAYear) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -19,13 +19,14 @@ struct Hits {
 };
 
 /// A renderer whose window holds these events and no others.
-inline HeatmapRenderer renderer_of(const std::vector<Hits>& pixels, SensorSize sensor, const HeatmapOptions& options) {
-  HeatmapRenderer renderer(sensor, options);
-  std::vector<Event> events;
+inline heatmaps::HeatmapRenderer renderer_of(const std::vector<Hits>& pixels, events::SensorSize sensor,
+                                             const heatmaps::HeatmapOptions& options) {
+  heatmaps::HeatmapRenderer renderer(sensor, options);
+  std::vector<events::Event> events;
   for (const Hits& pixel : pixels) {
     for (std::uint32_t left = pixel.count; left > 0; left -= std::min(left, 100'000U)) {
       events.assign(std::min(left, 100'000U),
-                    Event{.t = {}, .x = static_cast<std::int16_t>(pixel.x), .y = static_cast<std::int16_t>(pixel.y)});
+                    events::Event{.t = {}, .x = static_cast<std::int16_t>(pixel.x), .y = static_cast<std::int16_t>(pixel.y)});
       renderer.add(events);
     }
   }
@@ -34,29 +35,29 @@ inline HeatmapRenderer renderer_of(const std::vector<Hits>& pixels, SensorSize s
 }
 
 template <class T>
-std::vector<T> rendered(HeatmapRenderer& renderer) {
+std::vector<T> rendered(heatmaps::HeatmapRenderer& renderer) {
   std::vector<T> heatmap(static_cast<std::size_t>(renderer.size().width * renderer.size().height), T{77});
   renderer.render(std::span(heatmap));
   return heatmap;
 }
 
 template <class T>
-std::vector<T> rendered(const std::vector<Hits>& pixels, SensorSize sensor, const HeatmapOptions& options) {
-  HeatmapRenderer renderer = renderer_of(pixels, sensor, options);
+std::vector<T> rendered(const std::vector<Hits>& pixels, events::SensorSize sensor, const heatmaps::HeatmapOptions& options) {
+  heatmaps::HeatmapRenderer renderer = renderer_of(pixels, sensor, options);
   return rendered<T>(renderer);
 }
 
-inline std::vector<std::uint32_t> dense_counts(const std::vector<Hits>& pixels, SensorSize sensor) {
+inline std::vector<std::uint32_t> dense_counts(const std::vector<Hits>& pixels, events::SensorSize sensor) {
   std::vector<std::uint32_t> counts(static_cast<std::size_t>(sensor.width * sensor.height));
   for (const Hits& pixel : pixels) counts[static_cast<std::size_t>(pixel.y * sensor.width + pixel.x)] += pixel.count;
   return counts;
 }
 
 /// Every way to denoise and to resize.
-inline std::vector<HeatmapOptions> every_way(double factor = 0.2) {
-  std::vector<HeatmapOptions> ways;
-  for (const Denoise denoise : {Denoise::mean, Denoise::literal, Denoise::none}) {
-    for (const Resize resize : {Resize::area, Resize::linear})
+inline std::vector<heatmaps::HeatmapOptions> every_way(double factor = 0.2) {
+  std::vector<heatmaps::HeatmapOptions> ways;
+  for (const heatmaps::Denoise denoise : {heatmaps::Denoise::mean, heatmaps::Denoise::literal, heatmaps::Denoise::none}) {
+    for (const heatmaps::Resize resize : {heatmaps::Resize::area, heatmaps::Resize::linear})
       ways.push_back({.history = std::chrono::milliseconds{40}, .denoise = denoise, .resize = resize, .factor = factor});
   }
   return ways;
@@ -64,7 +65,8 @@ inline std::vector<HeatmapOptions> every_way(double factor = 0.2) {
 
 /// Whether floats are within 1e-6 of the true value or 1e-30, and bytes those of the true value, but where that lies within 1e-3
 /// of where it would be rounded to another.
-inline testing::AssertionResult is_true(HeatmapRenderer& renderer, const std::vector<std::uint32_t>& counts, SensorSize sensor) {
+inline testing::AssertionResult is_true(heatmaps::HeatmapRenderer& renderer, const std::vector<std::uint32_t>& counts,
+                                        events::SensorSize sensor) {
   const auto expected = dense_heatmap(counts, sensor, renderer.options());
   const auto floats = rendered<float>(renderer);
   const auto bytes = rendered<std::uint8_t>(renderer);
@@ -82,8 +84,9 @@ inline testing::AssertionResult is_true(HeatmapRenderer& renderer, const std::ve
   return testing::AssertionSuccess();
 }
 
-inline testing::AssertionResult is_true(const std::vector<Hits>& pixels, SensorSize sensor, const HeatmapOptions& options) {
-  HeatmapRenderer renderer = renderer_of(pixels, sensor, options);
+inline testing::AssertionResult is_true(const std::vector<Hits>& pixels, events::SensorSize sensor,
+                                        const heatmaps::HeatmapOptions& options) {
+  heatmaps::HeatmapRenderer renderer = renderer_of(pixels, sensor, options);
   return is_true(renderer, dense_counts(pixels, sensor), sensor);
 }
 

@@ -4,13 +4,13 @@
 #include "heatmaps/rendered_heatmap.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 /// Ticks of one pattern of events that repeats; how often memory was asked for in the second half of them.
-std::size_t requests_once_warm(SensorSize sensor, const HeatmapOptions& options) {
+std::size_t requests_once_warm(events::SensorSize sensor, const HeatmapOptions& options) {
   Random random(1);
-  std::vector<Event> pattern;
+  std::vector<events::Event> pattern;
   for (int i = 0; i < 700; ++i) {
     const bool is_hot = i % 7 == 0;
     pattern.push_back({.t = {},
@@ -24,7 +24,7 @@ std::size_t requests_once_warm(SensorSize sensor, const HeatmapOptions& options)
   std::size_t before = 0;
   for (std::int64_t tick = 1; tick <= 200; ++tick) {
     if (tick == 101) before = test::memory_requests;
-    for (Event& event : pattern) event.t = camera_time(tick * options.tick.count() - 1);
+    for (events::Event& event : pattern) event.t = camera_time(tick * options.tick.count() - 1);
     renderer.add(pattern);
     renderer.move_to(camera_time(tick * options.tick.count()));
     renderer.render(std::span(bytes));
@@ -44,10 +44,10 @@ TEST(RenderingMemory, IsNotAskedForOnceWarm) {
 
 TEST(RenderingMemory, FollowsTheLargestWindowAndNotTheRecording) {
   HeatmapRenderer renderer({64, 48}, {});
-  std::vector<Event> events(1000);
+  std::vector<events::Event> events(1000);
   const std::size_t before = test::memory_requests;
   for (std::int64_t tick = 1; tick <= 5'000; ++tick) {
-    for (Event& event : events) event.t = camera_time(tick * 2'000 - 1);
+    for (events::Event& event : events) event.t = camera_time(tick * 2'000 - 1);
     renderer.add(events);
     renderer.move_to(camera_time(tick * 2'000));
   }
@@ -56,4 +56,4 @@ TEST(RenderingMemory, FollowsTheLargestWindowAndNotTheRecording) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -10,10 +10,12 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
-Event event_at(std::int64_t t_us, std::int16_t x = 0, std::int16_t y = 0) { return {.t = camera_time(t_us), .x = x, .y = y}; }
+events::Event event_at(std::int64_t t_us, std::int16_t x = 0, std::int16_t y = 0) {
+  return {.t = camera_time(t_us), .x = x, .y = y};
+}
 
 std::vector<std::uint32_t> all_of(const SlidingCounts& counts) {
   std::vector<std::uint32_t> all;
@@ -55,9 +57,9 @@ TEST(SlidingCounts, KeepTheBeginOfTheWindowAndLeaveItsEnd) {
 }
 
 TEST(SlidingCounts, AreThoseOfEachWindowCountedAlone) {
-  const SensorSize sensor{7, 5};
+  const events::SensorSize sensor{7, 5};
   Random random(1);
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   for (std::int64_t t = -300; t < 300;) {
     events.push_back(event_at(t, static_cast<std::int16_t>(random.below(7)), static_cast<std::int16_t>(random.below(5))));
     t += static_cast<std::int64_t>(random.below(4));
@@ -83,10 +85,10 @@ TEST(SlidingCounts, AreThoseOfEachWindowCountedAlone) {
 
 TEST(SlidingCounts, HoldAnyCount) {
   // Around the counts up to which one byte, two, and what is kept of small counts would do; up, down, and both in one step.
-  const SensorSize sensor{3, 2};
+  const events::SensorSize sensor{3, 2};
   for (const std::int64_t most : {254, 255, 256, 257, 2'046, 2'047, 2'048, 2'049, 65'534, 65'535, 65'536, 65'537, 300'000}) {
     SlidingCounts counts(sensor, microseconds{most});
-    std::vector<Event> events;
+    std::vector<events::Event> events;
     for (std::int64_t t = 0; t < 2 * most; ++t) events.push_back(event_at(t, 1, 1));  // one every microsecond
     events.push_back(event_at(2 * most, 2, 0));
     counts.add(events);
@@ -133,7 +135,7 @@ TEST(SlidingCounts, RefuseEventsThatGoBackInTimeAndTakeNothingOfThem) {
 
 TEST(SlidingCounts, RefuseEventsOutsideTheSensor) {
   SlidingCounts counts({4, 3}, 10us);
-  for (const Event& event : {event_at(0, 4, 0), event_at(0, 0, 3), event_at(0, -1, 0), event_at(0, 0, -1)}) {
+  for (const events::Event& event : {event_at(0, 4, 0), event_at(0, 0, 3), event_at(0, -1, 0), event_at(0, 0, -1)}) {
     EXPECT_THROW(counts.add(std::span(&event, 1)), Error);
   }
 }
@@ -154,4 +156,4 @@ TEST(SlidingCounts, RefuseASensorWithoutAreaOrOfAbsurdSizeAndAHistoryOfNothing) 
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -12,7 +12,7 @@
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ using test::told_by;
 const fs::path scenes = fs::path(test::data_folder).parent_path().parent_path() / "configs" / "scenes";
 
 AlteredRun scene(const std::string& name, const std::string& preset = "quick") {
-  return AlteredRun(read_physics(scenes / (name + ".json")), "sprayer", 1, preset);
+  return AlteredRun(simulation::read_physics(scenes / (name + ".json")), "sprayer", 1, preset);
 }
 
 std::size_t count(const Labels& labels, Touch touch) {
@@ -46,14 +46,14 @@ TEST(Extremes, APlainRunIsRightAndUnflagged) {
 }
 
 TEST(Extremes, WithoutSlipThereIsNoneAndThePressIsRight) {
-  const AlteredRun made(only_runs(&SpecialRuns::without_slip));
+  const AlteredRun made(only_runs(&simulation::SpecialRuns::without_slip));
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   EXPECT_EQ(count(labels, Touch::slip), 0U);
 }
 
 TEST(Extremes, WithoutPressThereIsNoneAndTheSlipIsRight) {
-  const AlteredRun made(only_runs(&SpecialRuns::without_press));
+  const AlteredRun made(only_runs(&simulation::SpecialRuns::without_press));
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   EXPECT_EQ(count(labels, Touch::press), 0U);
@@ -63,13 +63,13 @@ TEST(Extremes, OfNoiseAloneFindsNothingAndFlagsThat) {
   AlteredRun made;
   // What the first half second has, over and over, with the hot pixels that it has.
   const CameraTime until = after(made.truly("press").start, -100ms);
-  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
+  made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>&) {
     const CameraTime first = events.front().t;
     const CameraTime last = events.back().t;
-    std::erase_if(events, [&](const Event& event) { return event.t >= until; });
-    const std::vector<Event> quiet = events;
+    std::erase_if(events, [&](const events::Event& event) { return event.t >= until; });
+    const std::vector<events::Event> quiet = events;
     for (microseconds later = until - first; first + later <= last; later += until - first) {
-      for (Event event : quiet) {
+      for (events::Event event : quiet) {
         event.t += later;
         events.push_back(event);
       }
@@ -82,7 +82,7 @@ TEST(Extremes, OfNoiseAloneFindsNothingAndFlagsThat) {
 }
 
 TEST(Extremes, OfTwoPressesTheReleaseBetweenIsNoPress) {
-  const AlteredRun made(only_runs(&SpecialRuns::two_presses));
+  const AlteredRun made(only_runs(&simulation::SpecialRuns::two_presses));
   const Labels labels = made.labels();
   EXPECT_NO_THROW(made.truly("release"));
   EXPECT_EQ(count(labels, Touch::press), 2U) << told_by(labels);
@@ -97,19 +97,19 @@ TEST(Extremes, AHotPixelThatStartsDuringTheRunIsNoTouch) {
                             : when == "within the press" ? after(press.start, 50ms)
                             : when == "after it"         ? after(press.end, 120ms)
                                                          : after(slip.end, 200ms);
-    made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
-      std::vector<Event> hot;
+    made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>&) {
+      std::vector<events::Event> hot;
       for (CameraTime t = from; t < events.back().t; t += 200us) {
-        Event event;
+        events::Event event;
         event.t = t;
         event.x = 333;
         event.y = 77;
         event.on = 1;
         hot.push_back(event);
       }
-      std::vector<Event> all;
+      std::vector<events::Event> all;
       std::merge(events.begin(), events.end(), hot.begin(), hot.end(), std::back_inserter(all),
-                 [](const Event& a, const Event& b) { return a.t < b.t; });
+                 [](const events::Event& a, const events::Event& b) { return a.t < b.t; });
       events = all;
     });
     SCOPED_TRACE(when);
@@ -121,7 +121,8 @@ TEST(Extremes, AHotPixelThatStartsDuringTheRunIsNoTouch) {
 TEST(Extremes, ARobotLogThatEndsWithinTheLiftIsFlagged) {
   AlteredRun made;
   const RobotTime last = made.in_robot_time(after(*made.truth.lift_start, 250ms));
-  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
+  made.alter_robot(
+      [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   EXPECT_TRUE(labels.run_is_flagged()) << told_by(labels);
@@ -130,7 +131,8 @@ TEST(Extremes, ARobotLogThatEndsWithinTheLiftIsFlagged) {
 TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
   AlteredRun made;
   const RobotTime last = made.in_robot_time(before(*made.truth.lift_start, 100ms));
-  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
+  made.alter_robot(
+      [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   EXPECT_TRUE(flags_say(labels, "press and slip are told apart by their order alone")) << told_by(labels);
@@ -139,7 +141,8 @@ TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
 TEST(Extremes, ARobotLogThatBeginsAfterThePressStillShowsTheLift) {
   AlteredRun made;
   const RobotTime first = made.in_robot_time(after(made.truly("press").end, 50ms));
-  made.alter_robot([&](std::vector<RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t < first; }); });
+  made.alter_robot(
+      [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t < first; }); });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   expect_lift_as_true(labels, made);
@@ -151,8 +154,8 @@ constexpr microseconds up_since = 12s;
 /// @return the second piece's clock, in truth
 ClockRelation start_anew(AlteredRun& made, RobotTime reset) {
   const CameraTime seam = made.truth.robot_clock->camera_from(reset);
-  made.alter_robot([&](std::vector<RobotState>& states) {
-    for (RobotState& state : states) {
+  made.alter_robot([&](std::vector<robot::RobotState>& states) {
+    for (robot::RobotState& state : states) {
       if (state.t >= reset) state.t = RobotTime{up_since + (state.t - reset)};
     }
   });
@@ -180,7 +183,7 @@ TEST(Extremes, ARobotsClockThatRestartsAfterTheLift) {
 }
 
 TEST(Extremes, EachPieceOfARobotsClockIsRelatedWhereTheArmMovesInIt) {
-  SimulationPhysics physics = only_runs(&SpecialRuns::taps);
+  simulation::SimulationPhysics physics = only_runs(&simulation::SpecialRuns::taps);
   physics.imu.share = 1;
   AlteredRun made(physics);
   const RobotTime reset = made.in_robot_time(before(*made.truth.lift_start, 150ms));
@@ -198,7 +201,7 @@ TEST(Extremes, EachPieceOfARobotsClockIsRelatedWhereTheArmMovesInIt) {
 }
 
 TEST(Extremes, ARobotLogOf500HzIsAsGood) {
-  SimulationPhysics physics = plain_physics();
+  simulation::SimulationPhysics physics = plain_physics();
   physics.robot.rate_hz = 500;
   const AlteredRun made(physics);
   const Labels labels = made.labels();
@@ -208,7 +211,7 @@ TEST(Extremes, ARobotLogOf500HzIsAsGood) {
 }
 
 TEST(Extremes, AFilmOfVariableRateIsRelatedByItsFramesOwnTimes) {
-  SimulationPhysics physics = plain_physics();
+  simulation::SimulationPhysics physics = plain_physics();
   physics.video.jitter_ms = 8;
   physics.video.lost_frame_share = 0.25;
   const AlteredRun made(physics);
@@ -236,8 +239,8 @@ TEST(Extremes, AFilmThatLacksItsSecondHalfIsFlagged) {
 TEST(Extremes, AGapInQuietTimeIsFlaggedAndDoesNoHarm) {
   AlteredRun made;
   const CameraTime press = made.truly("press").start;
-  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
-    std::erase_if(events, [&](const Event& e) { return e.t > after(press, -350ms) && e.t < after(press, -250ms); });
+  made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>&) {
+    std::erase_if(events, [&](const events::Event& e) { return e.t > after(press, -350ms) && e.t < after(press, -250ms); });
   });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
@@ -247,8 +250,8 @@ TEST(Extremes, AGapInQuietTimeIsFlaggedAndDoesNoHarm) {
 TEST(Extremes, AnOnsetInAGapIsFlaggedAndItsIntervalHoldsTheGap) {
   AlteredRun made;
   const CameraTime slip = made.truly("slip").start;
-  made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>&) {
-    std::erase_if(events, [&](const Event& e) { return e.t > after(slip, -40ms) && e.t < after(slip, 60ms); });
+  made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>&) {
+    std::erase_if(events, [&](const events::Event& e) { return e.t > after(slip, -40ms) && e.t < after(slip, 60ms); });
   });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
@@ -258,16 +261,16 @@ TEST(Extremes, AnOnsetInAGapIsFlaggedAndItsIntervalHoldsTheGap) {
 
 TEST(Extremes, EventsAtTheEndsOfInt64AreLabelledAsAnywhere) {
   for (const bool high : {true, false}) {
-    SimulationPhysics physics = plain_physics();
+    simulation::SimulationPhysics physics = plain_physics();
     physics.imu.share = 1;
     AlteredRun made(physics);
     std::int64_t shift = 0;
-    made.alter_recording([&](std::vector<Event>& events, std::vector<ImuSample>& imu) {
+    made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>& imu) {
       const std::int64_t first = std::min(us_of(events.front().t), us_of(imu.front().t)),
                          last = std::max(us_of(events.back().t), us_of(imu.back().t));
       shift = high ? std::numeric_limits<std::int64_t>::max() - 1 - last : std::numeric_limits<std::int64_t>::min() + 1 - first;
-      for (Event& e : events) e.t += microseconds{shift};
-      for (ImuSample& s : imu) s.t += microseconds{shift};
+      for (events::Event& e : events) e.t += microseconds{shift};
+      for (events::ImuSample& s : imu) s.t += microseconds{shift};
     });
     for (TrueInterval& i : made.truth.intervals) {
       if (!i.labelled) continue;
@@ -293,7 +296,7 @@ TEST(Extremes, AnEmptyRobotLogIsFlaggedOrRefused) {
     AlteredRun made;
     fs::remove(made.run.robot());
     if (header)
-      write_robot_log(made.run.robot(), {});
+      robot::write_robot_log(made.run.robot(), {});
     else
       write_whole(made.run.robot(), "");
     const RunOutcome done = label_runs({made.run}).at(0);
@@ -352,4 +355,4 @@ TEST(Extremes, ARecordingWithoutEventsIsAnError) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -5,7 +5,7 @@
 #include "labels/exchange/exported.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using test::in_run;
@@ -152,4 +152,4 @@ TEST(HumanEdits, AMereInstantWithinAPersonsIntervalIsDropped) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -9,7 +9,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using test::made_camera_begin_us;
@@ -19,9 +19,9 @@ using test::write_made_run;
 // A press of 200 ms at 0.8 s; a lift at 1.5 s that moves for 0.6 s, with the skin firing from 3 ms after its start to 3 ms before
 // its end.
 const test::MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
-const RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
+const robot::RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
 
-double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - made_camera_begin_us) / 1000.0; }
+double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - test::made_camera_begin_us) / 1000.0; }
 
 TEST(LabelRun, FindsPressAndSlipInCameraTime) {
   const test::TemporaryFolder data;
@@ -124,11 +124,12 @@ TEST(LabelRun, FlagsAGapInTheRecording) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
   // Rewritten without what lies between 1.45 and 1.55 s, the slip's onset among it.
-  RecordingReader recording(run.events());
-  RecordingWriter writer(data / "cut.aedat4", {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  events::RecordingReader recording(run.events());
+  events::RecordingWriter writer(data / "cut.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
   for (const auto& [begin_us, end_us] : {std::pair(0, 1'450'000), std::pair(1'550'000, 3'000'000)}) {
-    for_events_between(recording, 0, camera_time(made_camera_begin_us + begin_us), camera_time(made_camera_begin_us + end_us),
-                       [&](std::span<const Event> events) { writer.write_events(0, events); });
+    events::for_events_between(recording, 0, camera_time(test::made_camera_begin_us + begin_us),
+                               camera_time(test::made_camera_begin_us + end_us),
+                               [&](std::span<const events::Event> events) { writer.write_events(0, events); });
   }
   writer.close();
   std::filesystem::rename(data / "cut.aedat4", run.events());
@@ -144,8 +145,8 @@ bool says(const Labels& labels, const std::string& words) {
 
 TEST(LabelRun, FlagsAGapInTheRobotLog) {
   const test::TemporaryFolder data;
-  RobotLog torn = lift;
-  std::erase_if(torn.states, [](const RobotState& state) {
+  robot::RobotLog torn = lift;
+  std::erase_if(torn.states, [](const robot::RobotState& state) {
     const std::int64_t us = us_of(state.t) - us_of(lift.states.front().t);
     return us > 300'000 && us < 500'000;
   });
@@ -190,4 +191,4 @@ TEST(LabelRun, GivesTheSameBytesEachTime) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

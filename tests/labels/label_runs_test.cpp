@@ -8,7 +8,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using test::made_lift;
@@ -16,7 +16,7 @@ using test::MadeRun;
 using test::TemporaryFolder;
 
 const MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
-const RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
+const robot::RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
 
 /// Two runs of one object, of one session if it has a name.
 std::vector<RunFolder> write_two_runs(const TemporaryFolder& data, const std::string& session) {
@@ -78,7 +78,7 @@ TEST(LabelRuns, SharesTheClockOfASessionWithARunWithoutAnchors) {
   std::vector<RunFolder> runs = write_two_runs(data, "morning");
   test::write_made_events(runs[1].events(), {.bursts = {{800'000, 1'000'000}}});
   std::filesystem::remove(runs[1].robot());
-  write_robot_log(runs[1].robot(), made_lift(9e9, 1, 0.06, -123'456'789));
+  robot::write_robot_log(runs[1].robot(), made_lift(9e9, 1, 0.06, -123'456'789));
   const std::vector<RunOutcome> labelled = label_runs({runs[1]});
   ASSERT_EQ(labelled[0].labels.robot_clocks.size(), 1U);
   EXPECT_LE(labelled[0].labels.robot_clocks[0].offset_low_us, -123'456'789);
@@ -140,7 +140,7 @@ TEST(LabelRuns, MakesMissingCompanionsAgain) {
   const LabelRunsOptions options{
       .has_companions = [](const RunFolder& run) { return std::filesystem::exists(run.folder / "picture"); },
       .make_companions =
-          [&](const RunSignals& signals, const Labels& labels) {
+          [&](const alignment::RunSignals& signals, const Labels& labels) {
             EXPECT_EQ(labels.intervals.size(), 2U);
             write_whole(signals.run.folder / "picture", "");
             ++made;
@@ -155,4 +155,4 @@ TEST(LabelRuns, MakesMissingCompanionsAgain) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

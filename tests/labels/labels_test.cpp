@@ -6,11 +6,13 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 LabelledInterval interval(Touch touch, std::int64_t start_us, std::int64_t end_us) {
-  const auto time = [](std::int64_t us) { return UncertainTime{camera_time(us), camera_time(us - 100), camera_time(us + 200)}; };
+  const auto time = [](std::int64_t us) {
+    return alignment::UncertainTime{camera_time(us), camera_time(us - 100), camera_time(us + 200)};
+  };
   LabelledInterval made;
   made.touch = touch;
   made.start = time(start_us);
@@ -19,7 +21,7 @@ LabelledInterval interval(Touch touch, std::int64_t start_us, std::int64_t end_u
   return made;
 }
 
-FittedClock clock_of(std::int64_t offset_us) {
+alignment::FittedClock clock_of(std::int64_t offset_us) {
   return {.relation = {.offset_us = offset_us, .drift_ppm = 1.5, .reference_us = 7},
           .residual_us = 2.5,
           .offset_low_us = offset_us - 3,
@@ -152,4 +154,4 @@ TEST(Labels, FileOfAnotherKindIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -9,17 +9,17 @@
 #include "tactile/core/random.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 /// 64 x 48 pixels of noise; a press lights a square of 16 x 16, its left half brighter, its right half darker; a release takes
 /// that back; another touch lights a square elsewhere.
 void write_touches(const std::filesystem::path& file) {
   Random random(1);
-  RecordingWriter writer(file, {event_stream_declaration({64, 48}, "DVXplorer_TEST")});
-  std::vector<Event> events;
+  events::RecordingWriter writer(file, {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<events::Event> events;
   const auto add = [&](std::int64_t t, std::uint64_t x, std::uint64_t y, bool on) {
-    Event event;
+    events::Event event;
     event.t = camera_time(t);
     event.x = static_cast<std::int16_t>(x);
     event.y = static_cast<std::int16_t>(y);
@@ -46,9 +46,9 @@ void write_touches(const std::filesystem::path& file) {
 TEST(LitRate, KeepsWhatABurstLightsAndATenthOfTheNoise) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");
-  RecordingReader recording(folder / "events.aedat4");
-  const EventRate rate = event_rate(recording, 0);
-  const auto bursts = bursts_in(rate, quiet_rate(rate));
+  events::RecordingReader recording(folder / "events.aedat4");
+  const alignment::EventRate rate = alignment::event_rate(recording, 0);
+  const auto bursts = alignment::bursts_in(rate, alignment::quiet_rate(rate));
   ASSERT_EQ(bursts.size(), 3U);
   const auto lit = lit_rates(recording, 0, rate, bursts);
   ASSERT_EQ(lit.size(), 3U);
@@ -76,9 +76,9 @@ TEST(LitRate, KeepsWhatABurstLightsAndATenthOfTheNoise) {
 TEST(LitRate, FindsAReleaseByTheBrightnessThatItReverses) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");
-  RecordingReader recording(folder / "events.aedat4");
-  const EventRate rate = event_rate(recording, 0);
-  const auto lit = lit_rates(recording, 0, rate, bursts_in(rate, quiet_rate(rate)));
+  events::RecordingReader recording(folder / "events.aedat4");
+  const alignment::EventRate rate = alignment::event_rate(recording, 0);
+  const auto lit = lit_rates(recording, 0, rate, alignment::bursts_in(rate, alignment::quiet_rate(rate)));
   ASSERT_EQ(lit.size(), 3U);
   EXPECT_NEAR(lit[0].undoes, 0.0, 1e-9);
   EXPECT_GT(lit[1].undoes, 0.95);
@@ -88,12 +88,12 @@ TEST(LitRate, FindsAReleaseByTheBrightnessThatItReverses) {
 TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");
-  RecordingReader recording(folder / "events.aedat4");
-  const EventRate rate = event_rate(recording, 0);
-  const auto bursts = bursts_in(rate, quiet_rate(rate));
+  events::RecordingReader recording(folder / "events.aedat4");
+  const alignment::EventRate rate = alignment::event_rate(recording, 0);
+  const auto bursts = alignment::bursts_in(rate, alignment::quiet_rate(rate));
   ASSERT_EQ(bursts.size(), 3U);
   // Told as one burst, the touches light both squares.
-  const std::vector<Burst> one{{bursts.front().begin, bursts.back().end, 0}};
+  const std::vector<alignment::Burst> one{{bursts.front().begin, bursts.back().end, 0}};
   const auto lit = lit_rates(recording, 0, rate, one);
   ASSERT_EQ(lit.size(), 1U);
   ASSERT_EQ(lit[0].places.size(), 2U);
@@ -104,9 +104,9 @@ TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
 TEST(LitRate, OfNoBurstsIsNone) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");
-  RecordingReader recording(folder / "events.aedat4");
-  EXPECT_TRUE(lit_rates(recording, 0, event_rate(recording, 0), {}).empty());
+  events::RecordingReader recording(folder / "events.aedat4");
+  EXPECT_TRUE(lit_rates(recording, 0, alignment::event_rate(recording, 0), {}).empty());
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -7,7 +7,7 @@
 
 #include "labels/lit_rate_of.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr double onset_us = 400'100;
@@ -32,7 +32,7 @@ OnsetErrors errors_over_seeds(double quiet, const std::function<double(double)>&
         5'000, [&](double t_us) { return quiet + (t_us > onset_us + 200'000 ? 0.0 : rise(t_us - onset_us)); }, seed, 2'030, 3'000,
         quiet);
     const FoundTime found = find(lit);
-    const UncertainTime& time = found.time;
+    const alignment::UncertainTime& time = found.time;
     EXPECT_LE(time.low, time.at);
     EXPECT_LE(time.at, time.high);
     result.errors_ms.push_back(std::abs(static_cast<double>(between(onset, time.at).count())) / 1000.0);
@@ -113,9 +113,9 @@ TEST(PressOnset, MayLieAsEarlyAsPixelsThatNoiseHasResetAreBlind) {
   LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return 0.3 + (t_us < 600'000 ? blow(t_us - onset_us, 10.0) : 0.0); }, 1, 2'030, 3'000, 0.3);
   lit.repeats.assign(5'000, 0);  // none repeats its event: for how long they were blind is not seen
-  const UncertainTime fresh = press_onset(lit).time;
+  const alignment::UncertainTime fresh = press_onset(lit).time;
   lit.reset_share = 1.0;
-  const UncertainTime anew = press_onset(lit).time;
+  const alignment::UncertainTime anew = press_onset(lit).time;
   EXPECT_EQ(fresh.at, anew.at);
   EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 25'000, 500);
 }
@@ -143,7 +143,7 @@ TEST(SlipOnset, WithoutRingingIsTheFirstMotion) {
 TEST(SlipOnset, IsNotBeforeTheLift) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return 0.3 + blow(t_us - 390'000, 2.0) + blow(t_us - onset_us, 30.0); }, 1, 2'000, 3'000, 0.3);
-  const UncertainTime lift{camera_time(1'398'000), camera_time(1'396'000), camera_time(1'402'000)};
+  const alignment::UncertainTime lift{camera_time(1'398'000), camera_time(1'396'000), camera_time(1'402'000)};
   EXPECT_GE(slip_onset(lit, {}, lift).time.low, before(lift.low, 1ms));
 }
 
@@ -155,4 +155,4 @@ TEST(Onset, IsKeptInsideTheRecordingNearItsBegin) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

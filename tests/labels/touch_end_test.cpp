@@ -7,14 +7,14 @@
 
 #include "labels/lit_rate_of.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr double begin_us = 1'000'000, onset_us = 200'000, still_us = 450'000;
 
 CameraTime time_of(double us) { return camera_time(std::llround(begin_us + us)); }
 
-UncertainTime exactly(double us) { return {time_of(us), time_of(us), time_of(us)}; }
+alignment::UncertainTime exactly(double us) { return {time_of(us), time_of(us), time_of(us)}; }
 
 /// A press that slows down as (1 - t)^power, with creeping behind it.
 double press_rate(double t_us, double power, double peak, double creeping) {
@@ -99,7 +99,7 @@ TEST(SlipEnd, HoldsTheTimeInWhichTheRingingFadesToAPercent) {
     const double end_us = still_us + decay_us * std::log(100.0);
     int covered = 0;
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
-      const UncertainTime end = slip_end(slip_rate(decay_us, 0.0, seed), exactly(onset_us)).time;
+      const alignment::UncertainTime end = slip_end(slip_rate(decay_us, 0.0, seed), exactly(onset_us)).time;
       EXPECT_LE(end.low, end.at);
       EXPECT_LE(end.at, end.high);
       covered += end.low <= time_of(end_us) && time_of(end_us) <= end.high ? 1 : 0;
@@ -109,21 +109,23 @@ TEST(SlipEnd, HoldsTheTimeInWhichTheRingingFadesToAPercent) {
 }
 
 TEST(SlipEnd, LeavesOpenWhetherALongFaintTailBelongsToIt) {
-  const UncertainTime brief = slip_end(slip_rate(4'000.0, 0.0, 1), exactly(onset_us)).time;
-  const UncertainTime tailed = slip_end(slip_rate(4'000.0, 6.0, 1), exactly(onset_us)).time;
+  const alignment::UncertainTime brief = slip_end(slip_rate(4'000.0, 0.0, 1), exactly(onset_us)).time;
+  const alignment::UncertainTime tailed = slip_end(slip_rate(4'000.0, 6.0, 1), exactly(onset_us)).time;
   EXPECT_GT(between(tailed.low, tailed.high), between(brief.low, brief.high));
   EXPECT_LE(tailed.low, time_of(still_us + 30'000));
 }
 
 TEST(SlipEnd, IsNotBeforeTheArmsStopNorLongAfterIt) {
   const LitRate brief = slip_rate(4'000.0, 0.0, 1), rings = slip_rate(4'000.0, 60.0, 1);
-  const auto stop = [](double t_us) { return UncertainTime{time_of(t_us), time_of(t_us - 1'000), time_of(t_us + 1'000)}; };
-  const UncertainTime unseen = slip_end(brief, exactly(onset_us), {}, stop(still_us + 60'000)).time;
+  const auto stop = [](double t_us) {
+    return alignment::UncertainTime{time_of(t_us), time_of(t_us - 1'000), time_of(t_us + 1'000)};
+  };
+  const alignment::UncertainTime unseen = slip_end(brief, exactly(onset_us), {}, stop(still_us + 60'000)).time;
   EXPECT_GE(unseen.at, time_of(still_us + 60'000));
   EXPECT_LT(unseen.low, time_of(still_us + 60'000));
   EXPECT_GT(unseen.high, time_of(still_us + 60'000));
   EXPECT_GT(slip_end(rings, exactly(onset_us)).time.at, time_of(still_us + 100'000)) << "else this asks nothing";
-  const UncertainTime ringing = slip_end(rings, exactly(onset_us), {}, stop(still_us)).time;
+  const alignment::UncertainTime ringing = slip_end(rings, exactly(onset_us), {}, stop(still_us)).time;
   EXPECT_LE(ringing.at, time_of(still_us + 51'000));
   EXPECT_LE(ringing.low, time_of(still_us - 1'000));
 }
@@ -144,4 +146,4 @@ TEST(TouchEnd, OfAnOnsetAtTheVeryEndIsDoubted) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -4,23 +4,23 @@
 
 #include <numeric>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using Kinds = std::vector<BurstKind>;
 using Moves = std::vector<ArmMove>;
 
 // A recording of 4 s in bins of 1 ms, quiet but for what is asked for.
-const EventRate rate{.begin = camera_time(1'000'000),
-                     .bin = 1ms,
-                     .counts = std::vector<std::uint32_t>(4'000),
-                     .hot_pixels = 0,
-                     .last = camera_time(5'000'000),
-                     .hot = {}};
+const alignment::EventRate rate{.begin = camera_time(1'000'000),
+                                .bin = 1ms,
+                                .counts = std::vector<std::uint32_t>(4'000),
+                                .hot_pixels = 0,
+                                .last = camera_time(5'000'000),
+                                .hot = {}};
 
 CameraTime at_ms(std::int64_t ms) { return camera_time(1'000'000 + 1'000 * ms); }
-Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
-  Burst made;
+alignment::Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
+  alignment::Burst made;
   made.begin = begin_ms;
   made.end = end_ms;
   made.events = events;
@@ -29,66 +29,66 @@ Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
 ArmMove move_between(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
   return {at_ms(start_ms), at_ms(end_ms), uncertainty};
 }
-Kinds kinds(const std::vector<Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts, const std::vector<double>& undoes,
-            const std::vector<ArmMove>& taps = {}) {
+Kinds kinds(const std::vector<alignment::Burst>& bursts, const std::optional<std::vector<ArmMove>>& lifts,
+            const std::vector<double>& undoes, const std::vector<ArmMove>& taps = {}) {
   return kinds_of(rate, bursts, lifts, taps, undoes);
 }
 constexpr double inward = -0.9, outward = 0.9, other = 0.1;  // what they undo
 
 TEST(KindsOf, CallsTheBurstInTheLiftTheSlipAndWhatCameBeforeThePress) {
-  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
+  const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, TakesTheBurstWithTheMostEventsInTheLift) {
-  const std::vector<Burst> bursts = {burst(500, 1'250), burst(1'300, 1'800)};
+  const std::vector<alignment::Burst> bursts = {burst(500, 1'250), burst(1'300, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, ReachesAsFarAsTheClockMayBeOff) {
-  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'300)};
+  const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'300)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'310, 1'500, 20ms)}, {inward, other}), (Kinds{BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, FindsAReleaseByWhatItReverses) {
-  const std::vector<Burst> bursts = {burst(300, 500), burst(900, 1'100), burst(1'500, 1'700), burst(2'200, 2'800)};
+  const std::vector<alignment::Burst> bursts = {burst(300, 500), burst(900, 1'100), burst(1'500, 1'700), burst(2'200, 2'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(2'190, 2'800)}, {inward, outward, inward, other}),
             (Kinds{BurstKind::press, BurstKind::release, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, IgnoresWhatIsShortAndSmallButNotALightPress) {
-  const std::vector<Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
+  const std::vector<alignment::Burst> bursts = {burst(300, 320, 900), burst(500, 700, 900), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other}),
             (Kinds{BurstKind::brief, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, DoesNotTakeTipsThatSpringBackDuringAPressForAnother) {
-  const std::vector<Burst> bursts = {burst(300, 500), burst(700, 765, 20'000), burst(1'200, 1'800)};
+  const std::vector<alignment::Burst> bursts = {burst(300, 500), burst(700, 765, 20'000), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, outward, other}),
             (Kinds{BurstKind::press, BurstKind::brief, BurstKind::slip}));
-  const std::vector<Burst> pressed_again = {burst(300, 500), burst(700, 850, 20'000), burst(1'200, 1'800)};
+  const std::vector<alignment::Burst> pressed_again = {burst(300, 500), burst(700, 850, 20'000), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(pressed_again, Moves{move_between(1'190, 1'800)}, {inward, other, other}),
             (Kinds{BurstKind::press, BurstKind::press, BurstKind::slip}));
 }
 
 TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
-  const std::vector<Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
+  const std::vector<alignment::Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other, outward}, {move_between(80, 200)}),
             (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {
-  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
+  const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800)};
   EXPECT_EQ(kinds(bursts, Moves{}, {inward, other}), (Kinds{BurstKind::press, BurstKind::press}));
 }
 
 TEST(KindsOf, UsesTheOrderWhereNoLiftIsKnown) {
-  const std::vector<Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'410, 500)};
+  const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'410, 500)};
   EXPECT_EQ(kinds(bursts, std::nullopt, {inward, other, other}), (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}));
   EXPECT_EQ(kinds({bursts[0]}, std::nullopt, {inward}), (Kinds{BurstKind::press}));
   EXPECT_EQ(kinds({}, std::nullopt, {}), Kinds{});
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 LabelledInterval found(Touch touch, std::int64_t start_us, std::int64_t end_us) {
@@ -72,8 +72,8 @@ TEST(TruthComparison, KeepsFlaggedApart) {
   EXPECT_FALSE(compare_with_truth(labels, truth).flagged);
 }
 
-FittedClock clock_found(std::int64_t offset_us, std::int64_t low_us, std::int64_t high_us) {
-  FittedClock clock;
+alignment::FittedClock clock_found(std::int64_t offset_us, std::int64_t low_us, std::int64_t high_us) {
+  alignment::FittedClock clock;
   clock.relation = {.offset_us = offset_us, .drift_ppm = 0, .reference_us = 0};
   clock.offset_low_us = low_us;
   clock.offset_high_us = high_us;
@@ -112,4 +112,4 @@ TEST(TruthComparison, ComparesClocksAtTheFirstTouchWhereThereIsNoLift) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -10,14 +10,14 @@
 namespace tactile::test {
 
 struct NoiseHeatmaps {
-  SensorSize size;
+  events::SensorSize size;
   std::vector<std::uint8_t> heatmaps;  ///< [truth, height, width]
   std::vector<Touch> truth;            ///< none, press, slip in turn
 };
 
 /// Heatmaps of random cells, one in five of them active, that have nothing to do with their touch: they can only be learned by
 /// heart.
-inline NoiseHeatmaps noise_heatmaps(std::size_t count, SensorSize size, std::uint64_t seed) {
+inline NoiseHeatmaps noise_heatmaps(std::size_t count, events::SensorSize size, std::uint64_t seed) {
   Random random(seed);
   NoiseHeatmaps noise{size, {}, {}};
   const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);

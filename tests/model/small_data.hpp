@@ -12,7 +12,7 @@
 
 namespace tactile::test {
 
-inline constexpr SensorSize small_sensor{160, 120};  ///< heatmaps of 32 x 24
+inline constexpr events::SensorSize small_sensor{160, 120};  ///< heatmaps of 32 x 24
 
 /// The five objects that are held out by default, and one more.
 inline const std::vector<std::string> six_objects{"fan", "plastic-container", "small-box", "sprayer", "textured-box", "usb-hub"};
@@ -23,7 +23,7 @@ inline void make_run(const std::filesystem::path& folder, std::uint64_t seed, bo
   std::filesystem::create_directories(folder);
   const RunFolder run = run_folder_at(folder);
   Random random(seed_for(seed, {run.object, run.run}));
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   const auto add = [&](std::int64_t t_us, int x, int y, int width, int height) {
     events.push_back({camera_time(5'000'000 + t_us),
                       static_cast<std::int16_t>(x + static_cast<int>(random.below(static_cast<std::uint64_t>(width)))),
@@ -36,7 +36,7 @@ inline void make_run(const std::filesystem::path& folder, std::uint64_t seed, bo
     if (press) add(t_us, 10, 30, 50, 60);
     if (slip) add(t_us, 100, 30, 50, 60);
   }
-  RecordingWriter writer(run.events(), {event_stream_declaration(small_sensor, "test")});
+  events::RecordingWriter writer(run.events(), {events::event_stream_declaration(small_sensor, "test")});
   writer.write_events(0, events);
   writer.close();
   RunInfo info{.object = run.object,
@@ -48,11 +48,11 @@ inline void make_run(const std::filesystem::path& folder, std::uint64_t seed, bo
                .height = small_sensor.height};
   write_run_info(run, info);
 
-  Labels labels;
+  labels::Labels labels;
   Truth truth;
   for (const auto& [touch, start_ms] : {std::pair(Touch::press, 200), std::pair(Touch::slip, 700)}) {
     const CameraTime start = camera_time(5'000'000 + start_ms * 1000), end = after(start, 200ms);
-    LabelledInterval interval;
+    labels::LabelledInterval interval;
     interval.touch = touch;
     interval.start = {start, start, start};
     interval.end = {end, end, end};
@@ -62,7 +62,7 @@ inline void make_run(const std::filesystem::path& folder, std::uint64_t seed, bo
     if (touch == Touch::slip) true_interval.gross = after(start, 20ms);
     truth.intervals.push_back(true_interval);
   }
-  if (with_labels) write_labels(run.labels(), labels);
+  if (with_labels) labels::write_labels(run.labels(), labels);
   if (simulated) write_truth(run.truth(), truth);
 }
 

@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 SheetTile tile_of(int width, int height, int value = 100, std::optional<Touch> touch = {}) {
@@ -152,4 +152,4 @@ TEST(WritePng, IsReadBackPixelByPixel) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

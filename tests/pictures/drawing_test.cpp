@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 cv::Mat numbered(int width, int height) {
@@ -83,4 +83,4 @@ TEST(DrawText, StaysWithinItsWidth) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -9,11 +9,11 @@
 
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
-std::vector<Event> events_at(const std::vector<std::int64_t>& times_us) {
-  std::vector<Event> events(times_us.size());
+std::vector<events::Event> events_at(const std::vector<std::int64_t>& times_us) {
+  std::vector<events::Event> events(times_us.size());
   for (std::size_t i = 0; i < events.size(); ++i) events[i].t = camera_time(times_us[i]);
   return events;
 }
@@ -56,7 +56,7 @@ TEST(EventCurve, TellsTheHighestRateOfAStretch) {
 }
 
 TEST(EventCurve, LosesNoEvent) {
-  const std::vector<Event> events = test::random_events({.length_us = 3'000'000});
+  const std::vector<events::Event> events = test::random_events({.length_us = 3'000'000});
   EventCurve curve(events.front().t, 10us, 64);
   for (std::size_t i = 0; i < events.size(); i += 777)
     curve.add(std::span(events).subspan(i, std::min<std::size_t>(777, events.size() - i)));
@@ -65,4 +65,4 @@ TEST(EventCurve, LosesNoEvent) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

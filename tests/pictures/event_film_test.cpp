@@ -9,13 +9,13 @@
 
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr std::int64_t begin_us = 1'700'000'000'000'000;
 CameraTime at_ms(std::int64_t ms) { return camera_time(begin_us + 1000 * ms); }
 
-EventFilmOptions options_of(SensorSize sensor = {640, 480}) {
+EventFilmOptions options_of(events::SensorSize sensor = {640, 480}) {
   return {.title = "fan/01",
           .remark = "10 times slower, t_h 40 ms",
           .sensor = sensor,
@@ -30,14 +30,14 @@ EventFilmOptions options_of(SensorSize sensor = {640, 480}) {
 
 EventCurve some_curve() {
   EventCurve curve(at_ms(0));
-  std::vector<Event> events(4000);
+  std::vector<events::Event> events(4000);
   for (std::size_t i = 0; i < events.size(); ++i) events[i].t = after(at_ms(0), microseconds(250 * static_cast<int>(i)));
   curve.add(events);
   return curve;
 }
 
 Moment moment_at(CameraTime t, const EventFilmOptions& options, int value = 0) {
-  const SensorSize size = heatmap_size(options.sensor, options.rendering.factor);
+  const events::SensorSize size = heatmaps::heatmap_size(options.sensor, options.rendering.factor);
   return {.t = t,
           .events = 12'345,
           .counts = cv::Mat(options.sensor.height, options.sensor.width, CV_16UC1, cv::Scalar(value)),
@@ -115,7 +115,8 @@ TEST(EventFilm, ShowsCountsLeftAndHeatmapRight) {
 }
 
 TEST(EventFilm, HasEvenSidesAndClipsNothingForAnySensor) {
-  for (const SensorSize sensor : {SensorSize{640, 480}, {346, 260}, {160, 121}, {1280, 720}, {40, 30}, {5, 500}, {3000, 10}}) {
+  for (const events::SensorSize sensor :
+       {events::SensorSize{640, 480}, {346, 260}, {160, 121}, {1280, 720}, {40, 30}, {5, 500}, {3000, 10}}) {
     EventFilmOptions options = options_of(sensor);
     options.title = std::string(300, 'W');
     const EventFilm film(options, some_curve());
@@ -142,4 +143,4 @@ TEST(EventFilm, SaysNothingOfWhatNobodyLabelled) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

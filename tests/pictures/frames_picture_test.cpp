@@ -7,7 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 using test::drawn;
@@ -47,4 +47,4 @@ TEST(FramesPlot, ShowsCountsRightWayUpAndRefusesWhatIsNoFrame) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

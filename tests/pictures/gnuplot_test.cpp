@@ -14,7 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 using test::error_of;
@@ -187,4 +187,4 @@ TEST(Draw, RefusesWhatItCannotDraw) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

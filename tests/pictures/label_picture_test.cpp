@@ -9,15 +9,15 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr std::int64_t begin_us = 1'700'000'000'000'000;
 
 CameraTime at_ms(double ms) { return camera_time(begin_us + static_cast<std::int64_t>(1000 * ms)); }
 
-LabelledInterval touch(Touch kind, const std::string& id, double start_ms, double end_ms) {
-  LabelledInterval interval;
+labels::LabelledInterval touch(Touch kind, const std::string& id, double start_ms, double end_ms) {
+  labels::LabelledInterval interval;
   interval.id = id;
   interval.touch = kind;
   interval.start = {at_ms(start_ms), at_ms(start_ms - 0.8), at_ms(start_ms + 0.4)};
@@ -52,13 +52,13 @@ LabelPicture whole_picture() {
     picture.rate.counts.push_back((i % 3 == 0 ? 4U : 2U) + (moves ? 60U + static_cast<std::uint32_t>(i % 40) : 0U));
   }
   picture.labels.intervals = {touch(Touch::press, "press-1", 1'000, 1'200), touch(Touch::slip, "slip-1", 2'000, 2'500)};
-  Evidence& slip = picture.labels.intervals[1].evidence;
+  labels::Evidence& slip = picture.labels.intervals[1].evidence;
   slip.robot = at_ms(1'996);
   slip.video = at_ms(2'021);
   slip.imu = at_ms(1'999);
   picture.labels.intervals[0].evidence.robot = at_ms(700);
   picture.labels.intervals[0].evidence.video = at_ms(1'012);
-  FittedClock clock;
+  alignment::FittedClock clock;
   clock.relation = {.offset_us = 1'000, .drift_ppm = 0, .reference_us = 0};
   clock.offset_low_us = -4'000;
   clock.offset_high_us = 7'000;
@@ -256,4 +256,4 @@ TEST(LabelPicture, IsDrawnOfRunsThatLackAlmostEverything) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -17,7 +17,7 @@
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 struct MadeRecording {
@@ -28,8 +28,8 @@ struct MadeRecording {
 
   test::TemporaryFolder folder;
   test::LabelledRun run;
-  std::vector<Event> events;
-  RecordingReader reader;
+  std::vector<events::Event> events;
+  events::RecordingReader reader;
 };
 
 TEST(ForMoments, CountsTheEventsOfEachWindowAtTheirPixels) {
@@ -42,7 +42,7 @@ TEST(ForMoments, CountsTheEventsOfEachWindowAtTheirPixels) {
   for_moments(made.reader, 0, {.history = 40ms}, times, MomentDetail::heatmap, [&](const Moment& moment) {
     seen.push_back(moment.t);
     cv::Mat expected(30, 40, CV_16UC1, cv::Scalar(0));
-    for (const Event& event : made.events) {
+    for (const events::Event& event : made.events) {
       if (event.t >= moment.t - 40ms && event.t < moment.t) ++expected.at<std::uint16_t>(event.y, event.x);
     }
     EXPECT_EQ(cv::norm(moment.counts, expected, cv::NORM_L1), 0) << us_of(moment.t);
@@ -54,11 +54,12 @@ TEST(ForMoments, CountsTheEventsOfEachWindowAtTheirPixels) {
 
 TEST(ForMoments, RendersWhatTheDatasetHolds) {
   MadeRecording made;
-  const HeatmapOptions options{.history = 20ms};
+  const heatmaps::HeatmapOptions options{.history = 20ms};
   std::map<CameraTime, std::vector<std::uint8_t>> expected;
-  for_every_tick(made.events, made.run.sensor, options, [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t) {
-    expected[t] = {heatmap.begin(), heatmap.end()};
-  });
+  heatmaps::for_every_tick(made.events, made.run.sensor, options,
+                           [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t) {
+                             expected[t] = {heatmap.begin(), heatmap.end()};
+                           });
   std::vector<CameraTime> times;
   for (const auto& [t, heatmap] : expected) times.push_back(t);
   std::size_t count = 0;
@@ -93,8 +94,8 @@ TEST(ForMoments, NamesTheFileWhoseEventsGoBackInTime) {
   const MadeRecording made;
   const std::filesystem::path file = made.folder / "back.aedat4";
   {
-    RecordingWriter writer(file, {event_stream_declaration(made.run.sensor, "DVXplorer_TEST")},
-                           {.compression = Compression::none});
+    events::RecordingWriter writer(file, {events::event_stream_declaration(made.run.sensor, "DVXplorer_TEST")},
+                                   {.compression = events::Compression::none});
     writer.write_events(0, made.events);
     writer.close();
   }
@@ -104,7 +105,7 @@ TEST(ForMoments, NamesTheFileWhoseEventsGoBackInTime) {
   ASSERT_NE(place, std::string::npos);
   bytes.replace(place, 8, bytes_of(us_of(made.events[19].t) - 1));
   write_whole(file, bytes);
-  RecordingReader reader(file);
+  events::RecordingReader reader(file);
   const std::vector<CameraTime> times{made.at_ms(40)};
   const std::string error =
       test::error_of([&] { for_moments(reader, 0, {}, times, MomentDetail::heatmap, [](const Moment&) {}); });
@@ -130,4 +131,4 @@ TEST(BrightnessMeter, LeavesAFewHotPixelsAside) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

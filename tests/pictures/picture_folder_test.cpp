@@ -12,7 +12,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 namespace fs = std::filesystem;
@@ -107,4 +107,4 @@ TEST(PictureFolder, RefusesAFolderWithAnythingElseInIt) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

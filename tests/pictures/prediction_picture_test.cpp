@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 /// A second of ticks: a press from 200 to 400 ms that is seen, and nothing else.
@@ -92,4 +92,4 @@ TEST(PredictionPicture, TakesAnyWordsAndNeedsATick) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

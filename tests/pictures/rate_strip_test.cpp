@@ -9,7 +9,7 @@
 
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 CameraTime at_ms(std::int64_t ms) { return camera_time(1000 * ms); }
@@ -18,8 +18,8 @@ CameraTime at_ms(std::int64_t ms) { return camera_time(1000 * ms); }
 EventCurve burst(std::size_t events_per_ms) {
   EventCurve curve(at_ms(0), 1ms);
   for (int ms = 100; ms < 200; ++ms) {
-    std::vector<Event> events(events_per_ms);
-    for (Event& event : events) event.t = at_ms(ms);
+    std::vector<events::Event> events(events_per_ms);
+    for (events::Event& event : events) event.t = at_ms(ms);
     curve.add(events);
   }
   return curve;
@@ -71,7 +71,7 @@ TEST_F(RateStripTest, StaysWithinItsPlaceForAnyTimes) {
       sheet.setTo(paper);
       const RateStrip strip(camera_time(begin), camera_time(end), camera_time(zero), place);
       EventCurve curve(camera_time(begin));
-      std::vector<Event> events(1);
+      std::vector<events::Event> events(1);
       events[0].t = camera_time(end);
       curve.add(events);
       strip.draw(sheet, curve, std::vector<TouchInterval>{{Touch::slip, camera_time(begin), camera_time(end)}});
@@ -84,4 +84,4 @@ TEST_F(RateStripTest, StaysWithinItsPlaceForAnyTimes) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

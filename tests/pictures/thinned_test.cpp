@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 TEST(Thinned, KeepsFewPointsAsTheyAre) {
@@ -45,4 +45,4 @@ TEST(Thinned, KeepsAGap) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

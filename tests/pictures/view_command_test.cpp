@@ -26,7 +26,7 @@
 #include "tactile/pictures/drawing.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,7 +65,8 @@ class ViewCommand : public testing::Test {
   /// The run's events in [t - length, t).
   std::int64_t events_before(std::int64_t t_us, microseconds length) const {
     const CameraTime t = camera_time(t_us);
-    return std::count_if(events.begin(), events.end(), [&](const Event& event) { return event.t >= t - length && event.t < t; });
+    return std::count_if(events.begin(), events.end(),
+                         [&](const events::Event& event) { return event.t >= t - length && event.t < t; });
   }
   bool has_leftovers() const {
     const std::vector<std::string> names = names_in(folder.path());
@@ -74,7 +75,7 @@ class ViewCommand : public testing::Test {
 
   test::TemporaryFolder folder;
   test::LabelledRun run;
-  std::vector<Event> events = test::random_events(run);
+  std::vector<events::Event> events = test::random_events(run);
 };
 
 TEST_F(ViewCommand, DrawsRecordingsOfAnySensor) {
@@ -297,4 +298,4 @@ TEST_F(ViewCommand, RefusesInWordsWhatCannotBeShown) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr PlotBox panel{.left = 0, .top = 0, .right = 400, .bottom = 300};
@@ -70,4 +70,4 @@ TEST(WordPlaces, OfNoPlaceAreNeitherFreeNorBeside) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -13,7 +13,7 @@
 #include "windows/dataset_contents.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,9 +96,9 @@ class DatasetAfterPowerCut : public testing::Test {
 TEST_F(DatasetAfterPowerCut, IsCompleteOrAbsent) { cut_windows("", {{}}, 2); }
 
 TEST_F(DatasetAfterPowerCut, IsTheOldOneOrTheNewOne) {
-  write_dataset(lab() / "data", file());
+  windows::write_dataset(lab() / "data", file());
   cut_windows("--seed 2", {dataset_contents(file())}, 2);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -8,7 +8,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ TEST_F(PowerCutOfShell, SomeBlocksOfWritesAfterASyncAreThere) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -19,20 +19,20 @@
 #include "tactile/video/video_times.hpp"
 #include "video/made_film.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::run_tactile;
 
-constexpr SensorSize size{640, 480};
+constexpr events::SensorSize size{640, 480};
 const std::string run_path = "data/fan/01/";
 
 /// The bytes of the packets of a recording, by the position of their ends.
 std::map<std::uint64_t, std::string> stored_packets(const fs::path& file) {
   const std::string bytes = read_text(file);
   std::map<std::uint64_t, std::string> packets;
-  for (const PacketRecord& packet : test::packets_of(file)) {
+  for (const events::PacketRecord& packet : test::packets_of(file)) {
     const std::uint64_t begin = packet.payload_offset - 8, end = packet.payload_offset + packet.payload_size;
     packets[end] = bytes.substr(begin, end - begin);
   }
@@ -58,7 +58,7 @@ class RecordingAfterPowerCut : public testing::Test {
   void SetUp() override {
     fs::create_directories(root());
     {
-      RecordingWriter writer(folder / "long.aedat4", {event_stream_declaration(size, "DVXplorer_DXM00001")});
+      events::RecordingWriter writer(folder / "long.aedat4", {events::event_stream_declaration(size, "DVXplorer_DXM00001")});
       writer.write_events(0, test::steady_events(200'000, 1'000'000, 20, size));
       writer.close();
     }
@@ -133,11 +133,11 @@ class RecordingAfterPowerCut : public testing::Test {
   void expect_robot_and_video_kept(const fs::path& place, Files& synced) {
     const fs::path repaired_run = place / "data/fan/02";
     if (const std::size_t rows = rows_in(synced["robot.csv"]); rows > 2) {
-      EXPECT_GE(read_robot_log(repaired_run / "robot.csv").longest().states.size() + 1, rows);
+      EXPECT_GE(robot::read_robot_log(repaired_run / "robot.csv").longest().states.size() + 1, rows);
       ++with_rows;
     }
     if (const std::size_t rows = rows_in(synced["video.csv"]); rows > 2) {
-      EXPECT_GE(read_video_times(repaired_run / "video.csv").size() + 1, rows);
+      EXPECT_GE(video::read_video_times(repaired_run / "video.csv").size() + 1, rows);
       test::write_image({{"synced.mp4", synced["video.mp4"]}}, place);
       const std::vector<VideoTime> expected = times_of_frames(place / "synced.mp4"),
                                    found = times_of_frames(repaired_run / "video.mp4");
@@ -208,4 +208,4 @@ TEST_F(RecordingAfterPowerCut, HasEverythingThatWasSynced) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -13,7 +13,7 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
   const test::TemporaryFolder folder;
   const fs::path lab = folder / "lab";
   test::make_runs(lab / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(lab / "data", lab / "data/dataset.h5", {}, 1);
+  windows::write_dataset(lab / "data", lab / "data/dataset.h5", {}, 1);
   ASSERT_EQ(run_tactile("heatmaps --th 40", lab).exit_code, 0);
   const auto journal = test::journal_of(test::tactile_command(arguments), lab);
   REQUIRE_JOURNAL(journal);
@@ -94,4 +94,4 @@ TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::cli

@@ -8,7 +8,7 @@
 #include "report/plot_rows.hpp"
 #include "support/drawn_plot.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 using test::contains;
@@ -22,7 +22,7 @@ TEST(ConfusionPlot, TellsCountsAndSharesOfTheRow) {
 }
 
 TEST(ReliabilityPlot, HoldsAccuracyByCertaintyAndLeavesEmptyBinsOut) {
-  const Plot plot = reliability_plot(
+  const pictures::Plot plot = reliability_plot(
       "Reliability", {{.from = 0.4, .to = 0.5, .samples = 0, .confidence = NAN, .accuracy = {}},
                       {.from = 0.9, .to = 1, .samples = 500, .confidence = 0.97, .accuracy = {0.95, 0.93, 0.97, 10}}});
   EXPECT_TRUE(has_row(plot, {97, 95, 93, 97}));
@@ -32,7 +32,7 @@ TEST(ReliabilityPlot, HoldsAccuracyByCertaintyAndLeavesEmptyBinsOut) {
 }
 
 TEST(ReliabilityPlot, DrawsWhatStandsOnFewSamplesHollow) {
-  const Plot plot = reliability_plot(
+  const pictures::Plot plot = reliability_plot(
       "Reliability", {{.from = 0.4, .to = 0.5, .samples = few_samples - 1, .confidence = 0.45, .accuracy = {.value = 1}},
                       {.from = 0.9, .to = 1, .samples = few_samples, .confidence = 0.97, .accuracy = {0.95, 0.93, 0.97, 10}}});
   ASSERT_GE(plot.tables.size(), 2U);
@@ -55,7 +55,7 @@ TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
                       .epochs = {{.epoch = 1, .loss = 0.5, .accuracy = 0.8, .validation_accuracy = NAN},
                                  {.epoch = 2, .loss = 0.1, .accuracy = 0.97, .validation_accuracy = 0.9}}});
   }
-  const Plot plot = training_plot("Training", curves);
+  const pictures::Plot plot = training_plot("Training", curves);
   EXPECT_TRUE(has_row(plot, {2, 0.1, 97, 90}));
   const std::string svg = drawn(plot);
   EXPECT_TRUE(contains(svg, "model-7"));
@@ -67,4 +67,4 @@ TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -6,7 +6,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 TEST(CsvReader, GivesFieldsByColumnAndSkipsEmptyLines) {
@@ -40,4 +40,4 @@ TEST(CsvReader, OfAnEmptyFileHasNeitherColumnsNorRows) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

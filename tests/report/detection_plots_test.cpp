@@ -8,7 +8,7 @@
 #include "support/drawn_plot.hpp"
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 using test::contains;
@@ -16,8 +16,8 @@ using test::drawn;
 using test::has_row;
 
 /// Of ten intervals so many are missed.
-OperatingPoint operating_point(double threshold, double alarms, double press_ms, std::uint64_t press_misses, double slip_ms,
-                               std::uint64_t slip_misses) {
+results::OperatingPoint operating_point(double threshold, double alarms, double press_ms, std::uint64_t press_misses,
+                                        double slip_ms, std::uint64_t slip_misses) {
   return {.threshold = threshold,
           .press = {.mean_ms = {.value = press_ms}, .intervals = 10, .misses = press_misses},
           .slip = {.mean_ms = {.value = slip_ms}, .intervals = 10, .misses = slip_misses},
@@ -25,7 +25,7 @@ OperatingPoint operating_point(double threshold, double alarms, double press_ms,
 }
 
 TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
-  const Plot plot =
+  const pictures::Plot plot =
       operating_curve_plot("Operating curve", {operating_point(0.5, 6, 2, 0, 3, 1), operating_point(0.9, 1, 8, 2, 12, 4)});
   EXPECT_TRUE(has_row(plot, {std::log10(6), 2, 3}));
   EXPECT_TRUE(has_row(plot, {0, 20, 40}));
@@ -37,11 +37,11 @@ TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
 }
 
 TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoints) {
-  const OperatingPoint own = operating_point(NAN, 100, 4, 1, 5, 2);
-  std::vector<OperatingPoint> points;
+  const results::OperatingPoint own = operating_point(NAN, 100, 4, 1, 5, 2);
+  std::vector<results::OperatingPoint> points;
   for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})
     points.push_back(operating_point(threshold, 10, 2 + threshold, 0, 3 + threshold, 0));
-  const Plot plot = operating_curve_plot("Crowded", points, own);
+  const pictures::Plot plot = operating_curve_plot("Crowded", points, own);
   EXPECT_TRUE(has_row(plot, {2, 4, 5}));
   EXPECT_TRUE(has_row(plot, {2, 10, 20}));
   const std::string svg = drawn(plot);
@@ -49,24 +49,24 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoin
   EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are told, not all";
   EXPECT_TRUE(contains(svg, ">0.5<"));
   // A label stands beside its point, in the colour of its curve.
-  EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(figure_colours::slip) + "'"), std::string::npos);
+  EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(pictures::figure_colours::slip) + "'"), std::string::npos);
   EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "no threshold"));
 }
 
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
-  const AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
-                               .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};
-  const Plot plot = over_time_plot("Over time", press, {});
+  const results::AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
+                                        .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};
+  const pictures::Plot plot = over_time_plot("Over time", press, {});
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
   const std::string svg = drawn(plot);
   for (const char* words : {"since the onset", "before the end", "Whiskers: 95 % intervals."})
     EXPECT_TRUE(contains(svg, words)) << words;
-  const AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
+  const results::AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
   EXPECT_TRUE(contains(drawn(over_time_plot("Of one run", press, of_one_run)),
                        "Whiskers: 95 % intervals, where there are 3 runs or objects."));
   EXPECT_FALSE(contains(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 std::size_t count_of(const std::string& text, const std::string& what) {
@@ -56,4 +56,4 @@ TEST(HtmlPage, NeedsNothingBesideItAndEscapesWhateverItIsGiven) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -8,7 +8,7 @@
 #include "support/drawn_plot.hpp"
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 using test::contains;
@@ -32,7 +32,7 @@ TEST(BestHistory, IsTheFirstGreatestOfThoseMeasured) {
 }
 
 TEST(AccuracyByHistoryPlot, HoldsEachObjectInPercentWithItsIntervalAndItsBest) {
-  const Plot plot =
+  const pictures::Plot plot =
       accuracy_by_history_plot("By history", {curve("fan", {{2, 0.8}, {40, 0.96}}), curve("usb-hub", {{2, 0.85}, {40, 0.84}})});
   EXPECT_TRUE(has_row(plot, {2, 80, 79, 81}));
   EXPECT_TRUE(has_row(plot, {40, 84, 83, 85}));
@@ -53,7 +53,7 @@ TEST(AccuracyByHistoryPlot, BearsWhatIsMissingManyObjectsAndLongNames) {
 }
 
 TEST(DelayPlot, HoldsBarsWhiskersAndWhatWasMissed) {
-  const Plot plot = delay_plot(
+  const pictures::Plot plot = delay_plot(
       "Delays", {"fan", "usb-hub"}, {{"fan", {.mean_ms = {.value = 4}, .sem_ms = 0.5, .intervals = 9, .misses = 1, .early = 2}}},
       {{"fan", {.mean_ms = {.value = 2}, .sem_ms = 0, .intervals = 9}}, {"usb-hub", {.intervals = 3, .misses = 3}}});
   EXPECT_TRUE(has_row(plot, {2, 1, 0, 4, 0.68, 1.32}));  // the fan, on top: its bar from 0 to 4
@@ -66,15 +66,15 @@ TEST(DelayPlot, HoldsBarsWhiskersAndWhatWasMissed) {
 }
 
 TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
-  const Plot plot = unseen_plot("Unseen", {{"fan", {{0.97, 0.96, 0.98, 9}, {0.90, 0.85, 0.94, 9}, {}}},
-                                           {"sprayer", {{.value = 0.99}, {.value = 0.5}, {}}}});
+  const pictures::Plot plot = unseen_plot("Unseen", {{"fan", {{0.97, 0.96, 0.98, 9}, {0.90, 0.85, 0.94, 9}, {}}},
+                                                     {"sprayer", {{.value = 0.99}, {.value = 0.5}, {}}}});
   EXPECT_TRUE(has_row(plot, {97, 1.14, 96, 98}));
   EXPECT_TRUE(has_row(plot, {90, 0.86, 85, 94}));
   EXPECT_TRUE(has_row(plot, {99, 0.14, 99, 99}));  // without an interval: a point
   const std::string svg = drawn(plot);
   EXPECT_TRUE(contains(svg, "sprayer"));
   EXPECT_TRUE(contains(svg, "Whiskers: 95 % intervals, where there are 3 runs or objects."));
-  const Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
+  const results::Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
   EXPECT_TRUE(contains(drawn(unseen_plot("All", {{"fan", {bounded, bounded, {}}}})), "Whiskers: 95 % intervals."));
   const std::string without = drawn(unseen_plot("None", {{"fan", {single, single, {}}}}));
   EXPECT_TRUE(contains(without, "No intervals: they need 3 runs or objects."));
@@ -100,11 +100,11 @@ TEST(FigureText, OfAnyNameIsShownAsItIsAndShortened) {
   const std::string svg = drawn(unseen_plot(hostile, {{hostile, {{.value = 0.9}, {.value = 0.8}, {}}}}));
   EXPECT_TRUE(contains(svg, "&lt;b>")) << svg;
   EXPECT_FALSE(contains(svg, "<b>"));
-  EXPECT_EQ(shortened("water-bottle", 20), "water-bottle");
-  EXPECT_EQ(shortened("water-bottle", 7), "wat…tle");
-  EXPECT_EQ(shortened("µµµµµµ", 3), "µ…µ");
-  EXPECT_EQ(shortened("abc", 1), "…");
+  EXPECT_EQ(pictures::shortened("water-bottle", 20), "water-bottle");
+  EXPECT_EQ(pictures::shortened("water-bottle", 7), "wat…tle");
+  EXPECT_EQ(pictures::shortened("µµµµµµ", 3), "µ…µ");
+  EXPECT_EQ(pictures::shortened("abc", 1), "…");
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -10,8 +10,8 @@
 namespace tactile::test {
 
 /// Whether a table of the figure has this row.
-inline bool has_row(const Plot& plot, const std::vector<double>& row) {
-  return std::any_of(plot.tables.begin(), plot.tables.end(), [&](const PlotTable& table) {
+inline bool has_row(const pictures::Plot& plot, const std::vector<double>& row) {
+  return std::any_of(plot.tables.begin(), plot.tables.end(), [&](const pictures::PlotTable& table) {
     if (table.columns != row.size()) return false;
     for (std::size_t begin = 0; begin < table.values.size(); begin += table.columns) {
       bool same = true;

@@ -7,7 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 using test::contains;
@@ -24,7 +24,7 @@ const std::string prediction =
 TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
   const TemporaryFolder folder;
   write_whole(folder / "run.csv", prediction);
-  const PredictionPicture picture = read_prediction(folder / "run.csv", 40);
+  const pictures::PredictionPicture picture = read_prediction(folder / "run.csv", 40);
   ASSERT_EQ(picture.ticks.size(), 4U);
   EXPECT_EQ(picture.ticks[1].verdict, Touch::press);
   EXPECT_EQ(picture.ticks[1].events_per_ms, 10);
@@ -51,4 +51,4 @@ TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -13,7 +13,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -340,4 +340,4 @@ TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

@@ -14,7 +14,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 using test::drawn;
@@ -25,7 +25,7 @@ bool tells(const std::string& text, const std::string& words) { return text.find
 using Row = std::vector<double>;
 
 /// A table row by row.
-std::vector<Row> rows_of(const PlotTable& table) {
+std::vector<Row> rows_of(const pictures::PlotTable& table) {
   std::vector<Row> rows;
   for (auto at = table.values.begin(); at != table.values.end(); at += static_cast<std::ptrdiff_t>(table.columns))
     rows.emplace_back(at, at + static_cast<std::ptrdiff_t>(table.columns));
@@ -36,8 +36,8 @@ bool is_row(const Row& a, const Row& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return std::abs(x - y) < 1e-9; });
 }
 
-bool has_row(const Plot& plot, const Row& row) {
-  return std::any_of(plot.tables.begin(), plot.tables.end(), [&row](const PlotTable& table) {
+bool has_row(const pictures::Plot& plot, const Row& row) {
+  return std::any_of(plot.tables.begin(), plot.tables.end(), [&row](const pictures::PlotTable& table) {
     const std::vector<Row> rows = rows_of(table);
     return std::any_of(rows.begin(), rows.end(), [&row](const Row& other) { return is_row(other, row); });
   });
@@ -60,7 +60,7 @@ struct XAxis {
   }
 };
 
-std::vector<XAxis> x_axes(const Plot& plot) {
+std::vector<XAxis> x_axes(const pictures::Plot& plot) {
   static const std::regex margin("set ([lr])margin at screen ([0-9.]+)"),
       range(R"(set xrange \[(-?[0-9.e+-]+):(-?[0-9.e+-]+)\])"), tics(R"(set xtics (.*)\((.*)\))"),
       tic("'([^']*)' (-?[0-9.e+-]+)");
@@ -107,7 +107,7 @@ struct Words {
   double x = 0, y = 0;  ///< [px] from the top left corner
 };
 
-std::vector<Words> words_in(const Plot& plot) {
+std::vector<Words> words_in(const pictures::Plot& plot) {
   static const std::regex label("set label '([^']*)' at screen ([0-9.-]+), screen ([0-9.-]+) .*");
   std::vector<Words> words;
   std::istringstream lines(plot.script);
@@ -143,7 +143,7 @@ ReportedTrade trade_of(std::vector<ReportedSetting> settings) {
 }
 
 TEST(TradeAccuracyPlot, HoldsPercentAgainstTheLogarithmOfTheTime) {
-  const Plot plot =
+  const pictures::Plot plot =
       trade_accuracy_plot(trade_of({beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("t_h 2 ms", 1000, 0.95, 30, 5000)}));
   EXPECT_TRUE(has_row(plot, {2, 90}));
   EXPECT_TRUE(has_row(plot, {3, 95, 94, 96}));
@@ -173,7 +173,7 @@ TEST(TradeAccuracyPlot, LabelsItsTimesThroughoutHoweverFarTheyReach) {
 }
 
 TEST(TradeDelayPlot, IsLinearNearNoAlarmsAndLogarithmicBeyond) {
-  const Plot plot = trade_delay_plot(trade_of(
+  const pictures::Plot plot = trade_delay_plot(trade_of(
       {setting("none", 100, 0.9, 0, 9000), setting("few", 100, 0.9, 1, 7000), beaten(setting("many", 100, 0.9, 3999, 5000))}));
   EXPECT_TRUE(has_row(plot, {0, 9, 8, 11}));
   EXPECT_TRUE(has_row(plot, {std::log10(2), 7, 6, 9}));
@@ -195,7 +195,8 @@ TEST(TradeDelayPlot, IsLabelledWhateverTheAlarms) {
   for (const auto& [least, most] : {std::pair(0.0, 0.0), std::pair(0.2, 0.4), std::pair(9.0, 9.0), std::pair(60.0, 110.0),
                                     std::pair(500.0, 4000.0), std::pair(0.0, 1e6), std::pair(2000.0, 2000.0)}) {
     SCOPED_TRACE(fmt::format("{:g} to {:g} a minute", least, most));
-    const Plot plot = trade_delay_plot(trade_of({setting("a", 100, 0.8, least, 1000), setting("b", 100, 0.9, most, 2000)}));
+    const pictures::Plot plot =
+        trade_delay_plot(trade_of({setting("a", 100, 0.8, least, 1000), setting("b", 100, 0.9, most, 2000)}));
     const XAxis axis = x_axes(plot).at(0);
     EXPECT_LT(axis.begin, std::log10(least + 1));
     EXPECT_GT(axis.end, std::log10(most + 1));
@@ -212,7 +213,7 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
   long_one.missed.value = 0.125;
   const ReportedTrade trade =
       trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000))});
-  for (const Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
+  for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
     const std::vector<Words> words = words_in(plot);
     for (const std::string& knob : knobs) {
       EXPECT_TRUE(std::any_of(words.begin(), words.end(), [&knob](const Words& line) {
@@ -233,7 +234,8 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
 }
 
 TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
-  const Plot plot = trade_accuracy_plot(trade_of({setting("slow", 300, 0.95, 3, 9000), setting("fast", 30, 0.9, 3, 9000)}));
+  const pictures::Plot plot =
+      trade_accuracy_plot(trade_of({setting("slow", 300, 0.95, 3, 9000), setting("fast", 30, 0.9, 3, 9000)}));
   const std::vector<Words> words = words_in(plot);
   const auto line = [&words](const std::string& text) {
     return std::find_if(words.begin(), words.end(), [&text](const Words& one) { return one.text == text; });
@@ -256,7 +258,7 @@ TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
   ReportedTrade trade = trade_of(
       {beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000), setting("sure", 1000, 0.95, 1, 9000)});
   for (const bool has_intervals : {true, false}) {
-    for (const Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
+    for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
       EXPECT_FALSE(tells(plot.script, "with lines"));
       std::smatch drawing;
       // Tables of the others, of the front and of the usual setting, each with a mark of its own.
@@ -264,7 +266,7 @@ TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
                                     std::regex(R"(plot \$(t\d+) .*? pt 6 .*?, \$(t\d+) .*? pt 7 .*?, \$(t\d+) .*? pt 12 )")));
       const auto rows = [&](std::size_t group) {
         const auto table = std::find_if(plot.tables.begin(), plot.tables.end(),
-                                        [&](const PlotTable& one) { return one.name == drawing[group].str(); });
+                                        [&](const pictures::PlotTable& one) { return one.name == drawing[group].str(); });
         return table == plot.tables.end() ? std::vector<Row>() : rows_of(*table);
       };
       EXPECT_EQ(rows(1).size(), 1U);
@@ -277,7 +279,7 @@ TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
     for (ReportedSetting& one : trade.settings) {
-      for (Figure* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = std::nullopt;
+      for (results::Figure* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = std::nullopt;
     }
   }
 }
@@ -289,7 +291,7 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
   for (int i = 1; i < 30; ++i)
     settings.push_back(setting(fmt::format("factor {}", i), 100 + 30 * some(random), 0.9 + 0.05 * some(random), 3, 9000));
   settings.push_back(beaten(setting("far", 900, 0.5, 3, 9000)));
-  const Plot plot = trade_accuracy_plot(trade_of(settings));
+  const pictures::Plot plot = trade_accuracy_plot(trade_of(settings));
   drawn(plot);
   std::vector<Words> numbers;
   const std::vector<Words> words = words_in(plot);
@@ -311,7 +313,7 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
 }
 
 TEST(TradePlots, NumberThoseOnNoFrontTooAndOnceWhereTheyMeet) {
-  const Plot plot =
+  const pictures::Plot plot =
       trade_accuracy_plot(trade_of({beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000),
                                     beaten(setting("dense", 500, 0.85, 3, 9000)), beaten(setting("gate", 300, 0.7, 3, 9000)),
                                     beaten(setting("confirm 2/3", 500.1, 0.85, 3, 9000))}));
@@ -335,7 +337,7 @@ TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
   for (int i = 0; i < 100; ++i)
     settings.push_back(beaten(setting(fmt::format("int8, factor {}", i), 120 + 5 * i, 0.5 + 0.003 * i, 3, 9000)));
   settings.push_back(beaten(setting("dense", 700, 0.6, 3, 9000)));
-  const Plot plot = trade_accuracy_plot(trade_of(settings));
+  const pictures::Plot plot = trade_accuracy_plot(trade_of(settings));
   std::string all;
   for (const Words& line : words_in(plot)) all += line.text + '\n';
   EXPECT_TRUE(tells(all, "Without a number: 59 more."));
@@ -355,7 +357,7 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
     EXPECT_TRUE(tells(drawn(make(trade_of({unknown}))), "Not shown, without a value: 1."));
     for (const Settings& settings :
          {Settings{usual}, Settings{beaten(usual)}, Settings{usual, usual}, Settings{usual, setting("best", 1, 1.0, 0, 0)}}) {
-      const Plot plot = make(trade_of(settings));
+      const pictures::Plot plot = make(trade_of(settings));
       const std::string svg = drawn(plot);
       EXPECT_TRUE(tells(svg, "the usual one is in a diamond"));
       EXPECT_TRUE(tells(svg, ">usual<") || settings.size() > 1) << "in a crowd there may be no room for it";
@@ -368,7 +370,7 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
   EXPECT_TRUE(tells(trade_delay_plot(trade_of({usual, silent})).script, "Not shown, without a value: 1."));
 }
 
-GrowthPoint growth(double events_per_s, microseconds history, int width, int height) {
+results::GrowthPoint growth(double events_per_s, microseconds history, int width, int height) {
   return {.events_per_s = events_per_s,
           .history = history,
           .sensor = {width, height},
@@ -386,7 +388,7 @@ ReportedTrade grown() {
 }
 
 TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
-  const Plot plot = trade_growth_plot(grown());
+  const pictures::Plot plot = trade_growth_plot(grown());
   const std::vector<XAxis> axes = x_axes(plot);
   ASSERT_EQ(axes.size(), 3U);
   const std::vector<std::vector<std::string>> labels{{"0", "10k", "100k", "300k", "1M", "3M", "10M", "20M"},
@@ -415,7 +417,7 @@ TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
 }
 
 TEST(TradeGrowthPlot, LeadsNoLineFromNoEventsToSome) {
-  const Plot plot = trade_growth_plot(grown());
+  const pictures::Plot plot = trade_growth_plot(grown());
   const std::vector<Row> rows = rows_of(plot.tables.at(0));
   ASSERT_EQ(rows.size(), 9U) << "eight rates and a gap";
   EXPECT_LT(rows[0][0], 4) << "left of 10'000";
@@ -433,7 +435,7 @@ TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
   trade.growth.by_history[0].dense.p50_us = 0;
   trade.growth.by_resolution.resize(2);
   trade.growth.by_resolution[1].sensor.width = 0;
-  const Plot plot = trade_growth_plot(trade);
+  const pictures::Plot plot = trade_growth_plot(trade);
   drawn(plot);
   const std::vector<XAxis> axes = x_axes(plot);
   ASSERT_EQ(axes.size(), 3U);
@@ -445,4 +447,4 @@ TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::report

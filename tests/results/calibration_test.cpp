@@ -6,7 +6,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(Calibration, ComesBackAsItWasWritten) {
@@ -34,4 +34,4 @@ TEST(Calibration, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

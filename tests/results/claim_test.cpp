@@ -6,7 +6,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 Claim claim_in(const nlohmann::json& json) { return JsonView(json, "study.json").get<Claim>(); }
@@ -62,4 +62,4 @@ TEST(Claim, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(ClassScores, AreReadBackAsTheyAreWritten) {
@@ -21,4 +21,4 @@ TEST(ClassScores, AreReadBackAsTheyAreWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

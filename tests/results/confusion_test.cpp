@@ -4,7 +4,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 Confusion confusion_in(const std::string& text) {
@@ -28,4 +28,4 @@ TEST(Confusion, IsRefusedWhereItIsNoTableOfCounts) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -6,7 +6,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 CostGrowth growth_in(const nlohmann::json& json) { return JsonView(json, "trade.json").get<CostGrowth>(); }
@@ -26,7 +26,7 @@ TEST(CostGrowth, ComesBackAsItWasWritten) {
   const CostGrowth read = growth_in(json);
   ASSERT_EQ(read.by_rate.size(), 1U);
   EXPECT_EQ(read.by_rate[0].history, 2500us);
-  EXPECT_EQ(read.by_rate[0].sensor, (SensorSize{640, 480}));
+  EXPECT_EQ(read.by_rate[0].sensor, (events::SensorSize{640, 480}));
   EXPECT_EQ(read.by_rate[0].dense.p99_us, 8);
   EXPECT_EQ(read.by_resolution.size(), 2U);
   EXPECT_EQ(nlohmann::json(read), json);
@@ -35,7 +35,7 @@ TEST(CostGrowth, ComesBackAsItWasWritten) {
 TEST(CostGrowth, MayLackWhatWasNotMeasured) {
   EXPECT_TRUE(growth_in(nullptr).by_rate.empty());
   const GrowthPoint point = growth_in({{"rate", {{{"events_per_s", 1}}}}}).by_rate.at(0);
-  EXPECT_EQ(point.sensor, SensorSize{});
+  EXPECT_EQ(point.sensor, events::SensorSize{});
   EXPECT_TRUE(std::isnan(point.sparse.p50_us));
 }
 
@@ -47,4 +47,4 @@ TEST(CostGrowth, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -6,7 +6,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 DelayTable table_in(const nlohmann::json& json) { return JsonView(json, "eval.json", MissingMember::is_error).get<DelayTable>(); }
@@ -40,4 +40,4 @@ TEST(DelaySummary, SharesWhatIsMissedOrEarly) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(FalseAlarmTable, IsReadBackAsItIsWritten) {
@@ -25,4 +25,4 @@ TEST(FalseAlarmTable, IsReadBackAsItIsWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -6,7 +6,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 Figure read(const nlohmann::json& json, MissingMember missing = MissingMember::is_null) {
@@ -48,4 +48,4 @@ TEST(Figure, IsScaledWithItsInterval) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

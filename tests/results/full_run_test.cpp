@@ -4,7 +4,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 FullRun run_in(const nlohmann::json& json) { return JsonView(json, "said.json", MissingMember::is_error).get<FullRun>(); }
@@ -36,4 +36,4 @@ TEST(FullRun, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

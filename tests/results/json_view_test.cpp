@@ -7,7 +7,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(JsonView, GivesWhatIsThereAndNamesWhatIsOfAnotherType) {
@@ -38,4 +38,4 @@ TEST(JsonView, RefusesToLackAMemberWhereTheFileMustBeWhole) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

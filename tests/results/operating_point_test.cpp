@@ -4,7 +4,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(OperatingPoint, ComesBackAsItWasWritten) {
@@ -27,4 +27,4 @@ TEST(OperatingPoint, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

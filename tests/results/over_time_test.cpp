@@ -4,7 +4,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 TEST(AccuracyOverTime, ComesBackAsItWasWritten) {
@@ -31,4 +31,4 @@ TEST(AccuracyOverTime, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

@@ -4,7 +4,7 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 UnseenComparison comparison_in(const nlohmann::json& json) { return JsonView(json, "eval-unseen.json").get<UnseenComparison>(); }
@@ -41,4 +41,4 @@ TEST(UnseenComparison, IsRefusedByFileAndMember) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::results

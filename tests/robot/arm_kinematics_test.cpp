@@ -7,7 +7,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr double quarter = std::numbers::pi / 2;
@@ -67,4 +67,4 @@ TEST(ArmModel, IsFoundByItsName) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -50,11 +50,11 @@ double travelled(double since_start_s) {
          lift_acceleration * falling * falling / 2;
 }
 
-const std::map<std::string, RtdeFieldType>& plain_outputs() {
-  using enum RtdeFieldType;
-  static const std::map<std::string, RtdeFieldType> outputs = [] {
-    std::map<std::string, RtdeFieldType> types;
-    const auto all = [&](RtdeFieldType type, std::initializer_list<const char*> names) {
+const std::map<std::string, robot::RtdeFieldType>& plain_outputs() {
+  using enum robot::RtdeFieldType;
+  static const std::map<std::string, robot::RtdeFieldType> outputs = [] {
+    std::map<std::string, robot::RtdeFieldType> types;
+    const auto all = [&](robot::RtdeFieldType type, std::initializer_list<const char*> names) {
       for (const char* name : names) types[name] = type;
     };
     all(real, {"timestamp",
@@ -107,24 +107,26 @@ std::byte byte_of(int value) { return static_cast<std::byte>(value); }
 
 }  // namespace
 
-std::optional<RtdeFieldType> fake_output_type(const std::string& name) {
+std::optional<robot::RtdeFieldType> fake_output_type(const std::string& name) {
   if (const auto found = plain_outputs().find(name); found != plain_outputs().end()) return found->second;
-  if (register_in(name, "output_bit_register_", 64, 64)) return RtdeFieldType::boolean;
-  if (register_in(name, "output_int_register_", 0, 48)) return RtdeFieldType::int32;
-  if (register_in(name, "output_double_register_", 0, 48)) return RtdeFieldType::real;
+  if (register_in(name, "output_bit_register_", 64, 64)) return robot::RtdeFieldType::boolean;
+  if (register_in(name, "output_int_register_", 0, 48)) return robot::RtdeFieldType::int32;
+  if (register_in(name, "output_double_register_", 0, 48)) return robot::RtdeFieldType::real;
   return std::nullopt;
 }
 
-std::vector<RtdeNumber> fake_output_at(const RtdeField& field, double script_s) {
+std::vector<robot::RtdeNumber> fake_output_at(const robot::RtdeField& field, double script_s) {
   const double t = std::fmod(script_s, script_period_s);
   const double speed = trapezoid(t - lift_s) - trapezoid(t - lower_s);
   const double height = 0.25 + travelled(t - lift_s) - travelled(t - lower_s);
   const bool pressed = t >= press_s && t < release_s;
   const bool lifting = t >= lift_s && t < lift_s + lift_length_s;
   const std::int64_t phase = !pressed ? 0 : lifting ? 2 : t >= lower_s ? 3 : 1;
-  const auto whole = [&](std::uint64_t value) { return std::vector<RtdeNumber>{value}; };
-  const auto number = [&](std::int64_t value) { return std::vector<RtdeNumber>{value}; };
-  const auto vector = [&](std::initializer_list<double> values) { return std::vector<RtdeNumber>(values.begin(), values.end()); };
+  const auto whole = [&](std::uint64_t value) { return std::vector<robot::RtdeNumber>{value}; };
+  const auto number = [&](std::int64_t value) { return std::vector<robot::RtdeNumber>{value}; };
+  const auto vector = [&](std::initializer_list<double> values) {
+    return std::vector<robot::RtdeNumber>(values.begin(), values.end());
+  };
 
   if (field.name == "actual_TCP_pose" || field.name == "target_TCP_pose") return vector({-0.5, 0.2, height, 2.2, -2.2, 0.01});
   if (field.name == "actual_TCP_speed" || field.name == "target_TCP_speed") return vector({1e-5, -2e-5, speed, 0, 0, 0});
@@ -142,17 +144,17 @@ std::vector<RtdeNumber> fake_output_at(const RtdeField& field, double script_s) 
   if (field.name == "safety_mode" || field.name == "safety_status") return number(1);
   if (field.name == "speed_scaling" || field.name == "target_speed_fraction") return vector({1.0});
 
-  const std::size_t count = numbers_in(field.type);
-  std::vector<RtdeNumber> numbers;
+  const std::size_t count = robot::numbers_in(field.type);
+  std::vector<robot::RtdeNumber> numbers;
   for (std::size_t i = 0; i < count; ++i) {
     switch (field.type) {
-      case RtdeFieldType::real:
-      case RtdeFieldType::vector3:
-      case RtdeFieldType::vector6:
+      case robot::RtdeFieldType::real:
+      case robot::RtdeFieldType::vector3:
+      case robot::RtdeFieldType::vector6:
         numbers.emplace_back(0.1 * static_cast<double>(i) + height);
         break;
-      case RtdeFieldType::int32:
-      case RtdeFieldType::vector6_int32:
+      case robot::RtdeFieldType::int32:
+      case robot::RtdeFieldType::vector6_int32:
         numbers.emplace_back(std::int64_t{253});
         break;
       default:
@@ -164,8 +166,9 @@ std::vector<RtdeNumber> fake_output_at(const RtdeField& field, double script_s) 
 
 namespace {
 
-RtdeSetupReply types_for(const RtdeOutputsRequest& request, const std::vector<std::string>& not_found, RtdeRecipe& recipe) {
-  RtdeSetupReply reply{.recipe_id = 1, .types = {}};
+robot::RtdeSetupReply types_for(const robot::RtdeOutputsRequest& request, const std::vector<std::string>& not_found,
+                                robot::RtdeRecipe& recipe) {
+  robot::RtdeSetupReply reply{.recipe_id = 1, .types = {}};
   recipe = {.id = 1, .fields = {}};
   for (const std::string& name : request.names) {
     const auto type =
@@ -180,10 +183,10 @@ RtdeSetupReply types_for(const RtdeOutputsRequest& request, const std::vector<st
   return reply;
 }
 
-std::vector<RtdeNumber> numbers_for(const RtdeRecipe& recipe, double timestamp, double script_s) {
-  std::vector<RtdeNumber> numbers;
-  for (const RtdeField& field : recipe.fields) {
-    const auto values = field.name == "timestamp" ? std::vector<RtdeNumber>{timestamp} : fake_output_at(field, script_s);
+std::vector<robot::RtdeNumber> numbers_for(const robot::RtdeRecipe& recipe, double timestamp, double script_s) {
+  std::vector<robot::RtdeNumber> numbers;
+  for (const robot::RtdeField& field : recipe.fields) {
+    const auto values = field.name == "timestamp" ? std::vector<robot::RtdeNumber>{timestamp} : fake_output_at(field, script_s);
     numbers.insert(numbers.end(), values.begin(), values.end());
   }
   return numbers;
@@ -194,20 +197,20 @@ std::vector<RtdeNumber> numbers_for(const RtdeRecipe& recipe, double timestamp, 
 std::vector<std::byte> fake_session(std::size_t packages) {
   std::vector<std::byte> bytes;
   const auto add = [&](const std::vector<std::byte>& package) { bytes.insert(bytes.end(), package.begin(), package.end()); };
-  const RtdeOutputsRequest request{
+  const robot::RtdeOutputsRequest request{
       500,
       {"timestamp", "actual_TCP_pose", "actual_TCP_speed", "actual_digital_output_bits", "joint_mode", "robot_mode",
        "runtime_state", "actual_tool_accelerometer", "output_bit_register_64"}};
-  RtdeRecipe recipe;
-  const RtdeSetupReply reply = types_for(request, {}, recipe);
-  add(rtde_accepted_reply(RtdePackageType::protocol_version, true));
-  add(rtde_controller_version_reply({5, 11, 6, 1'071'234}));
-  add(rtde_setup_reply(RtdePackageType::setup_outputs, reply));
-  add(rtde_text_message({"a program runs", "RTDE", 3}));
-  add(rtde_accepted_reply(RtdePackageType::start, true));
+  robot::RtdeRecipe recipe;
+  const robot::RtdeSetupReply reply = types_for(request, {}, recipe);
+  add(robot::rtde_accepted_reply(robot::RtdePackageType::protocol_version, true));
+  add(robot::rtde_controller_version_reply({5, 11, 6, 1'071'234}));
+  add(robot::rtde_setup_reply(robot::RtdePackageType::setup_outputs, reply));
+  add(robot::rtde_text_message({"a program runs", "RTDE", 3}));
+  add(robot::rtde_accepted_reply(robot::RtdePackageType::start, true));
   for (std::size_t i = 0; i < packages; ++i) {
     const double script_s = static_cast<double>(i) * 0.002;
-    add(rtde_data_package(recipe, numbers_for(recipe, 83'456.789 + script_s, script_s)));
+    add(robot::rtde_data_package(recipe, numbers_for(recipe, 83'456.789 + script_s, script_s)));
   }
   return bytes;
 }
@@ -287,7 +290,7 @@ class Client : public std::enable_shared_from_this<Client> {
     close_when_written_ = true;
   }
 
-  const RtdeRecipe& recipe() const { return recipe_; }
+  const robot::RtdeRecipe& recipe() const { return recipe_; }
 
  private:
   void read() {
@@ -307,64 +310,66 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   void chat() {
-    if (shared_.options.text_every > 0) send(rtde_text_message({"please stand by", "RTDE", 2}));
+    if (shared_.options.text_every > 0) send(robot::rtde_text_message({"please stand by", "RTDE", 2}));
   }
 
-  void answer(const RtdePackage& package) {
+  void answer(const robot::RtdePackage& package) {
     chat();
     switch (package.type) {
-      case RtdePackageType::protocol_version:
-        send(rtde_accepted_reply(package.type, shared_.options.speaks_version_2 && protocol_version_in(package.payload) == 2));
+      case robot::RtdePackageType::protocol_version:
+        send(robot::rtde_accepted_reply(package.type,
+                                        shared_.options.speaks_version_2 && robot::protocol_version_in(package.payload) == 2));
         break;
-      case RtdePackageType::controller_version:
-        send(rtde_controller_version_reply(shared_.options.version));
+      case robot::RtdePackageType::controller_version:
+        send(robot::rtde_controller_version_reply(shared_.options.version));
         break;
-      case RtdePackageType::setup_outputs: {
-        const RtdeOutputsRequest request = outputs_request_in(package.payload);
-        RtdeSetupReply reply = types_for(request, shared_.options.not_found, recipe_);
+      case robot::RtdePackageType::setup_outputs: {
+        const robot::RtdeOutputsRequest request = robot::outputs_request_in(package.payload);
+        robot::RtdeSetupReply reply = types_for(request, shared_.options.not_found, recipe_);
         if (!(request.frequency_hz > 0 && request.frequency_hz <= shared_.options.highest_hz)) {
-          send(rtde_text_message(
+          send(robot::rtde_text_message(
               {fmt::format("{} Hz is more than {}", request.frequency_hz, shared_.options.highest_hz), "RTDE", 1}));
           reply.recipe_id = 0;
         }
         valid_ = reply.recipe_id != 0;
         step_ = std::max<std::int64_t>(1, std::llround(shared_.options.highest_hz / std::max(1.0, request.frequency_hz)));
-        send(rtde_setup_reply(package.type, reply));
+        send(robot::rtde_setup_reply(package.type, reply));
         break;
       }
-      case RtdePackageType::setup_inputs:
-        send(rtde_setup_reply(package.type, take_inputs(inputs_request_in(package.payload))));
+      case robot::RtdePackageType::setup_inputs:
+        send(robot::rtde_setup_reply(package.type, take_inputs(robot::inputs_request_in(package.payload))));
         break;
-      case RtdePackageType::start:
-        send(rtde_accepted_reply(package.type, valid_ || !inputs_.fields.empty()));
+      case robot::RtdePackageType::start:
+        send(robot::rtde_accepted_reply(package.type, valid_ || !inputs_.fields.empty()));
         if (valid_ && !std::exchange(started_, true)) {
           tick_ = (shared_.tick_now() / step_ + 1) * step_;
           due_ = SteadyClock::time_point::min();
           wait_for_tick();
         }
         break;
-      case RtdePackageType::pause:
+      case robot::RtdePackageType::pause:
         started_ = false;
-        send(rtde_accepted_reply(package.type, true));
+        send(robot::rtde_accepted_reply(package.type, true));
         break;
-      case RtdePackageType::data:
-        if (read_rtde_data(inputs_, package.payload, numbers_)) {
+      case robot::RtdePackageType::data:
+        if (robot::read_rtde_data(inputs_, package.payload, numbers_)) {
           const std::lock_guard lock(shared_.mutex);
           ++shared_.writes;
-          for (std::size_t i = 0; i < numbers_.size(); ++i) shared_.inputs[inputs_.fields[i].name] = as_double(numbers_[i]) != 0;
+          for (std::size_t i = 0; i < numbers_.size(); ++i)
+            shared_.inputs[inputs_.fields[i].name] = robot::as_double(numbers_[i]) != 0;
         }
         break;
-      case RtdePackageType::text:
+      case robot::RtdePackageType::text:
         break;
     }
   }
 
   /// Bit registers 64 to 127, as a controller of version 5 leaves them to clients other than its fieldbus.
-  RtdeSetupReply take_inputs(const std::vector<std::string>& names) {
+  robot::RtdeSetupReply take_inputs(const std::vector<std::string>& names) {
     const auto is_among = [](const std::vector<std::string>& all, const std::string& name) {
       return std::find(all.begin(), all.end(), name) != all.end();
     };
-    RtdeSetupReply reply{.recipe_id = 2, .types = {}};
+    robot::RtdeSetupReply reply{.recipe_id = 2, .types = {}};
     inputs_ = {.id = 2, .fields = {}};
     for (const std::string& name : names) {
       constexpr std::string_view begin = "input_bit_register_";
@@ -372,7 +377,7 @@ class Client : public std::enable_shared_from_this<Client> {
       const bool is_there = number >= 64 && number <= 127 && !is_among(shared_.options.not_found, name);
       const bool is_free = !is_among(shared_.options.in_use, name);
       reply.types.emplace_back(!is_there ? "NOT_FOUND" : !is_free ? "IN_USE" : "BOOL");
-      if (is_there && is_free) inputs_.fields.push_back({name, RtdeFieldType::boolean});
+      if (is_there && is_free) inputs_.fields.push_back({name, robot::RtdeFieldType::boolean});
     }
     if (inputs_.fields.size() == names.size()) return reply;
     inputs_.fields.clear();
@@ -409,9 +414,10 @@ class Client : public std::enable_shared_from_this<Client> {
   void send_data() {
     const double timestamp = shared_.timestamp_of(tick_);
     if (shared_.options.text_every > 0 && packages_ % shared_.options.text_every == 0) chat();
-    std::vector<RtdeNumber> numbers = numbers_for(recipe_, timestamp, static_cast<double>(tick_) / shared_.options.highest_hz);
+    std::vector<robot::RtdeNumber> numbers =
+        numbers_for(recipe_, timestamp, static_cast<double>(tick_) / shared_.options.highest_hz);
     if (shared_.options.sends_nan && packages_ % 10 == 9) {
-      const auto columns = columns_of(recipe_);
+      const auto columns = robot::columns_of(recipe_);
       const auto speed = std::find(columns.begin(), columns.end(), "actual_TCP_speed_2");
       numbers[static_cast<std::size_t>(speed - columns.begin())] = std::nan("");
     }
@@ -420,7 +426,7 @@ class Client : public std::enable_shared_from_this<Client> {
       const std::lock_guard lock(shared_.mutex);
       shared_.sent.push_back(timestamp);
     }
-    send(rtde_data_package(recipe_, numbers));
+    send(robot::rtde_data_package(recipe_, numbers));
   }
 
   void write() {
@@ -459,11 +465,11 @@ class Client : public std::enable_shared_from_this<Client> {
   tcp::socket socket_;
   asio::steady_timer ticks_, writes_;
   std::array<std::byte, 4096> in_{};
-  RtdeReassembly reassembly_;
+  robot::RtdeReassembly reassembly_;
   std::vector<std::byte> out_, going_;
   bool writing_ = false, closed_ = false, close_when_written_ = false;
-  RtdeRecipe recipe_, inputs_;
-  std::vector<RtdeNumber> numbers_;
+  robot::RtdeRecipe recipe_, inputs_;
+  std::vector<robot::RtdeNumber> numbers_;
   bool valid_ = false, started_ = false;
   std::int64_t step_ = 1, tick_ = 0;
   SteadyClock::time_point due_{};
@@ -582,7 +588,7 @@ void FakeController::send_garbage() {
 void FakeController::send_half_a_package() {
   state_->now([&] {
     state_->for_clients([](Client& client) {
-      std::vector<std::byte> package = rtde_data_package(client.recipe(), numbers_for(client.recipe(), 1.0, 0.0));
+      std::vector<std::byte> package = robot::rtde_data_package(client.recipe(), numbers_for(client.recipe(), 1.0, 0.0));
       package.resize(package.size() / 2);
       client.close_after(package);
     });

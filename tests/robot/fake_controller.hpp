@@ -13,7 +13,7 @@ namespace tactile::test {
 
 struct FakeControllerOptions {
   std::uint16_t port = 0;  ///< 0: any that is free
-  RtdeControllerVersion version{5, 11, 6, 1'071'234};
+  robot::RtdeControllerVersion version{5, 11, 6, 1'071'234};
   double highest_hz = 500;              ///< what a recipe may ask for, and the controller's own rate
   double first_timestamp = 83'456.789;  ///< [s]
   double skew_ppm = 0;                  ///< the controller's clock runs so much faster than the host's
@@ -63,10 +63,10 @@ class FakeController {
 inline constexpr double script_period_s = 6.0;
 
 /// The type of a controller's output, nothing if there is none of that name.
-std::optional<RtdeFieldType> fake_output_type(const std::string& name);
+std::optional<robot::RtdeFieldType> fake_output_type(const std::string& name);
 
 /// A field's numbers at a moment of the script [s, >= 0].
-std::vector<RtdeNumber> fake_output_at(const RtdeField& field, double script_s);
+std::vector<robot::RtdeNumber> fake_output_at(const robot::RtdeField& field, double script_s);
 
 /// What a controller sends in a session of so many data packages, text messages among it.
 std::vector<std::byte> fake_session(std::size_t packages);

@@ -19,13 +19,13 @@ int main(int argc, char** argv) {
   // Whatever becomes of the test, this ends.
   ::alarm(120);
   try {
-    tactile::RobotMonitor monitor({.host = "127.0.0.1",
-                                   .port = static_cast<std::uint16_t>(std::atoi(argv[1])),
-                                   .frequency_hz = 0,
-                                   .extra_fields = {},
-                                   .required_fields = {},
-                                   .patience = 5'000ms,
-                                   .log = {}});
+    tactile::robot::RobotMonitor monitor({.host = "127.0.0.1",
+                                          .port = static_cast<std::uint16_t>(std::atoi(argv[1])),
+                                          .frequency_hz = 0,
+                                          .extra_fields = {},
+                                          .required_fields = {},
+                                          .patience = 5'000ms,
+                                          .log = {}});
     if (argc > 3) {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit limit{static_cast<rlim_t>(std::atoll(argv[3])), static_cast<rlim_t>(std::atoll(argv[3]))};

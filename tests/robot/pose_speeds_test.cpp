@@ -7,7 +7,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 /// Rows at these milliseconds, in which the arm speeds up along z and turns about x at 0.4 rad/s.
@@ -100,4 +100,4 @@ TEST(PosesFromSpeeds, AreTheDisplacementSinceTheFirstRow) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

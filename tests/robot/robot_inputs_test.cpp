@@ -9,7 +9,7 @@
 #include "support/comes_true.hpp"
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using test::comes_true;
@@ -81,4 +81,4 @@ TEST(RobotInputs, OutliveGarbage) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -20,7 +20,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 std::ptrdiff_t lines_in(const std::filesystem::path& file) {
@@ -63,4 +63,4 @@ TEST(RobotLogKilled, LeavesWholeRowsAtTwentyMoments) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -16,7 +16,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/log_table.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 /// A header with the needed columns and what a test adds, parted by `separator`.
@@ -559,4 +559,4 @@ TEST(RobotLog, KnowsItsRateAndWhatItLost) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

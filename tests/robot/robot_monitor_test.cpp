@@ -24,7 +24,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using test::comes_true;
@@ -564,4 +564,4 @@ TEST(RobotMonitor, EndsTheLogAndListensOnWhenTheDiskIsFull) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -201,4 +201,4 @@ TEST(RtdeReassembly, RefusesWhatIsNoPackageAsSoonAsItShows) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::robot

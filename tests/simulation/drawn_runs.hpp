@@ -7,7 +7,7 @@
 #include "tactile/simulation/physics.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// Short runs, all plain.
 inline RunPlanOptions short_runs() {
@@ -36,4 +36,4 @@ inline RunPlan drawn_plan(const ObjectModel& object, const RunPlanOptions& optio
   return draw_run_plan(object, options, random);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

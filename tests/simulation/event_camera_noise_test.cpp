@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/simulation/event_camera.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 /// A still skin without markers, and pixels without noise.
@@ -37,7 +37,7 @@ Seen watch(const EventCameraOptions& o, const CameraPixels& pixels, int readouts
   for (int k = 0; k < readouts; ++k) {
     const auto readout = camera.read_out({});
     seen.caused += readout.caused;
-    for (const Event& event : readout.events) {
+    for (const events::Event& event : readout.events) {
       ++seen.of_pixel[static_cast<std::size_t>(event.y * o.size.width + event.x)];
       ++(event.on != 0 ? seen.on : seen.off);
     }
@@ -237,7 +237,7 @@ TEST(Refractory, KeepsAPixelsEventsApart) {
     std::map<std::pair<int, int>, CameraTime> last;
     microseconds least{1'000'000};
     for (int k = 0; k < 1000; ++k) {
-      for (const Event& event : camera.read_out({}).events) {
+      for (const events::Event& event : camera.read_out({}).events) {
         const auto [before, is_first] = last.try_emplace({event.x, event.y}, event.t);
         if (!is_first) least = std::min(least, event.t - before->second);
         before->second = event.t;
@@ -271,7 +271,7 @@ TEST(Flicker, IsSeenByEveryPixelAccordingToTheRule) {
         remembered[i] = now;
       }
     }
-    for (const Event& event : seen.events) fired.emplace_back(13 * event.y + event.x, event.on);
+    for (const events::Event& event : seen.events) fired.emplace_back(13 * event.y + event.x, event.on);
     ASSERT_EQ(fired, expected) << "read-out " << k;
     ASSERT_EQ(seen.caused, 0U);
     events += fired.size();
@@ -417,4 +417,4 @@ TEST(EventCameraOptions, ShowTheSkinInTheMiddleAsLargeAsItFits) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

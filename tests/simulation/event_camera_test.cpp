@@ -13,7 +13,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 using Film = std::vector<std::vector<MarkerPose>>;  // of each read-out
@@ -77,7 +77,7 @@ Compared compare_with_rule(const EventCameraOptions& o, const Film& film) {
     const double light = 1 + o.flicker_depth * std::sin(2 * std::numbers::pi * o.flicker_hz * 1e-6 * static_cast<double>(us));
     std::vector<int> seen(count, -1);  // polarity
     const auto readout = camera.read_out(film[k]);
-    for (const Event& event : readout.events) {
+    for (const events::Event& event : readout.events) {
       EXPECT_EQ(us_of(event.t), 500 + us);
       int& polarity = seen[static_cast<std::size_t>(event.y * o.size.width + event.x)];
       EXPECT_EQ(polarity, -1) << "one event of a pixel at most";
@@ -138,7 +138,7 @@ TEST(EventCamera, GivesTheEventsOfAnEdgeAtTheTimesOfTheClosedForm) {
       std::vector<std::int64_t> seen;
       for (int k = 0; k <= static_cast<int>(8 / step_px); ++k) {
         poses[0].y = y0 - sign * step_px * k;
-        for (const Event& event : camera.read_out(poses).events) {
+        for (const events::Event& event : camera.read_out(poses).events) {
           if (event.x != 60 || event.y != 20) continue;
           seen.push_back(us_of(event.t));
           EXPECT_EQ(event.on, down ? 0 : 1);
@@ -175,7 +175,7 @@ TEST(EventCamera, AgreesWithEsimOnSlowChanges) {
     EventCamera camera(pixels, o, camera_time(0), 1, film.front());
     std::vector<std::vector<std::int64_t>> seen(pixels.thresholds.size());
     for (const auto& poses : film) {
-      for (const Event& event : camera.read_out(poses).events)
+      for (const events::Event& event : camera.read_out(poses).events)
         seen[static_cast<std::size_t>(event.y * 120 + event.x)].push_back(us_of(event.t) / 200);
     }
     std::size_t most = 0, active = 0;
@@ -239,7 +239,8 @@ TEST(EventCamera, FollowsItsRuleWhereMarkersJumpOverlapAndLeave) {
 }
 
 TEST(EventCamera, FollowsItsRuleInImagesOfAnySize) {
-  for (const SensorSize size : {SensorSize{1, 1}, SensorSize{7, 3}, SensorSize{33, 61}, SensorSize{321, 241}}) {
+  for (const events::SensorSize size :
+       {events::SensorSize{1, 1}, events::SensorSize{7, 3}, events::SensorSize{33, 61}, events::SensorSize{321, 241}}) {
     EventCameraOptions o = ideal();
     o.size = size;
     o.px_per_mm = size.width > 100 ? 8 : 1.5;  // the small ones' markers are thinner than the blur
@@ -331,7 +332,7 @@ TEST(EventCamera, GivesAPixelsFirstEventWhenItsResidualIsUsedUp) {
   int fired = 0, pixels_in_row = 0;
   const EventCamera::ReadOut seen = camera.read_out(moved);
   for (int x = 31; x < 89; ++x, ++pixels_in_row) {
-    for (const Event& event : seen.events) fired += static_cast<int>(event.x == x && event.y == 22 && event.on == 1);
+    for (const events::Event& event : seen.events) fired += static_cast<int>(event.x == x && event.y == 22 && event.on == 1);
   }
   const double share = (after - before) / (2 * options.threshold);
   EXPECT_NEAR(fired, share * pixels_in_row, 4 * std::sqrt(share * (1 - share) * pixels_in_row));
@@ -354,7 +355,7 @@ TEST(EventCamera, StampsAReadOutOnceAndOrdersItByX) {
     for (std::size_t i = 0; i < seen.events.size(); ++i) {
       EXPECT_EQ(us_of(seen.events[i].t), 12'345 + 200 * k);
       if (i == 0) continue;
-      const Event &a = seen.events[i - 1], &b = seen.events[i];
+      const events::Event &a = seen.events[i - 1], &b = seen.events[i];
       EXPECT_TRUE(a.x < b.x || (a.x == b.x && a.y < b.y)) << "one event of a pixel at most";
     }
   }
@@ -381,7 +382,7 @@ TEST(EventCamera, ReportsWhichMarkersCausedEvents) {
   const auto seen = camera.read_out(pose);
   EXPECT_EQ(seen.caused_by, 1U << 2 | 1U << 7);
   std::size_t near = 0;
-  for (const Event& event : seen.events) {
+  for (const events::Event& event : seen.events) {
     for (const std::size_t m : {2U, 7U})
       near += static_cast<std::size_t>(std::abs(event.x - rest[m].x) < 60 && std::abs(event.y - rest[m].y) < 30);
   }
@@ -396,7 +397,7 @@ TEST(EventCamera, GivesTheSameEventsForTheSameSeedOnAnyThread) {
   const CameraPixels pixels = draw_camera_pixels(o, 9);
   const auto run = [&](std::uint64_t seed) {
     EventCamera camera(pixels, o, camera_time(0), seed, skin_at_rest(view_of(o)));
-    std::vector<Event> events;
+    std::vector<events::Event> events;
     for (int k = 0; k < 100; ++k) {
       SkinPose pose;
       for (std::size_t m = 0; m < marker_count; ++m) pose[m] = marker_pose(view_of(o), m, 0.01 * k, 0.002 * k, 0);
@@ -405,8 +406,8 @@ TEST(EventCamera, GivesTheSameEventsForTheSameSeedOnAnyThread) {
     }
     return events;
   };
-  const std::vector<Event> alone = run(5);
-  std::vector<std::vector<Event>> together(3);
+  const std::vector<events::Event> alone = run(5);
+  std::vector<std::vector<events::Event>> together(3);
   {
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < together.size(); ++i) threads.emplace_back([&, i] { together[i] = run(5 + i % 2); });
@@ -425,4 +426,4 @@ TEST(EventCamera, RefusesPixelsOfAnotherSizeAndTooManyMarkers) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

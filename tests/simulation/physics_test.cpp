@@ -13,7 +13,7 @@
 #include "tactile/core/json_fields.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

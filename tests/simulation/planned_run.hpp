@@ -3,7 +3,7 @@
 #include "tactile/simulation/run_clocks.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// A run whose numbers are easy to work with: tap, press, release, press, lift, tap.
 inline RunPlan planned_run() {
@@ -39,4 +39,4 @@ double seconds_of(Time t, const ClockRelation& relation, const RunClocks& clocks
   return 1e-6 * static_cast<double>(us_of(relation.camera_from(t)) - clocks.camera_start_us);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

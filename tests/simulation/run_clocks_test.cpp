@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr std::array objects{"3d-printed-object", "uhu-glue-stick", "sprayer",           "water-bottle", "fan",
@@ -174,4 +174,4 @@ TEST(ContinuedClocks, KeepTheirRates) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

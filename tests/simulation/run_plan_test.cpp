@@ -10,7 +10,7 @@
 #include "drawn_runs.hpp"
 #include "tactile/core/json_fields.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 /// Contact at 1 s, 1 mm deep in 0.2 s, no creeping.
@@ -435,4 +435,4 @@ TEST(RunPlanSettings, AreReadBackAsTheyWereWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

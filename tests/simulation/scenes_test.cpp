@@ -13,7 +13,7 @@
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/simulation/simulate.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ struct MadeScene {
   SimulatedRun made;
   RunFolder run;
   Truth truth;
-  SensorSize size;
+  events::SensorSize size;
   std::map<CameraTime, std::size_t> readouts;
   double duration_s = 0;
 
@@ -35,11 +35,11 @@ struct MadeScene {
     made = simulate({.data = folder.path(), .objects = {"sprayer"}, .threads = 1, .physics = physics}).at(0);
     run = find_runs(folder.path()).at(0);
     truth = read_truth(run.truth());
-    RecordingReader recording(run.events());
-    const Stream& stream = event_stream(recording);
+    events::RecordingReader recording(run.events());
+    const events::Stream& stream = events::event_stream(recording);
     size = stream.size.value();
-    for_all_events(recording, stream.id, [&](std::span<const Event> events) {
-      for (const Event& event : events) ++readouts[event.t];
+    events::for_all_events(recording, stream.id, [&](std::span<const events::Event> events) {
+      for (const events::Event& event : events) ++readouts[event.t];
     });
     EXPECT_EQ(recording.problems().broken_packets + recording.problems().out_of_range_events, 0U);
     EXPECT_EQ(count(CameraTime::min(), CameraTime::max()), made.events);
@@ -111,7 +111,7 @@ TEST(Scenes, TwentyMillionIsAsManyEventsASecond) {
 
 TEST(Scenes, SmallCameraSeesTheTouchIn320By240Pixels) {
   const MadeScene scene("small-camera");
-  EXPECT_EQ(scene.size, (SensorSize{320, 240}));
+  EXPECT_EQ(scene.size, (events::SensorSize{320, 240}));
   EXPECT_EQ(read_run_info(scene.run).width, 320);
   const TouchInterval press = scene.all("press").at(0).interval;
   EXPECT_GT(scene.rate(press.start, press.end), 2.0 * scene.rate(scene.start(), press.start));
@@ -125,11 +125,11 @@ TEST(Scenes, SyncTapsAreSeenByCameraAndRobotAtBothEnds) {
   EXPECT_LT(taps[2].interval.end, press.start);
   EXPECT_LT(slip.end, taps[3].interval.start);
   const double quiet = scene.rate(scene.start(), scene.start() + 500ms);
-  const RobotLog robot = read_robot_log(scene.run.robot()).longest();
+  const robot::RobotLog robot = robot::read_robot_log(scene.run.robot()).longest();
   for (const TrueInterval& tap : taps) {
     EXPECT_FALSE(tap.labelled);
     EXPECT_GT(scene.rate(tap.interval.start, tap.interval.end), 2.0 * quiet);
-    const bool moved = std::any_of(robot.states.begin(), robot.states.end(), [&](const RobotState& state) {
+    const bool moved = std::any_of(robot.states.begin(), robot.states.end(), [&](const robot::RobotState& state) {
       const CameraTime t = scene.truth.robot_clock->camera_from(state.t);
       return tap.interval.start - 100ms < t && t < tap.interval.start && state.tcp_speed[2] < -0.005;
     });
@@ -138,4 +138,4 @@ TEST(Scenes, SyncTapsAreSeenByCameraAndRobotAtBothEnds) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -6,7 +6,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 TEST(SimulateCommand, MakesARunAndPrintsIt) {
@@ -77,4 +77,4 @@ TEST(SimulateCommand, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

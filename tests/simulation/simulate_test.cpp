@@ -24,7 +24,7 @@
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,17 +90,17 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   }
   EXPECT_EQ(info.extra.at("files").size(), 5U);
 
-  RecordingReader recording(runs[0].events());
-  const Stream& stream = event_stream(recording);
+  events::RecordingReader recording(runs[0].events());
+  const events::Stream& stream = events::event_stream(recording);
   EXPECT_EQ(stream.source, "DVXplorer_SIM00001");
-  EXPECT_EQ(recording.compression(), Compression::lz4);
+  EXPECT_EQ(recording.compression(), events::Compression::lz4);
   std::uint64_t events = 0;
   CameraTime first{}, last{};
-  for_all_events(recording, stream.id, [&](std::span<const Event> batch) {
+  events::for_all_events(recording, stream.id, [&](std::span<const events::Event> batch) {
     if (events == 0) first = batch.front().t;
     last = batch.back().t;
     events += batch.size();
-    for (const Event& event : batch) ASSERT_EQ((us_of(event.t) - us_of(first)) % 200, 0);
+    for (const events::Event& event : batch) ASSERT_EQ((us_of(event.t) - us_of(first)) % 200, 0);
   });
   EXPECT_EQ(events, outcome.events);
   EXPECT_NEAR(static_cast<double>(us_of(last) - us_of(first)), 1e6 * outcome.duration_s, 2000.0);
@@ -121,9 +121,9 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "default");
 
-  const RobotLog robot = read_robot_log(runs[0].robot()).longest();
+  const robot::RobotLog robot = robot::read_robot_log(runs[0].robot()).longest();
   const auto moving =
-      std::find_if(robot.states.begin(), robot.states.end(), [](const RobotState& s) { return s.tcp_speed[2] > 0.003; });
+      std::find_if(robot.states.begin(), robot.states.end(), [](const robot::RobotState& s) { return s.tcp_speed[2] > 0.003; });
   ASSERT_NE(moving, robot.states.end());
   const microseconds late = truth.robot_clock->camera_from(moving->t) - *truth.lift_start;
   EXPECT_GT(late, 0us);
@@ -136,9 +136,9 @@ TEST(Simulate, WritesATruthThatFitsItsEvents) {
   options.objects = {"3d-printed-object", "plastic-container", "white-box"};
   for (const SimulatedRun& made : simulate(options)) {
     const Truth truth = read_truth(made.run.truth());
-    const std::vector<Event> events = test::events_in_file(made.run.events());
+    const std::vector<events::Event> events = test::events_in_file(made.run.events());
     const auto rate = [&](CameraTime begin, CameraTime end) {
-      const auto is_within = [&](const Event& event) { return begin <= event.t && event.t < end; };
+      const auto is_within = [&](const events::Event& event) { return begin <= event.t && event.t < end; };
       return static_cast<double>(std::count_if(events.begin(), events.end(), is_within)) /
              (1e-6 * static_cast<double>((end - begin).count()));
     };
@@ -147,19 +147,19 @@ TEST(Simulate, WritesATruthThatFitsItsEvents) {
       const auto [touch, start, end] = interval.interval;
       EXPECT_GT(rate(start, end), 3.0 * rate(start - 100ms, start - 20ms)) << made.run.name() << ": " << interval.what;
       touch_events += static_cast<std::uint64_t>(std::count_if(
-          events.begin(), events.end(), [&, from = start, to = end](const Event& e) { return from <= e.t && e.t < to; }));
+          events.begin(), events.end(), [&, from = start, to = end](const events::Event& e) { return from <= e.t && e.t < to; }));
     }
     EXPECT_EQ(made.touch_events, touch_events);
     for (const TrueInterval& interval : truth.intervals) {
       ASSERT_TRUE(interval.first_event || !interval.labelled);
       if (!interval.first_event) continue;
       EXPECT_GE(*interval.first_event, interval.interval.start) << interval.what;
-      EXPECT_TRUE(std::binary_search(events.begin(), events.end(), Event{.t = *interval.first_event},
-                                     [](const Event& a, const Event& b) { return a.t < b.t; }))
+      EXPECT_TRUE(std::binary_search(events.begin(), events.end(), events::Event{.t = *interval.first_event},
+                                     [](const events::Event& a, const events::Event& b) { return a.t < b.t; }))
           << interval.what;
     }
     std::map<std::pair<int, int>, int> counts;
-    for (const Event& event : events) ++counts[{event.x, event.y}];
+    for (const events::Event& event : events) ++counts[{event.x, event.y}];
     for (const TruePixel& hot : truth.hot_pixels) {
       const double expected = hot.hz * made.duration_s;
       EXPECT_NEAR((counts[{hot.x, hot.y}]), expected, 0.1 * expected + 6 * std::sqrt(expected) + 30) << hot.x << ", " << hot.y;
@@ -186,22 +186,22 @@ TEST(Simulate, AddsTheInertialSensorsStreamToHalfOfTheRuns) {
   SimulateOptions options = small(folder.path());
   options.objects = {found[0], found[1]};
   simulate(options);
-  EXPECT_EQ(RecordingReader(folder / found[0] / "01" / "events.aedat4").streams().size(), 1U);
-  RecordingReader recording(folder / found[1] / "01" / "events.aedat4");
+  EXPECT_EQ(events::RecordingReader(folder / found[0] / "01" / "events.aedat4").streams().size(), 1U);
+  events::RecordingReader recording(folder / found[1] / "01" / "events.aedat4");
   ASSERT_EQ(recording.streams().size(), 2U);
-  EXPECT_EQ(recording.stream(1).type, StreamType::imu);
-  std::vector<ImuSample> samples;
+  EXPECT_EQ(recording.stream(1).type, events::StreamType::imu);
+  std::vector<events::ImuSample> samples;
   CameraTime last_begin = CameraTime::min();
   microseconds furthest_back{};
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     furthest_back = std::max(furthest_back, packet.first < last_begin ? last_begin - packet.first : 0us);
     last_begin = std::max(last_begin, packet.first);
     if (packet.stream_id != 1) continue;
-    const std::vector<ImuSample> part = recording.read_imu(packet);
+    const std::vector<events::ImuSample> part = recording.read_imu(packet);
     samples.insert(samples.end(), part.begin(), part.end());
   }
   EXPECT_LT(furthest_back, 50ms) << "packets of both streams lie side by side";
-  const std::vector<Event> events = test::events_in_file(folder / found[1] / "01" / "events.aedat4");
+  const std::vector<events::Event> events = test::events_in_file(folder / found[1] / "01" / "events.aedat4");
   ASSERT_FALSE(samples.empty());
   const double seconds = 1e-6 * static_cast<double>((events.back().t - events.front().t).count());
   EXPECT_NEAR(static_cast<double>(samples.size()), physics.imu.rate_hz * seconds, 0.05 * physics.imu.rate_hz * seconds);
@@ -260,7 +260,7 @@ TEST(Simulate, WritesAFilmWhoseFramesHaveTheirTrueTimes) {
   const test::TemporaryFolder folder;
   simulate(small(folder.path()));
   const RunFolder run = find_runs(folder.path()).at(0);
-  const std::vector<VideoTime> times = read_video_times(run.video_times());
+  const std::vector<VideoTime> times = video::read_video_times(run.video_times());
   ASSERT_GT(times.size(), 60U);
   cv::VideoCapture film(run.video().string(), cv::CAP_FFMPEG);
   ASSERT_TRUE(film.isOpened());
@@ -412,4 +412,4 @@ TEST(Simulate, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -7,7 +7,7 @@
 
 #include "planned_run.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double gravity_mm_s2 = 9806.65;
@@ -31,19 +31,19 @@ ImuPhysics without_faults() {
   return physics;
 }
 
-std::vector<ImuSample> felt(const RunPlan& plan, const ImuPhysics& physics, std::uint64_t seed = 1) {
+std::vector<events::ImuSample> felt(const RunPlan& plan, const ImuPhysics& physics, std::uint64_t seed = 1) {
   Random random(seed);
   return feel_run(plan, start, physics, random);
 }
 
-double seconds_of(const ImuSample& sample) { return 1e-6 * static_cast<double>((sample.t - start).count()); }
+double seconds_of(const events::ImuSample& sample) { return 1e-6 * static_cast<double>((sample.t - start).count()); }
 
 TEST(FeelRun, FeelsGravityAlongTheImagesYAxis) {
   RunPlan plan;
   plan.end_s = 20;
-  const std::vector<ImuSample> samples = felt(plan, upright_without_bias());
+  const std::vector<events::ImuSample> samples = felt(plan, upright_without_bias());
   double mean[3] = {}, squares = 0, turns = 0;
-  for (const ImuSample& sample : samples) {
+  for (const events::ImuSample& sample : samples) {
     for (int i = 0; i < 3; ++i) mean[i] += sample.acceleration_g[i] / static_cast<double>(samples.size());
     squares += sample.acceleration_g[0] * sample.acceleration_g[0];
     turns += sample.angular_rate_dps[2] * sample.angular_rate_dps[2];
@@ -65,7 +65,7 @@ TEST(FeelRun, IsTiltedAndBiasedDifferentlyInEveryRun) {
   physics.tilt_rad = 0.05;
   double squares = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const ImuSample sample = felt(plan, physics, seed).front();
+    const events::ImuSample sample = felt(plan, physics, seed).front();
     const float* a = sample.acceleration_g;
     EXPECT_NEAR(std::hypot(a[0], a[1], a[2]), 1, 1e-3) << "gravity is turned, not changed";
     squares += a[0] * a[0];
@@ -80,7 +80,7 @@ TEST(FeelRun, StaysWithinTheRecordingWithTimesOfReadOutsThatAscend) {
   const RunPlan plan = planned_run();
   int unlike = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const std::vector<ImuSample> samples = felt(plan, {}, seed);
+    const std::vector<events::ImuSample> samples = felt(plan, {}, seed);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       ASSERT_EQ((samples[i].t - start).count() % 200, 0);
       if (i == 0) continue;
@@ -102,7 +102,7 @@ TEST(FeelRun, KeepsTimesApartWhereSamplesComeFasterThanStamps) {
   ImuPhysics physics;
   physics.rate_hz = 3200;
   physics.stamp_step = 1000us;
-  const std::vector<ImuSample> samples = felt(planned_run(), physics);
+  const std::vector<events::ImuSample> samples = felt(planned_run(), physics);
   EXPECT_NEAR(static_cast<double>(samples.size()), 6000, 3);
   for (std::size_t i = 1; i < samples.size(); ++i) ASSERT_LT(samples[i - 1].t, samples[i].t);
 }
@@ -110,7 +110,7 @@ TEST(FeelRun, KeepsTimesApartWhereSamplesComeFasterThanStamps) {
 TEST(FeelRun, FeelsTheArmsAccelerationAndItsRinging) {
   const RunPlan plan = planned_run();
   double rings = 0;
-  for (const ImuSample& sample : felt(plan, without_faults())) {
+  for (const events::ImuSample& sample : felt(plan, without_faults())) {
     const double t_s = seconds_of(sample);
     // A stamp is up to a microsecond early: so its side of a change is unknown.
     const double at = plan.arm_acceleration_at(t_s) + plan.vibration_acceleration_at(t_s);
@@ -126,9 +126,9 @@ TEST(FeelRun, AddsUpToTheLiftsTravel) {
   // Once for speed, once more for travel; what it feels before the lift is subtracted.
   const RunPlan plan = planned_run();
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const std::vector<ImuSample> samples = felt(plan, upright_without_bias(), seed);
+    const std::vector<events::ImuSample> samples = felt(plan, upright_without_bias(), seed);
     double rest = 0, rests = 0;
-    for (const ImuSample& sample : samples) {
+    for (const events::ImuSample& sample : samples) {
       if (seconds_of(sample) > 0.8 && seconds_of(sample) < 3.4) {
         rest -= sample.acceleration_g[1];
         ++rests;
@@ -152,9 +152,10 @@ TEST(FeelRun, FeelsNoMoreThanItsRange) {
   plan.lift->acceleration_mm_s2 = 1e5;
   plan.lift->speed_mm_s = 2000;
   double most = 0;
-  for (const ImuSample& sample : felt(plan, {})) most = std::max(most, std::abs(static_cast<double>(sample.acceleration_g[1])));
+  for (const events::ImuSample& sample : felt(plan, {}))
+    most = std::max(most, std::abs(static_cast<double>(sample.acceleration_g[1])));
   EXPECT_EQ(most, 4);
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

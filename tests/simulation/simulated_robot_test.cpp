@@ -7,7 +7,7 @@
 
 #include "planned_run.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 RobotPhysics without_noise() {
@@ -18,23 +18,23 @@ RobotPhysics without_noise() {
   return physics;
 }
 
-std::vector<RobotState> states_of(const RunPlan& plan, const RobotPhysics& physics, std::uint64_t seed = 1) {
+std::vector<robot::RobotState> states_of(const RunPlan& plan, const RobotPhysics& physics, std::uint64_t seed = 1) {
   Random random(seed);
   return log_robot(plan, planned_clocks(), physics, random).log.states;
 }
 
-double seconds_of(const RobotState& state) {
+double seconds_of(const robot::RobotState& state) {
   const RunClocks clocks = planned_clocks();
   return seconds_of(state.t, clocks.robot, clocks);
 }
 
 /// How far it has risen since the log began [mm].
-double risen(const std::vector<RobotState>& states, std::size_t i) {
+double risen(const std::vector<robot::RobotState>& states, std::size_t i) {
   return 1e3 * (states[i].tcp_pose[2] - states.front().tcp_pose[2]);
 }
 
 TEST(LogRobot, CountsFromTheControllersFirstStampBeyondBothEndsOfTheCamera) {
-  const std::vector<RobotState> states = states_of(planned_run(), without_noise());
+  const std::vector<robot::RobotState> states = states_of(planned_run(), without_noise());
   EXPECT_EQ(us_of(states.front().t), planned_clocks().robot.reference_us);
   for (std::size_t i = 0; i < states.size(); ++i)
     ASSERT_EQ((states[i].t - states.front().t).count(), 8000 * static_cast<std::int64_t>(i));
@@ -44,10 +44,10 @@ TEST(LogRobot, CountsFromTheControllersFirstStampBeyondBothEndsOfTheCamera) {
 }
 
 TEST(LogRobot, ShowsTheLiftWhenItHappens) {
-  const std::vector<RobotState> states = states_of(planned_run(), without_noise());
+  const std::vector<robot::RobotState> states = states_of(planned_run(), without_noise());
   // 3 mm/s are reached after 2.5 ms and seen at the next row; the arm lags as it begins to ring.
   const auto moves = std::find_if(states.begin(), states.end(),
-                                  [](const RobotState& s) { return seconds_of(s) > 3.0 && s.tcp_speed[2] > 0.003; });
+                                  [](const robot::RobotState& s) { return seconds_of(s) > 3.0 && s.tcp_speed[2] > 0.003; });
   ASSERT_NE(moves, states.end());
   EXPECT_GT(seconds_of(*moves), 3.5);
   EXPECT_LT(seconds_of(*moves), 3.5 + 0.0025 / 0.7 + 0.009);
@@ -57,7 +57,7 @@ TEST(LogRobot, ShowsTheLiftWhenItHappens) {
 }
 
 TEST(LogRobot, HasSpeedsThatAddUpToItsPoses) {
-  const std::vector<RobotState> states = states_of(planned_run(), without_noise());
+  const std::vector<robot::RobotState> states = states_of(planned_run(), without_noise());
   double mm = 0;
   for (std::size_t i = 1; i < states.size(); ++i) {
     mm += 1e3 * 0.5 * (states[i - 1].tcp_speed[2] + states[i].tcp_speed[2]) * 0.008 * 1.0001;  // of camera seconds
@@ -66,7 +66,7 @@ TEST(LogRobot, HasSpeedsThatAddUpToItsPoses) {
 }
 
 TEST(LogRobot, GoesDownAndUpInATap) {
-  const std::vector<RobotState> states = states_of(planned_run(), without_noise());
+  const std::vector<robot::RobotState> states = states_of(planned_run(), without_noise());
   double lowest = 0, fastest = 0;
   for (std::size_t i = 0; i < states.size() && seconds_of(states[i]) < 0.9; ++i) {
     lowest = std::min(lowest, risen(states, i));
@@ -77,13 +77,13 @@ TEST(LogRobot, GoesDownAndUpInATap) {
   }
   EXPECT_NEAR(lowest, -4, 0.25);
   EXPECT_NEAR(fastest, -80, 12) << "twice the mean of 4 mm in 0.1 s";
-  const auto later = std::find_if(states.begin(), states.end(), [](const RobotState& s) { return seconds_of(s) > 0.95; });
+  const auto later = std::find_if(states.begin(), states.end(), [](const robot::RobotState& s) { return seconds_of(s) > 0.95; });
   EXPECT_NEAR(risen(states, static_cast<std::size_t>(later - states.begin())), 0, 0.01);
 }
 
 TEST(LogRobot, RingsAsTheCameraFeelsIt) {
   const RunPlan plan = planned_run();
-  const std::vector<RobotState> states = states_of(plan, without_noise());
+  const std::vector<robot::RobotState> states = states_of(plan, without_noise());
   // The plan's acceleration, summed up twice in steps of 20 us.
   constexpr double step_s = 2e-5;
   double t_s = -0.5, speed = 0, travel = 0, most = 0;
@@ -101,13 +101,13 @@ TEST(LogRobot, RingsAsTheCameraFeelsIt) {
 
 TEST(LogRobot, HasTheStagesCommandOnItsFirstOutputWhereTheRobotGivesIt) {
   RunPlan plan = planned_run();
-  for (const RobotState& state : states_of(plan, without_noise())) {
+  for (const robot::RobotState& state : states_of(plan, without_noise())) {
     const double t_s = seconds_of(state);
     const bool shut = (t_s >= 1.0 && t_s < 1.8) || t_s >= 2.5;
     ASSERT_EQ(state.digital_output_bits, shut ? 1U : 0U) << t_s;
   }
   plan.stage_on_robot_output = false;
-  for (const RobotState& state : states_of(plan, without_noise())) ASSERT_EQ(state.digital_output_bits, 0U);
+  for (const robot::RobotState& state : states_of(plan, without_noise())) ASSERT_EQ(state.digital_output_bits, 0U);
 }
 
 TEST(LogRobot, LosesPackagesAndCountsThem) {
@@ -117,7 +117,7 @@ TEST(LogRobot, LosesPackagesAndCountsThem) {
   const LoggedRobot robot = log_robot(planned_run(), planned_clocks(), physics, random);
   const auto& states = robot.log.states;
   EXPECT_EQ(us_of(states.front().t), planned_clocks().robot.reference_us);
-  for (const RobotState& state : states) ASSERT_EQ((state.t - states.front().t).count() % 8000, 0);
+  for (const robot::RobotState& state : states) ASSERT_EQ((state.t - states.front().t).count() % 8000, 0);
   const auto spanned = static_cast<std::uint64_t>((states.back().t - states.front().t).count() / 8000 + 1);
   EXPECT_LE(spanned - states.size(), robot.dropped_packages) << "those after the last row are lost too";
   EXPECT_LE(robot.dropped_packages - (spanned - states.size()), 4U);
@@ -128,10 +128,10 @@ TEST(LogRobot, HasTheStatedNoise) {
   RobotPhysics physics;
   physics.speed_noise_mm_s = {0.4, 0.4};
   physics.pose_noise_mm = 0.02;
-  const std::vector<RobotState> states = states_of(planned_run(), physics);
+  const std::vector<robot::RobotState> states = states_of(planned_run(), physics);
   double speeds = 0, poses = 0, mean = 0;
-  for (const RobotState& state : states) mean += state.tcp_pose[0] / static_cast<double>(states.size());
-  for (const RobotState& state : states) {
+  for (const robot::RobotState& state : states) mean += state.tcp_pose[0] / static_cast<double>(states.size());
+  for (const robot::RobotState& state : states) {
     speeds += state.tcp_speed[0] * state.tcp_speed[0];
     poses += (state.tcp_pose[0] - mean) * (state.tcp_pose[0] - mean);
   }
@@ -144,7 +144,8 @@ TEST(LogRobot, RunsAtTheStatedRateAndIsTheSameForTheSameSeed) {
   RobotPhysics physics;
   physics.rate_hz = 300;
   physics.lost_package_share = 0;
-  const std::vector<RobotState> states = states_of(planned_run(), physics, 5), again = states_of(planned_run(), physics, 5);
+  const std::vector<robot::RobotState> states = states_of(planned_run(), physics, 5),
+                                       again = states_of(planned_run(), physics, 5);
   EXPECT_EQ((states[3].t - states[0].t).count(), 10'000);
   EXPECT_EQ((states[1].t - states[0].t).count(), 3333);
   ASSERT_EQ(states.size(), again.size());
@@ -156,4 +157,4 @@ TEST(LogRobot, RunsAtTheStatedRateAndIsTheSameForTheSameSeed) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

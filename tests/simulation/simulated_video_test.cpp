@@ -7,7 +7,7 @@
 
 #include "planned_run.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double px_per_mm = 1.3;
@@ -202,4 +202,4 @@ TEST(SimulatedVideo, IsTheSameForTheSameSeed) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -8,14 +8,14 @@
 
 #include "drawn_runs.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 /// A run in memory: its motion and events.
 struct Filmed {
   SkinMotion motion;
   FilmedSkin summary;
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   CameraTime start = camera_time(1'700'000'000'000'000);
 
   Filmed(const RunPlan& plan, std::uint64_t seed) {
@@ -24,7 +24,7 @@ struct Filmed {
     motion = move_skin(plan, view_of(options), options.readout, random);
     const CameraPixels pixels = draw_camera_pixels(options, 11);
     SkinFilm film(motion, pixels, options, start, seed);
-    film_whole(film, [&](std::span<const Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
+    film_whole(film, [&](std::span<const events::Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
     EXPECT_TRUE(film.ended());
     EXPECT_EQ(film.share_done(), 1.0);
     summary = film.filmed();
@@ -41,7 +41,7 @@ struct Filmed {
   double rate(microseconds from, microseconds to) const {
     const auto at = [&](microseconds t) {
       return std::lower_bound(events.begin(), events.end(), start + t,
-                              [](const Event& event, CameraTime when) { return event.t < when; });
+                              [](const events::Event& event, CameraTime when) { return event.t < when; });
     };
     return 1e6 * static_cast<double>(at(to) - at(from)) / static_cast<double>((to - from).count());
   }
@@ -65,7 +65,8 @@ TEST(SkinFilm, AgreesWithTheTruth) {
     EXPECT_GT(run.rate(slip.start, slip.start + 50ms), 3 * baseline);
     EXPECT_EQ(run.summary.events, run.events.size());
     EXPECT_LT(run.summary.caused, run.summary.events);
-    EXPECT_TRUE(std::is_sorted(run.events.begin(), run.events.end(), [](const Event& a, const Event& b) { return a.t < b.t; }));
+    EXPECT_TRUE(std::is_sorted(run.events.begin(), run.events.end(),
+                               [](const events::Event& a, const events::Event& b) { return a.t < b.t; }));
     EXPECT_EQ(run.summary.last_readout, run.start + 200us * static_cast<std::int64_t>(run.motion.poses.size() - 1));
   }
 }
@@ -88,8 +89,8 @@ TEST(SkinFilm, FindsTheFirstEventOfEachMotion) {
       if (!first) continue;
       EXPECT_GT(*first, run.start + motion.start);
       EXPECT_LE(*first, run.start + motion.end);
-      EXPECT_TRUE(std::binary_search(run.events.begin(), run.events.end(), Event{.t = *first},
-                                     [](const Event& a, const Event& b) { return a.t < b.t; }))
+      EXPECT_TRUE(std::binary_search(run.events.begin(), run.events.end(), events::Event{.t = *first},
+                                     [](const events::Event& a, const events::Event& b) { return a.t < b.t; }))
           << "there is an event at that time";
     }
   }
@@ -117,8 +118,9 @@ TEST(SkinFilm, IsTheSameForTheSameSeed) {
   const RunPlan plan = drawn_plan(default_physics().objects.front(), short_runs(), 4);
   const Filmed one(plan, 1), again(plan, 1), other(plan, 2);
   ASSERT_EQ(one.events.size(), again.events.size());
-  EXPECT_TRUE(std::equal(one.events.begin(), one.events.end(), again.events.begin(),
-                         [](const Event& a, const Event& b) { return a.t == b.t && a.x == b.x && a.y == b.y && a.on == b.on; }));
+  EXPECT_TRUE(std::equal(
+      one.events.begin(), one.events.end(), again.events.begin(),
+      [](const events::Event& a, const events::Event& b) { return a.t == b.t && a.x == b.x && a.y == b.y && a.on == b.on; }));
   EXPECT_NE(one.events.size(), other.events.size());
 }
 
@@ -134,10 +136,10 @@ TEST(FilmWhole, EndsWhereItsListenerThrows) {
     if (share > 0.3) throw std::runtime_error("stop");
   };
   EXPECT_THROW(film_whole(
-                   film, [](std::span<const Event>) {}, stop),
+                   film, [](std::span<const events::Event>) {}, stop),
                std::runtime_error);
   EXPECT_FALSE(film.ended());
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -7,7 +7,7 @@
 
 #include "drawn_runs.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double dt_s = 200e-6;
@@ -415,4 +415,4 @@ TEST(SkinMotion, MovesTipsTogetherInASlipAndTowardsEachOtherInAPress) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::simulation

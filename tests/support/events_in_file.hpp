@@ -8,11 +8,11 @@
 namespace tactile::test {
 
 /// All events of a recording, in the order of its packets.
-inline std::vector<Event> events_in_file(const std::filesystem::path& file) {
-  RecordingReader recording(file);
-  std::vector<Event> all;
-  for (const PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != StreamType::events) continue;
+inline std::vector<events::Event> events_in_file(const std::filesystem::path& file) {
+  events::RecordingReader recording(file);
+  std::vector<events::Event> all;
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != events::StreamType::events) continue;
     const auto events = recording.read_events(packet);
     all.insert(all.end(), events.begin(), events.end());
   }

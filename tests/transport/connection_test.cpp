@@ -30,7 +30,7 @@ using namespace std::chrono_literals;
 std::span<const std::byte> bytes_in(const std::string& text) { return std::as_bytes(std::span(text)); }
 
 /// Everything that comes until the server closes.
-std::string all_of(Connection& connection) {
+std::string all_of(transport::Connection& connection) {
   std::string all;
   std::array<std::byte, 1000> bytes{};
   while (const auto got = connection.receive(bytes, long_enough)) all.append(reinterpret_cast<const char*>(bytes.data()), *got);
@@ -45,7 +45,7 @@ TEST(Connection, CarriesBytesBothWaysAndDetectsThatTheServerCloses) {
       asio::read(client, asio::buffer(heard));
       send_all(client, std::string(300'000, 'a') + "end");
     });
-    Connection connection(server.address(), long_enough);
+    transport::Connection connection(server.address(), long_enough);
     EXPECT_EQ(connection.address().text(), server.address().text());
     connection.send(bytes_in("hello"), long_enough);
     EXPECT_EQ(all_of(connection), std::string(300'000, 'a') + "end");
@@ -57,7 +57,7 @@ TEST(Connection, ConnectsToAUnixSocketWithoutArrivalTimes) {
   const TemporaryFolder folder;
   const ScriptedServer server([](ScriptedServer::Socket& client) { send_all(client, "from a file"); },
                               asio::local::stream_protocol::endpoint((folder / "socket").string()));
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   EXPECT_EQ(all_of(connection), "from a file");
   EXPECT_FALSE(connection.reports_arrivals());
   EXPECT_FALSE(connection.arrived());
@@ -69,7 +69,7 @@ TEST(Connection, ReportsWhenBytesArrivedEvenIfTheyAreReadLate) {
     std::error_code error;
     while (asio::read(client, asio::buffer(asked), error) == 1) send_all(client, "come");
   });
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   EXPECT_TRUE(connection.reports_arrivals());
   std::array<std::byte, 10> bytes{};
   HostTime earliest{};
@@ -91,15 +91,15 @@ TEST(Connection, ReportsWhenBytesArrivedEvenIfTheyAreReadLate) {
 TEST(Connection, ResolvesANameAndTriesEveryAddressOfIt) {
   // "localhost" is often ::1 first, where nobody listens.
   const ScriptedServer server([](ScriptedServer::Socket& client) { send_all(client, "here"); });
-  NetworkAddress address = server.address();
+  transport::NetworkAddress address = server.address();
   address.host = "localhost";
-  Connection connection(address, long_enough);
+  transport::Connection connection(address, long_enough);
   EXPECT_EQ(all_of(connection), "here");
 }
 
 TEST(Connection, ReceivesNothingWhileTheServerIsSilent) {
   const ScriptedServer server([](ScriptedServer::Socket& client) { until_closed(client); });
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   std::array<std::byte, 10> bytes{};
   EXPECT_EQ(connection.receive(bytes, 0ms), std::optional<std::size_t>(0));
   EXPECT_EQ(connection.receive(bytes, 20ms), std::optional<std::size_t>(0));
@@ -107,14 +107,16 @@ TEST(Connection, ReceivesNothingWhileTheServerIsSilent) {
 
 TEST(Connection, NamesTheAddressIfNoServerListens) {
   const HeldPort held;
-  const NetworkAddress address{.kind = NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = held.port(), .path = {}};
-  const std::string error = error_of([&] { Connection(address, long_enough); });
+  const transport::NetworkAddress address{
+      .kind = transport::NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = held.port(), .path = {}};
+  const std::string error = error_of([&] { transport::Connection(address, long_enough); });
   EXPECT_NE(error.find(address.text()), std::string::npos) << error;
   EXPECT_NE(error.find("refused"), std::string::npos) << error;
 }
 
 TEST(Connection, RejectsAnUnknownHost) {
-  const std::string error = error_of([] { Connection(network_address("tcp://no-such-host.invalid:1"), 20s); });
+  const std::string error =
+      error_of([] { transport::Connection(transport::network_address("tcp://no-such-host.invalid:1"), 20s); });
   EXPECT_NE(error.find("no-such-host.invalid"), std::string::npos) << error;
 }
 
@@ -146,7 +148,7 @@ TEST(Connection, AcceptsNoFileDescriptorsFromALocalServer) {
         seen.get_future().wait();
       },
       asio::local::stream_protocol::endpoint((folder / "socket").string()));
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   sent.get_future().wait();
   const std::ptrdiff_t before = open_files();
   std::array<std::byte, 8> bytes{};
@@ -158,7 +160,7 @@ TEST(Connection, AcceptsNoFileDescriptorsFromALocalServer) {
 TEST(Connection, RejectsAMissingSocket) {
   const TemporaryFolder folder;
   const std::string path = (folder / "none").string();
-  const std::string error = error_of([&] { Connection(network_address("unix:" + path), long_enough); });
+  const std::string error = error_of([&] { transport::Connection(transport::network_address("unix:" + path), long_enough); });
   EXPECT_NE(error.find(path), std::string::npos) << error;
   EXPECT_NE(error.find("No such file"), std::string::npos) << error;
 }
@@ -169,10 +171,10 @@ TEST(Connection, GivesUpOnAServerThatDoesNotAnswer) {
   asio::ip::tcp::acceptor listener(context, asio::ip::tcp::v4());
   listener.bind({asio::ip::address_v4::loopback(), 0});
   listener.listen(0);
-  NetworkAddress address;
+  transport::NetworkAddress address;
   address.host = "127.0.0.1";
   address.port = listener.local_endpoint().port();
-  std::vector<Connection> waiting;
+  std::vector<transport::Connection> waiting;
   const std::string error = error_of([&] {
     for (int i = 0; i < 8; ++i) waiting.emplace_back(address, 300ms);
   });
@@ -182,7 +184,7 @@ TEST(Connection, GivesUpOnAServerThatDoesNotAnswer) {
 TEST(Connection, AcceptsAnAnswerInTimeEvenIfItIsReadLate) {
   // Loopback answers within the call that asks: a patience of nothing stands for a thread that was held up for all of it.
   const ScriptedServer server([](ScriptedServer::Socket& client) { until_closed(client); });
-  EXPECT_NO_THROW(Connection(server.address(), 0ms));
+  EXPECT_NO_THROW(transport::Connection(server.address(), 0ms));
 }
 
 TEST(Connection, ReportsThatItBroke) {
@@ -191,7 +193,7 @@ TEST(Connection, ReportsThatItBroke) {
     connected.get_future().wait();
     reset(client);
   });
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   connected.set_value();
   std::array<std::byte, 10> bytes{};
   const std::string error = error_of([&] {
@@ -208,7 +210,7 @@ TEST(Connection, SendingToALostServerIsAnErrorAndNoSignal) {
     connected.get_future().wait();
     reset(client);
   });
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   connected.set_value();
   const std::string much(1 << 20, 'x');
   const std::string error = error_of([&] {
@@ -220,7 +222,7 @@ TEST(Connection, SendingToALostServerIsAnErrorAndNoSignal) {
 TEST(Connection, SendingToAServerThatReadsNothingEndsInTime) {
   std::promise<void> over;
   const ScriptedServer server([&](ScriptedServer::Socket&) { over.get_future().wait(); });
-  Connection connection(server.address(), long_enough);
+  transport::Connection connection(server.address(), long_enough);
   const std::string much(1 << 20, 'x');
   const std::string error = error_of([&] {
     for (int i = 0; i < 1000; ++i) connection.send(bytes_in(much), 200ms);

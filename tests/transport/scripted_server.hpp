@@ -27,7 +27,7 @@ class ScriptedServer {
     listener_.bind(at);
     listener_.listen();
     if (at.protocol().family() == AF_UNIX) {
-      address_.kind = NetworkAddress::Kind::unix_socket;
+      address_.kind = transport::NetworkAddress::Kind::unix_socket;
 
       address_.path = reinterpret_cast<const sockaddr_un*>(at.data())->sun_path;
     } else {
@@ -52,13 +52,13 @@ class ScriptedServer {
   ScriptedServer(const ScriptedServer&) = delete;
   ScriptedServer& operator=(const ScriptedServer&) = delete;
 
-  const NetworkAddress& address() const { return address_; }
+  const transport::NetworkAddress& address() const { return address_; }
 
  private:
   asio::io_context context_;
   asio::basic_socket_acceptor<asio::generic::stream_protocol> listener_;
   Script script_;
-  NetworkAddress address_;
+  transport::NetworkAddress address_;
   std::thread thread_;
 };
 

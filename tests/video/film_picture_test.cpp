@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 TEST(FilmPicture, IsThePictureWhereItFits) {
@@ -43,4 +43,4 @@ TEST(FilmPicture, IsEmptyForOtherPixels) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

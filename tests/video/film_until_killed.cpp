@@ -10,7 +10,7 @@
 int main(int argc, char** argv) {
   if (argc != 5) return 1;
   try {
-    tactile::VideoCapture capture({.source = argv[1], .speed = std::atof(argv[2]), .log = {}});
+    tactile::video::VideoCapture capture({.source = argv[1], .speed = std::atof(argv[2]), .log = {}});
     capture.start_film(argv[3], argv[4]);
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
   } catch (const std::exception& e) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 constexpr std::int64_t none = -1;
@@ -65,4 +65,4 @@ TEST(FrameClock, AscendsEvenWhereTheHostsTimeStandsStill) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

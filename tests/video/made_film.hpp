@@ -37,7 +37,7 @@ inline cv::Mat frame_with_square(std::size_t index, cv::Size size = {96, 64}) {
 }
 
 inline void write_film(const std::filesystem::path& file, std::span<const VideoTime> times) {
-  VideoWriter writer(file, {.width = 96, .height = 64});
+  video::VideoWriter writer(file, {.width = 96, .height = 64});
   std::size_t index = 0;
   for (const VideoTime t : times) writer.write(frame_with_square(index++), t);
   writer.close();

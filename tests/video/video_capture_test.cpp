@@ -28,7 +28,7 @@ extern "C" {
 #include "tactile/video/video_times.hpp"
 #include "video/made_film.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 namespace fs = std::filesystem;
@@ -390,4 +390,4 @@ TEST_F(VideoCaptureTest, EndsTheFilmOfAServerThatStopsSending) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

@@ -15,7 +15,7 @@
 #include "tactile/video/video_times.hpp"
 #include "video/made_film.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,4 +75,4 @@ TEST(VideoKill, TakesNoMoreThanASecondOfTheFilm) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

@@ -6,7 +6,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 std::vector<VideoTime> read(const std::string& text) {
@@ -50,4 +50,4 @@ TEST(VideoTimes, AreReadStrictly) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

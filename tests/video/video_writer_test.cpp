@@ -13,7 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 /// Times like a webcam's: about 30 a second, one frame dropped, one late.
@@ -177,4 +177,4 @@ TEST(VideoWriter, RefusesWhatItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::video

@@ -21,7 +21,7 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,7 +55,7 @@ Reading read_everything(const fs::path& file) {
     for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
       add(dataset.runs()[run].folder);
       attempt([&] {
-        for (const Event& event : dataset.events(run))
+        for (const events::Event& event : dataset.events(run))
           add(std::array{us_of(event.t), std::int64_t{event.x}, std::int64_t{event.y}, std::int64_t{event.on}});
       });
     }
@@ -264,4 +264,4 @@ TEST(ReadApart, TakesEveryOtherFailureForDamage) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

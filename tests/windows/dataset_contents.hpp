@@ -17,11 +17,11 @@ namespace tactile::test {
 using DatasetContents = std::map<std::string, std::string>;
 
 inline DatasetContents dataset_contents(const std::filesystem::path& file) {
-  const Dataset dataset(file);
+  const windows::Dataset dataset(file);
   DatasetContents contents{{"manifest", dataset.manifest_hash()}};
   std::string t, x, y, on;
   for (std::uint32_t index = 0; index < dataset.runs().size(); ++index) {
-    for (const Event& event : dataset.events(index)) {
+    for (const events::Event& event : dataset.events(index)) {
       const std::int64_t t_us = us_of(event.t);
       t.append(reinterpret_cast<const char*>(&t_us), sizeof t_us);
       x.append(reinterpret_cast<const char*>(&event.x), sizeof event.x);
@@ -32,7 +32,7 @@ inline DatasetContents dataset_contents(const std::filesystem::path& file) {
   contents["events"] = sha256_of(t + x + y + on);
   std::vector<std::uint32_t> every(dataset.samples().size());
   std::iota(every.begin(), every.end(), 0U);
-  for (const StoredHeatmaps& stored : dataset.heatmaps()) {
+  for (const windows::StoredHeatmaps& stored : dataset.heatmaps()) {
     const std::vector<std::uint8_t> heatmaps = dataset.read_heatmaps(stored.name, every);
     contents[stored.name] = sha256_of(std::string_view(reinterpret_cast<const char*>(heatmaps.data()), heatmaps.size()));
   }

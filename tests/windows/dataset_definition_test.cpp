@@ -6,7 +6,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,4 +117,4 @@ TEST_F(DatasetDefinition, IsSeenToBeBrokenWhereItIs) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -17,7 +17,7 @@
 #include "windows/dataset_contents.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -236,4 +236,4 @@ TEST_F(KilledDataset, IsWholeOrNotThereAfterWindowsWasKilledMakingIt) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

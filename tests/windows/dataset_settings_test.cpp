@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using namespace std::chrono_literals;
@@ -32,4 +32,4 @@ TEST(DatasetSettings, OfAManifestAreThoseAlone) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

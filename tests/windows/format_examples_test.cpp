@@ -9,7 +9,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using test::run_tactile;
@@ -94,4 +94,4 @@ TEST_F(FormatExamples, ReadEventsWithNumPy) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

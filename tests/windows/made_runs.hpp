@@ -15,7 +15,7 @@ namespace tactile::test {
 struct LabelledRun {
   std::string object = "fan";
   std::string run = "01";
-  SensorSize sensor{40, 30};
+  events::SensorSize sensor{40, 30};
   bool simulated = false;
   std::uint64_t seed = 1;
   std::int64_t begin_us = 1'700'000'000'000'301;
@@ -23,16 +23,16 @@ struct LabelledRun {
   std::int64_t mean_gap_us = 150;  ///< between two events
   std::vector<TouchInterval> intervals{{Touch::press, camera_time(200'000), camera_time(260'000)},
                                        {Touch::slip, camera_time(700'000), camera_time(900'001)}};  ///< from `begin_us`
-  std::vector<LabelFlag> flags{};
+  std::vector<labels::LabelFlag> flags{};
   bool labelled = true;
 };
 
-inline std::vector<Event> random_events(const LabelledRun& run) {
+inline std::vector<events::Event> random_events(const LabelledRun& run) {
   Random random(run.seed);
-  std::vector<Event> events;
+  std::vector<events::Event> events;
   for (std::int64_t t = 0; t <= run.length_us;
        t += static_cast<std::int64_t>(random.below(2 * static_cast<std::uint64_t>(run.mean_gap_us)))) {
-    Event event;
+    events::Event event;
     event.t = camera_time(run.begin_us + t);
     event.x = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(run.sensor.width)));
     event.y = static_cast<std::int16_t>(random.below(static_cast<std::uint64_t>(run.sensor.height)));
@@ -42,12 +42,12 @@ inline std::vector<Event> random_events(const LabelledRun& run) {
   return events;
 }
 
-inline Labels labels_of(const LabelledRun& run) {
-  Labels labels;
+inline labels::Labels labels_of(const LabelledRun& run) {
+  labels::Labels labels;
   for (const TouchInterval& interval : run.intervals) {
     const CameraTime start = after(interval.start, microseconds{run.begin_us}),
                      end = after(interval.end, microseconds{run.begin_us});
-    LabelledInterval labelled;
+    labels::LabelledInterval labelled;
     labelled.touch = interval.touch;
     labelled.start = {start, start, start};
     labelled.end = {end, end, end};
@@ -63,10 +63,10 @@ inline RunFolder make_run(const std::filesystem::path& data, const LabelledRun& 
   const std::filesystem::path folder = data / run.object / run.run;
   std::filesystem::create_directories(folder);
   const RunFolder made = run_folder_at(folder);
-  RecordingWriter writer(made.events(), {event_stream_declaration(run.sensor, "DVXplorer_TEST")});
+  events::RecordingWriter writer(made.events(), {events::event_stream_declaration(run.sensor, "DVXplorer_TEST")});
   writer.write_events(0, random_events(run));
   writer.close();
-  if (run.labelled) write_labels(made.labels(), labels_of(run));
+  if (run.labelled) labels::write_labels(made.labels(), labels_of(run));
   write_run_info(made, {.object = run.object,
                         .run = run.run,
                         .session = "",

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/ticks.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 constexpr std::int64_t earliest = std::numeric_limits<std::int64_t>::min(), latest = std::numeric_limits<std::int64_t>::max();
@@ -157,4 +157,4 @@ TEST(SamplingOptions, ComeBackFromJson) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -9,15 +9,15 @@
 #include "support/temporary_folder.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using Key = std::tuple<std::int64_t, int, int, int>;
 
-Key key_of(const Event& event) { return {us_of(event.t), event.x, event.y, event.on}; }
+Key key_of(const events::Event& event) { return {us_of(event.t), event.x, event.y, event.on}; }
 
 /// A run as it is compared, its windows those of samples at `ticks_us` from its begin.
-PlannedRun planned(const RunFolder& folder, const std::vector<Event>& events, const std::vector<std::int64_t>& ticks_us) {
+PlannedRun planned(const RunFolder& folder, const std::vector<events::Event>& events, const std::vector<std::int64_t>& ticks_us) {
   PlannedRun run{};
   run.folder = folder;
   run.first_event = events.front().t;
@@ -28,12 +28,12 @@ PlannedRun planned(const RunFolder& folder, const std::vector<Event>& events, co
 }
 
 /// The definition, event by event.
-SharedEvents counted(const std::vector<Event>& mine, const PlannedRun& run, const std::vector<Event>& others,
+SharedEvents counted(const std::vector<events::Event>& mine, const PlannedRun& run, const std::vector<events::Event>& others,
                      const PlannedRun& other, microseconds history) {
   std::set<Key> there;
-  for (const Event& event : others) there.insert(key_of(event));
+  for (const events::Event& event : others) there.insert(key_of(event));
   SharedEvents result;
-  for (const Event& event : mine) {
+  for (const events::Event& event : mine) {
     const bool in_window = std::any_of(run.samples.begin(), run.samples.end(), [&](const Sample& sample) {
       return event.t >= before(sample.t, history) && event.t < sample.t;
     });
@@ -48,7 +48,7 @@ TEST(SharedEvents, AreCountedByTheDefinitionWhereverRecordingsOverlap) {
   // A sensor so small and events so dense that many are equal by chance; more of them than a slice holds.
   const test::TemporaryFolder folder;
   const std::vector<std::int64_t> begins{-500'000, -450'000, -449'999, 700'000, -340'000};
-  std::vector<std::vector<Event>> events;
+  std::vector<std::vector<events::Event>> events;
   std::vector<PlannedRun> runs;
   for (std::size_t i = 0; i < begins.size(); ++i) {
     const test::LabelledRun run{.object = "fan",
@@ -92,4 +92,4 @@ TEST(SharedEvents, AreNoneWithoutOverlap) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -7,7 +7,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using Indexes = std::vector<std::uint32_t>;
@@ -137,4 +137,4 @@ TEST(Split, HasNames) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -12,7 +12,7 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,13 +30,13 @@ class VerifyDataset : public testing::Test {
   void make_piece(const std::string& run, std::int64_t begin_us, std::int64_t end_us, std::int64_t press_us, std::int64_t slip_us,
                   std::size_t keep_one_in = 1) const {
     test::LabelledRun labelled{.run = run, .begin_us = 5'000'000, .length_us = 4'000'000};
-    const std::vector<Event> recorded = test::random_events(labelled);
+    const std::vector<events::Event> recorded = test::random_events(labelled);
     labelled.intervals = {{Touch::press, camera_time(press_us), camera_time(press_us + 60'000)},
                           {Touch::slip, camera_time(slip_us), camera_time(slip_us + 60'000)}};
     const RunFolder made = test::make_run(data(), labelled);
     fs::remove(made.events());
-    RecordingWriter writer(made.events(), {event_stream_declaration(labelled.sensor, "DVXplorer_TEST")});
-    std::vector<Event> piece;
+    events::RecordingWriter writer(made.events(), {events::event_stream_declaration(labelled.sensor, "DVXplorer_TEST")});
+    std::vector<events::Event> piece;
     for (std::size_t i = 0; i < recorded.size(); i += keep_one_in) {
       const std::int64_t t = us_of(recorded[i].t) - labelled.begin_us;
       if (t >= begin_us && t < end_us) piece.push_back(recorded[i]);
@@ -73,7 +73,8 @@ TEST_F(VerifyDataset, LetsRecordingsOverlapWhereNoWindowLies) {
   make_piece("02", 1'998'500, 4'000'000, 2'500'000, 3'300'000);
   write_dataset(data(), file());
   const Dataset dataset(file());
-  for (const Event& event : dataset.events(0)) ASSERT_LT(event.t, camera_time(6'998'500)) << "the seed put a window at the end";
+  for (const events::Event& event : dataset.events(0))
+    ASSERT_LT(event.t, camera_time(6'998'500)) << "the seed put a window at the end";
   const DatasetCheck check = verify_dataset(data(), file());
   EXPECT_EQ(check.differences, std::vector<std::string>{});
   EXPECT_EQ(check.pairs_at_one_time, 1U);
@@ -138,4 +139,4 @@ TEST_F(VerifyDataset, NamesWhyARunIsNoLongerAmongThoseToUse) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

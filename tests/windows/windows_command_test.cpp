@@ -12,7 +12,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using test::run_tactile;
@@ -51,7 +51,7 @@ TEST_F(WindowsCommand, EndsWithTwoWhereVerifyingFails) {
   ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
   const auto good = run_tactile("windows --verify", folder.path());
   EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
-  write_labels(folder / "data/fan/02/labels.json", test::labels_of({.begin_us = -700'100}));
+  labels::write_labels(folder / "data/fan/02/labels.json", test::labels_of({.begin_us = -700'100}));
   const auto bad = run_tactile("windows --verify", folder.path());
   EXPECT_EQ(bad.exit_code, 2);
   EXPECT_NE(bad.out.find("fan/02: labels.json has changed"), std::string::npos) << bad.out;
@@ -116,4 +116,4 @@ TEST_F(WindowsCommand, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -16,7 +16,7 @@
 #include "tactile/windows/verify_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,7 +46,7 @@ TEST_F(WriteDataset, IsReadBackAsItWasDrawn) {
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_EQ(summary.outcome, DatasetSummary::Outcome::written);
   const Dataset dataset(file());
-  EXPECT_EQ(dataset.sensor(), (SensorSize{40, 30}));
+  EXPECT_EQ(dataset.sensor(), (events::SensorSize{40, 30}));
   EXPECT_FALSE(dataset.simulated());
   EXPECT_EQ(dataset.manifest_hash(), summary.manifest_hash);
   EXPECT_EQ(hash_of(dataset.settings()), summary.manifest_hash);
@@ -76,8 +76,8 @@ TEST_F(WriteDataset, HoldsTheUnionOfTheHistoriesAndNoOtherEvent) {
   std::uint64_t next = 0;
   for (std::uint32_t index = 0; index < 3; ++index) {
     const test::LabelledRun run{.seed = index + 1, .begin_us = index == 1 ? -700'123 : 1'700'000'000'000'301};
-    std::vector<Event> expected;
-    for (const Event& event : test::random_events(run)) {
+    std::vector<events::Event> expected;
+    for (const events::Event& event : test::random_events(run)) {
       const bool kept = std::any_of(dataset.samples().begin(), dataset.samples().end(), [&](const Sample& sample) {
         return sample.run_index == index && event.t >= before(sample.t, 20ms) && event.t < sample.t;
       });
@@ -176,7 +176,7 @@ TEST_F(WriteDataset, TakesNoSamplesFromAFlaggedIntervalAndNamesIt) {
     EXPECT_FALSE(since_begin > 300ms && since_begin <= 600ms) << since_begin.count();
   }
   run.flags[0].confirmed = true;
-  write_labels(data() / "fan/01/labels.json", test::labels_of(run));
+  labels::write_labels(data() / "fan/01/labels.json", test::labels_of(run));
   write_dataset(data(), file());
   EXPECT_EQ(Dataset(file()).intervals().size(), 3U);
 }
@@ -198,7 +198,7 @@ TEST_F(WriteDataset, NamesARunThatLacksAClassAndGivesItNoSamples) {
 }
 
 TEST_F(WriteDataset, NamesEachFlagWithItsRunsAndHowToLiftIt) {
-  const std::vector<LabelFlag> on_slip{{1, "its end is only known to within 232 ms", false}};
+  const std::vector<labels::LabelFlag> on_slip{{1, "its end is only known to within 232 ms", false}};
   for (const char* run : {"01", "02", "03"}) test::make_run(data(), {.object = "mug", .run = run, .seed = 1, .flags = on_slip});
   test::make_run(data(), {.object = "mug", .run = "04", .seed = 4});
   test::make_run(data(), {.object = "jar", .seed = 5, .flags = {{0, "it rings", false}, {1, "it slides", false}}});
@@ -235,11 +235,11 @@ TEST_F(WriteDataset, LeavesARunOutThatSeemsToLastAYear) {
   const test::LabelledRun one{.object = "box", .seed = 9};
   const RunFolder run = test::make_run(data(), one);
   fs::remove(run.events());
-  std::vector<Event> events = test::random_events(one);
+  std::vector<events::Event> events = test::random_events(one);
   events.push_back(events.back());
   events.back().t += std::chrono::hours(24 * 365);  // a damaged time
   {
-    RecordingWriter writer(run.events(), {event_stream_declaration(one.sensor, "DVXplorer_TEST")});
+    events::RecordingWriter writer(run.events(), {events::event_stream_declaration(one.sensor, "DVXplorer_TEST")});
     writer.write_events(0, events);
     writer.close();
   }
@@ -365,8 +365,8 @@ TEST_F(WriteDataset, ReadsAnyPartOfARunsEvents) {
   test::make_three_runs(data());
   write_dataset(data(), file());
   const Dataset dataset(file());
-  const std::vector<Event> whole = dataset.events(1);
-  const std::vector<Event> part = dataset.events(1, 100, 50);
+  const std::vector<events::Event> whole = dataset.events(1);
+  const std::vector<events::Event> part = dataset.events(1, 100, 50);
   EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin() + 100, whole.begin() + 150));
   EXPECT_TRUE(dataset.events(1, whole.size(), 0).empty());
   EXPECT_THROW(dataset.events(1, 100, whole.size() - 99), Error);
@@ -508,7 +508,7 @@ TEST_F(WriteDataset, IsVerifiedAgainstItsRuns) {
 
   test::LabelledRun moved{.run = "01", .seed = 1};
   moved.intervals[0].start = camera_time(204'000);
-  write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
+  labels::write_labels(data() / "fan/01/labels.json", test::labels_of(moved));
   const auto differences = verify_dataset(data(), file()).differences;
   EXPECT_TRUE(mentions(differences, "fan/01: labels.json has changed"));
   EXPECT_TRUE(mentions(differences, "fan/01: its intervals differ from its labels"));
@@ -528,7 +528,7 @@ TEST_F(WriteDataset, FindsARunThatHasChanged) {
   write_dataset(data(), file());
   const Dataset dataset(file());
   EXPECT_NO_THROW(check_unchanged(dataset, 2));
-  write_labels(data() / "usb-hub/01/labels.json", {});
+  labels::write_labels(data() / "usb-hub/01/labels.json", {});
   EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("usb-hub/01"), std::string::npos);
   fs::remove(data() / "usb-hub/01/labels.json");
   EXPECT_NE(message_of([&] { check_unchanged(dataset, 2); }).find("is missing"), std::string::npos);
@@ -537,10 +537,10 @@ TEST_F(WriteDataset, FindsARunThatHasChanged) {
 TEST_F(WriteDataset, RefusesARecordingThatGoesBackInTime) {
   const RunFolder run = test::make_run(data(), {});
   fs::remove(run.events());
-  const std::vector<Event> events = test::random_events({});
+  const std::vector<events::Event> events = test::random_events({});
   {
-    RecordingWriter writer(run.events(), {event_stream_declaration({40, 30}, "DVXplorer_TEST")},
-                           {.compression = Compression::none});
+    events::RecordingWriter writer(run.events(), {events::event_stream_declaration({40, 30}, "DVXplorer_TEST")},
+                                   {.compression = events::Compression::none});
     writer.write_events(0, events);
     writer.close();
   }
@@ -601,4 +601,4 @@ TEST(Heatmaps, AreReadInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -6,7 +6,7 @@
 #include "tactile/alignment/moving_mean.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 std::size_t bins_in(microseconds span, const EventRate& rate) {
@@ -80,4 +80,4 @@ bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const 
   return burst.end - burst.begin < bins_in(brief, rate) && burst.events < small * largest;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 
 #include "tactile/alignment/event_rate.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The event rate of the skin when nothing touches it.
 struct QuietRate {
@@ -42,4 +42,4 @@ double events_above(const EventRate& rate, const QuietRate& quiet, std::size_t b
 /// A stage takes 0.1 s to press, and an arm longer to lift; tips that spring back take less.
 bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const Burst> bursts);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

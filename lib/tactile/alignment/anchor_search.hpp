@@ -14,7 +14,7 @@
 #include "tactile/events/other_streams.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// What is known of two clocks before any content is compared: camera_us - clock_us lies within `within` of `offset_us`.
 struct CoarseOffset {
@@ -30,11 +30,11 @@ struct CameraArrival {
 
 /// One piece of the robot's log, and one recording.
 struct AnchorInputs {
-  const RobotLog& robot;
+  const robot::RobotLog& robot;
   std::span<const MotionPhase> motions;  ///< of `robot`, by `motion_phases`
   const EventRate& rate;
   const QuietRate& quiet;
-  std::span<const ImuSample> imu = {};  ///< none where the camera has no IMU
+  std::span<const events::ImuSample> imu = {};  ///< none where the camera has no IMU
   /// run.json's `host_from_camera`, where it has it: with host times in the log they relate the two.
   std::span<const CameraArrival> host_from_camera = {};
   std::optional<CoarseOffset> coarse = {};  ///< nothing: all lags at which log and recording overlap are searched
@@ -94,4 +94,4 @@ struct AnchorSearch {
   double grid_s() const { return 1e-6 * static_cast<double>(options.grid.count()); }
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -1,9 +1,9 @@
 #include "tactile/alignment/arm_motion.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
-std::optional<ArmMotion> arm_motion(const RobotLog& log, const ArmMotionOptions& options) {
-  const std::vector<RobotState>& states = log.states;
+std::optional<ArmMotion> arm_motion(const robot::RobotLog& log, const ArmMotionOptions& options) {
+  const std::vector<robot::RobotState>& states = log.states;
   if (states.size() < 2) return std::nullopt;
   const std::int64_t points = saturating_subtract(us_of(states.back().t), us_of(states.front().t)) / options.step.count() + 1;
   if (points < 2 || static_cast<std::uint64_t>(points) > options.most_points) return std::nullopt;
@@ -17,7 +17,7 @@ std::optional<ArmMotion> arm_motion(const RobotLog& log, const ArmMotionOptions&
   for (std::size_t i = 0; i < n; ++i) {
     const RobotTime t = motion.time_of(i);
     while (row + 2 < states.size() && states[row + 1].t <= t) ++row;
-    const RobotState &a = states[row], &b = states[row + 1];
+    const robot::RobotState &a = states[row], &b = states[row + 1];
     while (gap < log.gaps.size() && log.gaps[gap].first_after <= a.t) ++gap;
     const bool in_gap = gap < log.gaps.size() && log.gaps[gap].last_before <= a.t && t > a.t;
     if (b.t - a.t > options.longest_gap || in_gap) continue;
@@ -33,4 +33,4 @@ std::optional<ArmMotion> arm_motion(const RobotLog& log, const ArmMotionOptions&
   return motion;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

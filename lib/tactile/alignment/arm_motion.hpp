@@ -7,7 +7,7 @@
 #include "tactile/alignment/vector3.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The speed of the TCP on an even grid of the robot's clock, between the first and the last row of its log.
 struct ArmMotion {
@@ -27,6 +27,6 @@ struct ArmMotionOptions {
 };
 
 /// Straight lines between the rows. Nothing if the log has fewer than two rows or would need more points than allowed.
-std::optional<ArmMotion> arm_motion(const RobotLog& log, const ArmMotionOptions& options = {});
+std::optional<ArmMotion> arm_motion(const robot::RobotLog& log, const ArmMotionOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

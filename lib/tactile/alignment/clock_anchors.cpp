@@ -8,7 +8,7 @@
 #include "tactile/alignment/host_anchors.hpp"
 #include "tactile/alignment/imu_anchors.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// Adds what IMU, events and stage show.
@@ -60,4 +60,4 @@ FoundAnchors clock_anchors(const AnchorInputs& inputs, const AnchorOptions& opti
   return std::move(search.found);
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -2,7 +2,7 @@
 
 #include "tactile/alignment/anchor_search.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Looks for moments that the robot's log and the recording both show. Nothing need be known of the two clocks. The witnesses:
 ///
@@ -20,4 +20,4 @@ namespace tactile {
 /// Source: Faris et al., arXiv:2403.10120, section IV, for events against the lift.
 FoundAnchors clock_anchors(const AnchorInputs& inputs, const AnchorOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

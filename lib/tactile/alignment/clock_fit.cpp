@@ -9,7 +9,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double normal_95 = 1.96;
@@ -269,4 +269,4 @@ ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_
   return fit;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -10,7 +10,7 @@
 
 #include "tactile/alignment/fitted_clock.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// What relates two clocks, in the order of trust.
 enum class AnchorKind : std::uint8_t {
@@ -67,4 +67,4 @@ struct ClockFit {
 /// of the weight are left out, or that scatter by thirty times their own standard deviations.
 ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_us, const ClockFitOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

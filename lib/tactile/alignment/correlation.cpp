@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace tactile {
+namespace tactile::alignment {
 
 std::vector<double> correlations(std::span<const double> a, std::span<const double> b) {
   if (a.empty() || b.empty()) return {};
@@ -17,4 +17,4 @@ std::vector<double> correlations(std::span<const double> a, std::span<const doub
   return {reversed.begin<double>(), reversed.begin<double>() + static_cast<std::ptrdiff_t>(lags)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The cross-correlation of two signals at every lag at which they overlap,
 ///
@@ -13,4 +13,4 @@ namespace tactile {
 /// empty.
 std::vector<double> correlations(std::span<const double> a, std::span<const double> b);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -11,7 +11,7 @@
 #include "tactile/alignment/correlation.hpp"
 #include "tactile/alignment/lag_search.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -230,4 +230,4 @@ void EventAnchors::add_anchors(double shift_s) {
   add_stage_anchors(search_, commands_, starts_, shift_s);
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -7,7 +7,7 @@
 #include "tactile/alignment/placed_motion.hpp"
 #include "tactile/alignment/stage_anchors.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The events as a witness: the activity of the skin against the motions of the arm and the commands to the stage.
 class EventAnchors {
@@ -47,4 +47,4 @@ class EventAnchors {
   double length_s_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

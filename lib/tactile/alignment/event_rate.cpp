@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_health.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr int parts = 8;
@@ -22,10 +22,10 @@ struct Span {
   std::optional<double> readout_us;
 };
 
-Span span_of(RecordingReader& recording, std::int32_t stream_id) {
-  EventMeter meter(std::nullopt, {});
-  for_all_events(recording, stream_id, [&](std::span<const Event> events) { meter.add_packet(events); });
-  const StampHealth stamps = meter.stamps();
+Span span_of(events::RecordingReader& recording, std::int32_t stream_id) {
+  events::EventMeter meter(std::nullopt, {});
+  events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { meter.add_packet(events); });
+  const events::StampHealth stamps = meter.stamps();
   Span span{.first = stamps.first, .last = stamps.last, .empty = stamps.elements == 0, .readout_us = {}};
   if (!span.empty) span.readout_us = meter.health().readout_period_us;
   return span;
@@ -48,13 +48,14 @@ double quietest_mean(const std::vector<std::uint16_t>& counts) {
 
 /// By pixel, whether it fires throughout. A press and a slip together take half of a short run, and a pixel at a marker fires in
 /// both.
-std::vector<bool> hot_pixels(RecordingReader& recording, const Stream& stream, const Span& span, double hot_pixel_hz) {
+std::vector<bool> hot_pixels(events::RecordingReader& recording, const events::Stream& stream, const Span& span,
+                             double hot_pixel_hz) {
   const auto width = static_cast<std::size_t>(stream.size->width);
   const std::size_t pixels = width * static_cast<std::size_t>(stream.size->height);
   const double length_us = static_cast<double>(between(span.first, span.last).count()) + 1.0;
   std::vector<std::uint16_t> counts(pixels * parts);
-  for_all_events(recording, stream.id, [&](std::span<const Event> events) {
-    for (const Event& event : events) {
+  events::for_all_events(recording, stream.id, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
       const auto part = static_cast<std::size_t>(static_cast<double>(between(span.first, event.t).count()) * parts / length_us);
       const std::size_t pixel = static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x);
       std::uint16_t& count = counts[pixel * parts + std::min<std::size_t>(part, parts - 1)];
@@ -153,14 +154,14 @@ std::optional<double> flicker_of(const std::vector<std::uint32_t>& counts, micro
 
 }  // namespace
 
-EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options) {
+EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options) {
   const std::string where = recording.file().string();
-  const Stream& stream = recording.stream(stream_id);
+  const events::Stream& stream = recording.stream(stream_id);
   if (!stream.size) throw Error(where + ": its event stream declares no size; expected sizeX and sizeY");
-  if (std::int64_t{stream.size->width} * stream.size->height > EventMeter::most_pixels) {
+  if (std::int64_t{stream.size->width} * stream.size->height > events::EventMeter::most_pixels) {
     throw Error(where + ": declares a sensor of " + std::to_string(stream.size->width) + "x" +
-                std::to_string(stream.size->height) + " pixels; expected at most " + std::to_string(EventMeter::most_pixels) +
-                " pixels");
+                std::to_string(stream.size->height) + " pixels; expected at most " +
+                std::to_string(events::EventMeter::most_pixels) + " pixels");
   }
   const Span span = span_of(recording, stream_id);
   if (span.empty) throw Error(where + ": holds no event; expected a recording of a run");
@@ -185,8 +186,8 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
   // The limit of a read-out applies to all its events, those of hot pixels too.
   std::vector<std::uint32_t> all(rate.counts.size());
   const auto width = static_cast<std::size_t>(stream.size->width);
-  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
-    for (const Event& event : events) {
+  events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
       const auto at = static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin);
       ++all[at];
       if (!hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) ++rate.counts[at];
@@ -197,18 +198,18 @@ EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const E
   return rate;
 }
 
-void for_counted_events(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
-                        const std::function<void(const Event&, std::size_t)>& use) {
-  const SensorSize size = *recording.stream(stream_id).size;
+void for_counted_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                        const std::function<void(const events::Event&, std::size_t)>& use) {
+  const events::SensorSize size = *recording.stream(stream_id).size;
   const auto width = static_cast<std::size_t>(size.width);
   std::vector<bool> hot(width * static_cast<std::size_t>(size.height));
   for (const std::uint32_t pixel : rate.hot) hot[pixel] = true;
-  for_all_events(recording, stream_id, [&](std::span<const Event> events) {
-    for (const Event& event : events) {
+  events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
       if (hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) continue;
       use(event, static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin));
     }
   });
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

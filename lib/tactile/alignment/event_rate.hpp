@@ -8,7 +8,7 @@
 
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Events per bin of time in a recording, without its hot pixels.
 struct EventRate {
@@ -42,11 +42,11 @@ struct EventRateOptions {
 /// quietest part. Hot pixels appear and heal: a pixel is also hot if it fires so often in the last two or the first two parts,
 /// evenly, and in the outer one, where no touch is expected, five times as often as any but one of the 24 pixels around it.
 /// @throws Error  if the stream has no event or no sane size, or spans more than an hour (a run takes seconds)
-EventRate event_rate(RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
+EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
 
 /// Hands every event that `rate` counts, and its bin, to `use`, in file order.
 /// @param rate  of this stream of this recording
-void for_counted_events(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
-                        const std::function<void(const Event&, std::size_t)>& use);
+void for_counted_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                        const std::function<void(const events::Event&, std::size_t)>& use);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

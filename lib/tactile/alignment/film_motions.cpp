@@ -6,7 +6,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// Steps [first, last] of a film in which something moves.
@@ -248,4 +248,4 @@ std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClo
                      [&](const VideoMotion& motion) { return motion.start.at < end && motion.end.at > begin; });
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

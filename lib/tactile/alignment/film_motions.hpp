@@ -8,7 +8,7 @@
 #include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/alignment/motion_energy.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// A step of a film, from frame to frame, in microseconds from any zero.
 struct FilmStep {
@@ -56,4 +56,4 @@ std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions
 /// frames for the time of four frames or more.
 std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClock& clock, CameraTime begin, CameraTime end);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -9,7 +9,7 @@
 
 #include "tactile/alignment/film_motions.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double normal_95 = 1.96;
@@ -426,4 +426,4 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen
   return fit.refused.empty() ? with_clock(std::move(fit), energy) : fit;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

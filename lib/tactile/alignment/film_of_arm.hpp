@@ -7,7 +7,7 @@
 #include "tactile/alignment/motion_phases.hpp"
 #include "tactile/alignment/video_clock.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// What a film of the run must have seen move, and how fast, in camera time.
 struct SeenMotion {
@@ -37,4 +37,4 @@ SeenMotion seen_motion(const ArmMotion& arm, std::span<const MotionPhase> motion
 /// @param seen    of the same run; other motion in the film does not matter if it is weaker or lasts for another time
 VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 
 #include "tactile/alignment/film_motions.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double normal_95 = 1.96;
@@ -182,4 +182,4 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
   return with_clock(std::move(fit), energy);
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

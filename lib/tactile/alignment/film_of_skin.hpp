@@ -4,7 +4,7 @@
 
 #include "tactile/alignment/video_clock.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// A stretch in which the skin fires: a motion that touches or drags it.
 struct SeenBurst {
@@ -18,4 +18,4 @@ struct SeenBurst {
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts,
                               const VideoClockOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

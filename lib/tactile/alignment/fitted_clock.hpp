@@ -7,7 +7,7 @@
 
 #include "tactile/core/clock_relation.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// A time and its 95 % interval.
 struct UncertainTime {
@@ -33,4 +33,4 @@ struct FittedClock {
   }
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -8,7 +8,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 cv::Mat1f smoothed(const cv::Mat& grey) {
   const cv::Mat1f kernel = (cv::Mat1f(1, 5) << 1, 4, 6, 4, 1);
@@ -120,4 +120,4 @@ void FrameComparison::count_row() {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -7,7 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace tactile {
+namespace tactile::alignment {
 
 // Thresholds of a pixel's change: a fourth of an octave apart, from half a grey level on.
 constexpr std::size_t threshold_count = 28;
@@ -50,4 +50,4 @@ class FrameComparison {
   std::array<std::array<std::uint32_t, bins>, table_count> tables_{};
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 /// Host times, and by how much the host's clock is later than the device's.
@@ -30,7 +30,7 @@ std::vector<ClockAnchor> host_anchors(const AnchorInputs& inputs) {
   constexpr std::int64_t most_stretches = 16;
   constexpr double sigma_us = 2'000, common_us = 4'000;  // delays to the host are some milliseconds, and differ
   Arrivals robot, camera;
-  for (const RobotState& state : inputs.robot.states) {
+  for (const robot::RobotState& state : inputs.robot.states) {
     if (state.host_time) add(robot, us_of(*state.host_time), us_of(state.t));
   }
   for (const CameraArrival& arrival : inputs.host_from_camera) add(camera, us_of(arrival.host), us_of(arrival.camera));
@@ -56,4 +56,4 @@ std::vector<ClockAnchor> host_anchors(const AnchorInputs& inputs) {
   return anchors;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

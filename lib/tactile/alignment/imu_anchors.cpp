@@ -14,7 +14,7 @@
 #include "tactile/alignment/lowest_point.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Axes = std::array<std::vector<double>, 3>;
@@ -135,11 +135,11 @@ std::vector<Window> windows_of(const AnchorInputs& inputs, const ClockOrigins& o
       }
     }
   }
-  const std::vector<RobotState>& states = inputs.robot.states;
+  const std::vector<robot::RobotState>& states = inputs.robot.states;
   const auto t = [&](std::size_t row) { return origins.seconds_of(states[row].t); };
   const auto row_at = [&](double t_s) {
     const auto row = std::partition_point(states.begin(), states.end(),
-                                          [&](const RobotState& state) { return origins.seconds_of(state.t) < t_s; });
+                                          [&](const robot::RobotState& state) { return origins.seconds_of(state.t) < t_s; });
     return static_cast<std::size_t>(row - states.begin());
   };
   std::vector<Window> windows;
@@ -159,7 +159,7 @@ struct TimedSpeed {
 };
 
 /// The rows' speeds along the direction of the fastest.
-std::vector<TimedSpeed> speeds_in(const Window& window, const RobotLog& log, const ClockOrigins& origins) {
+std::vector<TimedSpeed> speeds_in(const Window& window, const robot::RobotLog& log, const ClockOrigins& origins) {
   const auto velocity = [&](std::size_t row) {
     const auto& v = log.states[row].tcp_speed;
     return Vector3{v[0], v[1], v[2]};
@@ -257,4 +257,4 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
   return std::nullopt;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

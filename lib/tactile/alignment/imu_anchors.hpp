@@ -5,7 +5,7 @@
 #include "tactile/alignment/anchor_search.hpp"
 #include "tactile/alignment/arm_motion.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The IMU as a witness. The TCP's acceleration is correlated with the measured one at every lag. The sum of squares over all
 /// pairs of axes does not depend on where the sensor is mounted and how it is turned. Then each stretch of motion is fitted by
@@ -13,4 +13,4 @@ namespace tactile {
 /// @return the clocks' shift [s], if it was found
 std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& motion);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -5,7 +5,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double gravity_m_s2 = 9.80665;
@@ -51,10 +51,10 @@ Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& s
 
 }  // namespace
 
-ImuMotion imu_motion(std::span<const ImuSample> samples) {
+ImuMotion imu_motion(std::span<const events::ImuSample> samples) {
   ImuMotion motion;
   std::vector<double> t_s;
-  for (const ImuSample& sample : samples) {
+  for (const events::ImuSample& sample : samples) {
     const bool finite = std::all_of(std::begin(sample.acceleration_g), std::end(sample.acceleration_g),
                                     [](float value) { return std::isfinite(value); });
     if (!finite || (!motion.t.empty() && sample.t <= motion.t.back())) continue;
@@ -86,4 +86,4 @@ ImuMotion imu_motion(std::span<const ImuSample> samples) {
   return motion;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 #include "tactile/alignment/vector3.hpp"
 #include "tactile/events/other_streams.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The camera's own motion by its IMU, in the sensor's axes.
 struct ImuMotion {
@@ -21,6 +21,6 @@ struct ImuMotion {
 /// Takes off gravity and bias: the running median over two seconds of each axis. An arm speeds up or brakes for a fraction of a
 /// second, which does not move that median. Samples out of order are left out. The integral passes over gaps of more than 20 ms
 /// as if there were no acceleration in them.
-ImuMotion imu_motion(std::span<const ImuSample> samples);
+ImuMotion imu_motion(std::span<const events::ImuSample> samples);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

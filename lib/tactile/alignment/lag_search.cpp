@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace tactile {
+namespace tactile::alignment {
 
 double energy_of(std::span<const double> values) { return std::inner_product(values.begin(), values.end(), values.begin(), 0.0); }
 
@@ -74,4 +74,4 @@ KnownShifts::Nearest KnownShifts::nearest(double at_s) const {
   return nearest;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 
 #include "tactile/alignment/anchor_search.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Minutes of two signals would smear their match where a clock drifts: the first search uses so much of one [s].
 constexpr double searched_s = 100.0;
@@ -58,4 +58,4 @@ struct KnownShifts {
   Nearest nearest(double at_s) const;
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Eigen::MatrixXd;
@@ -70,4 +70,4 @@ std::vector<double> curvature_at(const LeastSquares& problem, const std::vector<
   return {curvature.data(), curvature.data() + curvature.size()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// A problem: the parameters whose residuals have the least sum of squares.
 struct LeastSquares {
@@ -22,4 +22,4 @@ double descend(const LeastSquares& problem, std::vector<double>& parameters, int
 /// J^T J of the residuals' derivatives J, row by row; parameters that are held have 0. The parameters must be possible.
 std::vector<double> curvature_at(const LeastSquares& problem, const std::vector<double>& parameters);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct LowestPoint {
   double at = 0, value = 0;
@@ -36,4 +36,4 @@ LowestPoint lowest_point(const Cost& cost, double middle, double reach, double s
   return best;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace tactile {
+namespace tactile::alignment {
 
 MainDirection main_direction(std::span<const std::array<double, 3>> vectors) {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
@@ -16,4 +16,4 @@ MainDirection main_direction(std::span<const std::array<double, 3>> vectors) {
   return {.axis = {axis[0], axis[1], axis[2]}, .along = squares[2], .across = squares[0] + squares[1]};
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

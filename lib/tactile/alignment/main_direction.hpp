@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct MainDirection {
   std::array<double, 3> axis{0, 0, 1};  ///< unit vector; its sign has no meaning
@@ -15,4 +15,4 @@ struct MainDirection {
 /// they all are 0.
 MainDirection main_direction(std::span<const std::array<double, 3>> vectors);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

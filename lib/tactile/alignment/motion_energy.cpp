@@ -11,7 +11,7 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/video/film_reader.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double least_threshold = 1.0;  // [grey levels] coders change still pixels by less
@@ -50,11 +50,11 @@ struct ReadFrames {
   double region_pixels = 1;
 };
 
-ReadFrames read_frames(FilmReader& film, const MotionEnergyOptions& options) {
+ReadFrames read_frames(video::FilmReader& film, const MotionEnergyOptions& options) {
   ReadFrames read;
   FrameComparison comparison;
   cv::Mat1f before;
-  while (const std::optional<FilmReader::Frame> frame = film.next()) {
+  while (const std::optional<video::FilmReader::Frame> frame = film.next()) {
     cv::Mat grey;
     if (!film.grey(options.width, grey)) continue;
     const cv::Mat1f now = smoothed(grey);
@@ -211,7 +211,7 @@ void count_frames(MotionEnergy& energy, const ReadFrames& read, std::size_t rows
 
 /// Adds the steps from frame to frame. A step over frames that are dropped has their changes too.
 void add_steps(MotionEnergy& energy, const ReadFrames& read, std::span<const VideoTime> rows, std::size_t level,
-               const NoiseFloor& floor, const FilmReader& film) {
+               const NoiseFloor& floor, const video::FilmReader& film) {
   constexpr double beyond_noise = 10;
   const std::vector<bool> duplicates = duplicates_among(read.frames, level, floor.of_step + beyond_noise * energy.noise);
   const std::vector<std::optional<VideoTime>> times = times_of(read, rows);
@@ -235,7 +235,7 @@ void add_steps(MotionEnergy& energy, const ReadFrames& read, std::span<const Vid
     }
     if (last) {
       const microseconds length = *times[i] - *last;
-      if (length > FilmReader::longest) film.refuse_length();
+      if (length > video::FilmReader::longest) film.refuse_length();
       if (joined)
         energy.steps.push_back({*last, *times[i], 1e6 * change / static_cast<double>(length.count()), strongest, doubtful});
       lengths.push_back(static_cast<double>(length.count()));
@@ -257,8 +257,8 @@ void add_steps(MotionEnergy& energy, const ReadFrames& read, std::span<const Vid
 MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const VideoTime> rows,
                            const MotionEnergyOptions& options) {
   if (options.width < 1) throw Error(fmt::format("{}: a width of {} px; expected more than 0", path.string(), options.width));
-  FilmReader film(path);
-  if (!rows.empty() && saturating_subtract(us_of(rows.back()), us_of(rows.front())) > FilmReader::longest.count())
+  video::FilmReader film(path);
+  if (!rows.empty() && saturating_subtract(us_of(rows.back()), us_of(rows.front())) > video::FilmReader::longest.count())
     film.refuse_length();
   const ReadFrames read = read_frames(film, options);
   MotionEnergy energy;
@@ -272,4 +272,4 @@ MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const Vi
   return energy;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

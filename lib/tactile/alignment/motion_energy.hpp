@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct MotionEnergyOptions {
   int width = 320;                      ///< [px] wider films are scaled down to this width, > 0
@@ -77,4 +77,4 @@ struct MotionEnergy {
 MotionEnergy motion_energy(const std::filesystem::path& film, std::span<const VideoTime> times = {},
                            const MotionEnergyOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

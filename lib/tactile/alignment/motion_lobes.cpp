@@ -7,7 +7,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Speed = SpeedProfile::Speed;
@@ -119,4 +119,4 @@ UncertainSeconds lobe_edge(const MotionRows& rows, const MotionLobe& lobe, bool 
   return {rest_s, std::max(rows.period_s(), std::abs(moving_s - rest_s))};
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

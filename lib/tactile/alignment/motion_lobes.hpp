@@ -6,7 +6,7 @@
 
 #include "tactile/alignment/motion_rows.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Rows in which the arm moves in one direction.
 struct MotionLobe {
@@ -40,4 +40,4 @@ struct UncertainSeconds {
 /// Where a lobe starts (or ends): where a line through its speeds between a tenth and six tenths of their height is zero.
 UncertainSeconds lobe_edge(const MotionRows& rows, const MotionLobe& lobe, bool is_start);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -9,7 +9,7 @@
 #include "tactile/alignment/motion_lobes.hpp"
 #include "tactile/alignment/motion_rows.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Speed = SpeedProfile::Speed;
@@ -61,7 +61,7 @@ struct Stretch {
 /// Finds the phases of one log.
 class PhaseFinder {
  public:
-  PhaseFinder(const RobotLog& log, const MotionPhaseOptions& options)
+  PhaseFinder(const robot::RobotLog& log, const MotionPhaseOptions& options)
       : log_(log), options_(options), rows_(log, options.slowest), least_dwell_s_(least_dwell_s(rows_)) {}
 
   std::vector<MotionPhase> phases() {
@@ -267,7 +267,7 @@ class PhaseFinder {
     std::size_t last = std::min(rows_.row_at_or_after(end.t_s), rows_.size() - 1);
     if (first > 0 && !rows_.gap_before(first)) --first;
     if (last > 0 && rows_.gap_before(last) && rows_.t_s(last) > end.t_s) --last;
-    const RobotState &before = log_.states[std::min(first, last)], &after = log_.states[last];
+    const robot::RobotState &before = log_.states[std::min(first, last)], &after = log_.states[last];
     for (std::size_t a = 0; a < 3; ++a) phase.displacement[a] = after.tcp_pose[a] - before.tcp_pose[a];
     phase.height_change = phase.displacement[2];
     const double upright = std::sqrt(0.5) * length_of(phase.displacement);
@@ -318,7 +318,7 @@ class PhaseFinder {
     if (later.knots_s.front() > tap.profile->knots_s.back()) tap.profile->append(later);
   }
 
-  const RobotLog& log_;
+  const robot::RobotLog& log_;
   const MotionPhaseOptions& options_;
   MotionRows rows_;
   double least_dwell_s_;
@@ -335,8 +335,8 @@ std::string_view name_of(MotionKind kind) {
 
 bool MotionPhase::is_whole() const { return std::isfinite(start_sigma_us) && std::isfinite(end_sigma_us); }
 
-std::vector<MotionPhase> motion_phases(const RobotLog& log, const MotionPhaseOptions& options) {
+std::vector<MotionPhase> motion_phases(const robot::RobotLog& log, const MotionPhaseOptions& options) {
   return log.states.empty() ? std::vector<MotionPhase>() : PhaseFinder(log, options).phases();
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

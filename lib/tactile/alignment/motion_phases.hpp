@@ -8,7 +8,7 @@
 #include "tactile/alignment/speed_profile.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// What the arm does: it moves up, down or neither within 45 degrees; or there and straight back, and not upwards first.
 enum class MotionKind { lift, lower, sideways, tap };
@@ -50,6 +50,6 @@ struct MotionPhaseOptions {
 /// many turns, is fitted at its two ends only. With too few rows for that, start and end are where lines through the rise and
 /// fall of the speed meet zero. One row every 8 ms gives errors below a millisecond.
 /// Source: UR's RTDE guide, `actual_TCP_speed`; the ringing is that of a mass on a spring.
-std::vector<MotionPhase> motion_phases(const RobotLog& log, const MotionPhaseOptions& options = {});
+std::vector<MotionPhase> motion_phases(const robot::RobotLog& log, const MotionPhaseOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -5,7 +5,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -18,15 +18,15 @@ constexpr double ringing_lasts_s = 0.3;
 
 }  // namespace
 
-double speed_noise(const RobotLog& log) {
+double speed_noise(const robot::RobotLog& log) {
   constexpr microseconds apart{24'000}, too_far{60'000};
   std::vector<double> differences;
   std::size_t j = 0;
-  for (const RobotState& state : log.states) {
+  for (const robot::RobotState& state : log.states) {
     while (j < log.states.size() && log.states[j].t - state.t < apart) ++j;
     if (j == log.states.size()) break;
     if (log.states[j].t - state.t > too_far) continue;
-    const RobotState& later = log.states[j];
+    const robot::RobotState& later = log.states[j];
     differences.push_back(std::hypot(later.tcp_speed[0] - state.tcp_speed[0], later.tcp_speed[1] - state.tcp_speed[1],
                                      later.tcp_speed[2] - state.tcp_speed[2]));
   }
@@ -34,15 +34,15 @@ double speed_noise(const RobotLog& log) {
   return median(differences) / (chi3_median * std::sqrt(2.0));
 }
 
-MotionRows::MotionRows(const RobotLog& log, double slowest) : noise_(std::max(speed_noise(log), 1e-6)) {
+MotionRows::MotionRows(const robot::RobotLog& log, double slowest) : noise_(std::max(speed_noise(log), 1e-6)) {
   const RobotTime first = log.states.front().t;
   rows_.reserve(log.states.size());
-  for (const RobotState& state : log.states) {
+  for (const robot::RobotState& state : log.states) {
     rows_.push_back({.t_s = 1e-6 * static_cast<double>((state.t - first).count()),
                      .speed = {state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]}});
   }
   limit_ = std::max(slowest, (chi3_median + noise_factor) * noise_);
-  if (const double rate = rate_hz(log); rate > 0) period_s_ = 1.0 / rate;
+  if (const double rate = robot::rate_hz(log); rate > 0) period_s_ = 1.0 / rate;
 }
 
 double MotionRows::speed(std::size_t row) const { return length_of(rows_[row].speed); }
@@ -104,4 +104,4 @@ void MotionRows::subtract(const SpeedProfile& profile, double stop_s, double pea
   ringing_limit_ = ringing_share * peak_speed;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

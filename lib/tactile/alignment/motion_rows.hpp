@@ -8,11 +8,11 @@
 #include "tactile/alignment/speed_profile.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Standard deviation of each axis of the TCP's speed at rest [m/s]: from the differences of speeds 24 ms apart, which slow
 /// changes hardly affect. 0 with less than 8 rows.
-double speed_noise(const RobotLog& log);
+double speed_noise(const robot::RobotLog& log);
 
 /// The TCP speeds of a log, and where the arm moves in them: the one division of a log into motion and rest.
 ///
@@ -22,7 +22,7 @@ class MotionRows {
  public:
   /// @param log  with one row at least
   /// @param slowest  [m/s] > 0
-  MotionRows(const RobotLog& log, double slowest);
+  MotionRows(const robot::RobotLog& log, double slowest);
 
   const std::vector<SpeedRow>& rows() const { return rows_; }  ///< less what was explained; times in seconds from the first row
   std::size_t size() const { return rows_.size(); }
@@ -57,4 +57,4 @@ class MotionRows {
   double ringing_until_s_ = -std::numeric_limits<double>::infinity(), ringing_limit_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

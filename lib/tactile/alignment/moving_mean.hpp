@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Means over `width` values centred on each; at the ends over as many as there are.
 template <class T>
@@ -19,4 +19,4 @@ std::vector<double> moving_mean(const std::vector<T>& values, std::size_t width)
   return means;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

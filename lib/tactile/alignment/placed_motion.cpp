@@ -7,7 +7,7 @@
 
 #include "tactile/alignment/lowest_point.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 double seconds_between(RobotTime from, RobotTime to) { return 1e-6 * static_cast<double>((to - from).count()); }
@@ -313,4 +313,4 @@ std::optional<PlacedMotion> place_tap(const Milliseconds& ms, const MotionPhase&
                       .likeness = likeness};
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

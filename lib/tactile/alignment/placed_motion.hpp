@@ -7,7 +7,7 @@
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/motion_phases.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Events in whole milliseconds from the rate's begin on, and how many there are when the skin rests.
 struct Milliseconds {
@@ -51,4 +51,4 @@ std::optional<PlacedMotion> place_ring_down(const Milliseconds& ms, const Motion
 /// @return  nothing where the speed explains less than a third of the activity
 std::optional<PlacedMotion> place_tap(const Milliseconds& ms, const MotionPhase& tap, double start_s, double shift_s);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -12,7 +12,7 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 std::string in_seconds(std::int64_t us) { return fmt::format("{:.3f} s", 1e-6 * static_cast<double>(us)); }
@@ -56,19 +56,20 @@ std::vector<std::string> losses_in(const RunInfo& run) {
 }
 
 void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
-  RecordingReader recording(signals.run.events());
-  signals.event_stream = event_stream(recording).id;
+  events::RecordingReader recording(signals.run.events());
+  signals.event_stream = events::event_stream(recording).id;
   signals.rate = event_rate(recording, signals.event_stream, options.rate);
   signals.quiet = quiet_rate(signals.rate);
   signals.bursts = bursts_in(signals.rate, signals.quiet, options.activity);
-  for (const PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != StreamType::imu) continue;
-    const std::vector<ImuSample> samples = recording.read_imu(packet);
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
+    const std::vector<events::ImuSample> samples = recording.read_imu(packet);
     signals.imu.insert(signals.imu.end(), samples.begin(), samples.end());
   }
-  std::stable_sort(signals.imu.begin(), signals.imu.end(), [](const ImuSample& a, const ImuSample& b) { return a.t < b.t; });
+  std::stable_sort(signals.imu.begin(), signals.imu.end(),
+                   [](const events::ImuSample& a, const events::ImuSample& b) { return a.t < b.t; });
 
-  const RecordingProblems& problems = recording.problems();
+  const events::RecordingProblems& problems = recording.problems();
   if (problems.truncated_bytes > 0)
     signals.problems.push_back(
         fmt::format("the recording is cut off: {} bytes after its last whole packet", problems.truncated_bytes));
@@ -116,10 +117,10 @@ std::optional<std::int64_t> camera_ahead_of_host(const std::vector<CameraArrival
 }
 
 /// How far the host's clock is ahead of the robot's; nothing if the log has no host times.
-std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const RobotLog& log) {
+std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const robot::RobotLog& log) {
   if (run.extra.value("robot_clock", nlohmann::json()) == "host") return 0;
   std::optional<std::int64_t> ahead;
-  for (const RobotState& state : log.states) {
+  for (const robot::RobotState& state : log.states) {
     if (!state.host_time) continue;
     const std::int64_t us = saturating_subtract(us_of(*state.host_time), us_of(state.t));
     ahead = std::min(ahead.value_or(us), us);
@@ -130,7 +131,7 @@ std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const RobotL
 /// Data arrive late by some ms, in bursts more, and clocks drift: the content decides within this.
 constexpr microseconds host_times_within = 100ms;
 
-std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const RobotLog& log) {
+std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const robot::RobotLog& log) {
   const auto camera = camera_ahead_of_host(signals.host_from_camera), host = host_ahead_of_robot(signals.info, log);
   if (!camera || !host) return std::nullopt;
   return CoarseOffset{.offset_us = saturating_add(*camera, *host), .within = host_times_within};
@@ -138,26 +139,27 @@ std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const Robot
 
 void read_robot(RunSignals& signals) {
   signals.has_robot = true;
-  RobotLogFile file = read_robot_log(signals.run.robot());
+  robot::RobotLogFile file = robot::read_robot_log(signals.run.robot());
   signals.speed_from = file.speed_from;
   signals.arm = file.arm;
-  if (is_target(file.speed_from)) {
+  if (robot::is_target(file.speed_from)) {
     signals.remarks.push_back(
         fmt::format("the robot log has no actual_ column: motions are the commanded ones of {}", name_of(file.speed_from)));
   }
   if (file.arm)
     signals.remarks.push_back(fmt::format("poses follow from the robot's joints by the kinematics of a {}", name_of(*file.arm)));
   std::size_t mixed_rows = 0;
-  for (const RobotLog& log : file.pieces) mixed_rows += log.mixed_rows;
+  for (const robot::RobotLog& log : file.pieces) mixed_rows += log.mixed_rows;
   if (mixed_rows > 0) {
     signals.remarks.push_back(fmt::format("{} of the robot log's rows {} two packages, and {} left out or repaired", mixed_rows,
                                           mixed_rows == 1 ? "mixes" : "mix", mixed_rows == 1 ? "was" : "were"));
   }
-  for (RobotLog& log : file.pieces) {
+  for (robot::RobotLog& log : file.pieces) {
     if (!log.gaps.empty()) {
-      const auto longest = std::max_element(log.gaps.begin(), log.gaps.end(), [](const RobotGap& a, const RobotGap& b) {
-        return a.first_after - a.last_before < b.first_after - b.last_before;
-      });
+      const auto longest =
+          std::max_element(log.gaps.begin(), log.gaps.end(), [](const robot::RobotGap& a, const robot::RobotGap& b) {
+            return a.first_after - a.last_before < b.first_after - b.last_before;
+          });
       signals.problems.push_back(fmt::format(
           "the robot log has {} gap{}, the longest of {} ms, {} after its first row (at {} of its clock)", log.gaps.size(),
           log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000,
@@ -188,13 +190,13 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
     if (!signals.info.complete) signals.problems.emplace_back("run.json says that the recording was not completed");
     for (std::string& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
   }
-  signals.info.simulated = is_simulated(run);
+  signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals);
   if (std::filesystem::exists(run.video())) {
     try {
       const std::vector<VideoTime> times =
-          std::filesystem::exists(run.video_times()) ? read_video_times(run.video_times()) : std::vector<VideoTime>();
+          std::filesystem::exists(run.video_times()) ? video::read_video_times(run.video_times()) : std::vector<VideoTime>();
       signals.video = motion_energy(run.video(), times, options.video);
       if (const std::size_t lost = signals.video->rows_without_frame; lost > 0)
         signals.problems.push_back(fmt::format("the film lacks {} of the {} frames of video.csv", lost, times.size()));
@@ -219,4 +221,4 @@ nlohmann::json hashes_of_inputs(const RunFolder& run) {
   return hashes;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -14,7 +14,7 @@
 #include "tactile/events/other_streams.hpp"
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct RunSignalsOptions {
   EventRateOptions rate{};
@@ -31,7 +31,7 @@ struct CameraSpan {
 
 /// A piece of the robot's log on one clock, and the motions of the arm in it.
 struct RobotPiece {
-  RobotLog log;
+  robot::RobotLog log;
   std::vector<MotionPhase> phases;
 };
 
@@ -46,11 +46,11 @@ struct RunSignals {
   std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
   bool has_robot = false;        ///< there is a log, perhaps an empty one
   std::vector<RobotPiece> robot;
-  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;  ///< of the log
-  std::optional<ArmModel> arm;                              ///< whose kinematics gave poses from joints, if the log has no poses
+  robot::RobotSpeedSource speed_from = robot::RobotSpeedSource::actual_tcp_speed;  ///< of the log
+  std::optional<robot::ArmModel> arm;                       ///< whose kinematics gave poses from joints, if the log has no poses
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where the host times of both devices are known
   std::vector<CameraArrival> host_from_camera;              ///< of run.json: when the camera's data arrived at the host
-  std::vector<ImuSample> imu;                               ///< by time; empty if the recording has none
+  std::vector<events::ImuSample> imu;                       ///< by time; empty if the recording has none
   std::optional<MotionEnergy> video;
   std::vector<std::string> problems;  ///< of the files, in words: a person should check them
   std::vector<std::string> remarks;   ///< what is missing or unusual, but does no harm
@@ -64,4 +64,4 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
 /// SHA-256 of each file that `read_run_signals` reads, by its name.
 nlohmann::json hashes_of_inputs(const RunFolder& run);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

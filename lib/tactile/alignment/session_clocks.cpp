@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 std::int64_t first_us(const RobotPiece& piece) { return us_of(piece.log.states.front().t); }
@@ -119,4 +119,4 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
   return clocks;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

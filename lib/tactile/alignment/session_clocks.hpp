@@ -9,7 +9,7 @@
 #include "tactile/alignment/clock_fit.hpp"
 #include "tactile/alignment/run_signals.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct RobotClocksOptions {
   AnchorOptions anchors{};
@@ -30,4 +30,4 @@ struct RobotClocks {
 /// @return  of each run, in order
 std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs, const RobotClocksOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::alignment

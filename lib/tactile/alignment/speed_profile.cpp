@@ -10,7 +10,7 @@
 #include "tactile/alignment/main_direction.hpp"
 #include "tactile/alignment/speed_profile_fit.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Speed = SpeedProfile::Speed;
@@ -295,4 +295,4 @@ std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> speed_ro
   return profile_of(fit, best, descents->rivals, rows, options);
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -7,7 +7,7 @@
 
 #include "tactile/alignment/vector3.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// The arm as a mass on a spring: after each change c of its acceleration it lags and rings with the speed
 ///
@@ -70,4 +70,4 @@ struct SpeedProfileOptions {
 /// @return      nothing if there are too few rows, or if no profile fits
 std::optional<SpeedProfile> fit_speed_profile(std::span<const SpeedRow> rows, const SpeedProfileOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

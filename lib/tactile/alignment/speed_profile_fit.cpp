@@ -7,7 +7,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 using Vector = std::vector<double>;
@@ -81,7 +81,7 @@ ArmRinging SpeedProfileFit::ringing_of(std::span<const double> parameters) const
 }
 
 double SpeedProfileFit::descend(Vector& parameters, int iterations) {
-  const double cost = tactile::descend(problem(), parameters, iterations);
+  const double cost = tactile::alignment::descend(problem(), parameters, iterations);
   fit_speeds(parameters);
   return cost;
 }
@@ -246,4 +246,4 @@ void SpeedProfileFit::fill_basis(std::span<const double> knots, double w, double
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

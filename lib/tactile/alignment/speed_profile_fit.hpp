@@ -9,7 +9,7 @@
 #include "tactile/alignment/least_squares.hpp"
 #include "tactile/alignment/speed_profile.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// Speeds of the log's rows: 1 or 3 axes of each.
 using SpeedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -74,4 +74,4 @@ class SpeedProfileFit {
   std::vector<Response> responses_;  ///< by knot
 };
 
-}  // namespace tactile
+}  // namespace tactile::alignment

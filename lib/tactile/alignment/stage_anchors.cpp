@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::alignment {
 namespace {
 
 constexpr double shortest_travel_s = 0.03;
@@ -61,7 +61,7 @@ std::vector<StageMatch> matches_of(const std::vector<StageCommand>& commands, co
 
 std::vector<StageCommand> stage_commands(const AnchorSearch& search) {
   std::vector<StageCommand> commands;
-  for (const OutputChange& change : search.inputs.robot.output_changes) {
+  for (const robot::OutputChange& change : search.inputs.robot.output_changes) {
     commands.push_back({.at_s = 0.5 * (search.origins.seconds_of(change.last_before) + search.origins.seconds_of(change.at)),
                         .closes = change.to > change.from});
   }
@@ -122,4 +122,4 @@ void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

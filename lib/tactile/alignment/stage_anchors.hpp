@@ -4,7 +4,7 @@
 
 #include "tactile/alignment/anchor_search.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 /// A change of an output that is taken for a command to the stage.
 struct StageCommand {
@@ -35,4 +35,4 @@ void add_stage_anchors(AnchorSearch& search, const std::vector<StageCommand>& co
 /// The stage's commands alone against what the skin began to do: for runs whose arm rests. An ambiguous match is refused.
 void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tactile {
+namespace tactile::alignment {
 
 std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options) {
   constexpr double no_other = 99;
@@ -23,4 +23,4 @@ VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
   return fit;
 }
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -8,7 +8,7 @@
 #include "tactile/alignment/clock_fit.hpp"
 #include "tactile/alignment/motion_energy.hpp"
 
-namespace tactile {
+namespace tactile::alignment {
 
 struct VideoClockOptions {
   std::optional<std::int64_t> coarse_offset_us = {};  ///< if known: camera time of the film's first frame less its own time
@@ -34,4 +34,4 @@ std::string set_ambiguity(VideoClockFit& fit, double best, double second, const 
 /// more allow a line.
 VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
 
-}  // namespace tactile
+}  // namespace tactile::alignment

@@ -6,7 +6,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 /// Cuts before an element that is `span` or more after the packet's first one, or earlier than the previous one, and after the
@@ -41,9 +41,9 @@ void CameraBroadcast::send(const CameraPacket& packet) {
     for (auto at = first; at != last; ++at) at->second->send(elements);
     ++counts_.packets;
   };
-  cut(std::span<const Event>(packet.events), options_.packet_span, options_.packet_events, to_all);
-  cut(std::span<const ImuSample>(packet.imu), options_.packet_span, options_.packet_events, to_all);
-  cut(std::span<const Trigger>(packet.triggers), options_.packet_span, options_.packet_events, to_all);
+  cut(std::span<const events::Event>(packet.events), options_.packet_span, options_.packet_events, to_all);
+  cut(std::span<const events::ImuSample>(packet.imu), options_.packet_span, options_.packet_events, to_all);
+  cut(std::span<const events::Trigger>(packet.triggers), options_.packet_span, options_.packet_events, to_all);
   if (packet.frame) to_all(*packet.frame);
   counts_.events += packet.events.size();
   counts_.imu_samples += packet.imu.size();
@@ -51,4 +51,4 @@ void CameraBroadcast::send(const CameraPacket& packet) {
   counts_.frames += packet.frame ? 1 : 0;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -7,7 +7,7 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/transport/dv/dv_stream_server.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 struct CameraBroadcastOptions {
   microseconds packet_span{1'000};   ///< longest time within a packet, > 0
@@ -30,7 +30,7 @@ class CameraBroadcast {
   explicit CameraBroadcast(CameraBroadcastOptions options = {});
 
   /// From now on `server` receives the stream, and must outlive this. A stream may have several servers.
-  void add(std::int32_t stream_id, DvStreamServer& server) { servers_.emplace(stream_id, &server); }
+  void add(std::int32_t stream_id, transport::DvStreamServer& server) { servers_.emplace(stream_id, &server); }
 
   /// Elements of a stream without server are dropped. @throws Error  as the server does
   void send(const CameraPacket& packet);
@@ -39,8 +39,8 @@ class CameraBroadcast {
 
  private:
   CameraBroadcastOptions options_;
-  std::multimap<std::int32_t, DvStreamServer*> servers_;
+  std::multimap<std::int32_t, transport::DvStreamServer*> servers_;
   BroadcastCounts counts_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 /// The text after `kind` and a colon; nothing if `text` is only `kind`.
@@ -32,7 +32,7 @@ std::string address_in(std::string_view text) {
   if (text.find('/') != std::string_view::npos) return {};  // a path, or an address of another protocol
   const std::string address = "tcp://" + std::string(text);
   try {
-    network_address(address);
+    transport::network_address(address);
     return address;
   } catch (const Error&) {
     return {};
@@ -73,4 +73,4 @@ std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const 
                                   : "tcp://host:port, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]"));
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -15,15 +15,15 @@
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// Elements of one stream, ascending in time. The vectors are reused from packet to packet.
 struct CameraPacket {
   std::int32_t stream_id = 0;  ///< one of the source's streams
-  std::vector<Event> events;
-  std::vector<ImuSample> imu;
-  std::vector<Trigger> triggers;
-  std::optional<Frame> frame;
+  std::vector<events::Event> events;
+  std::vector<events::ImuSample> imu;
+  std::vector<events::Trigger> triggers;
+  std::optional<events::Frame> frame;
   std::optional<HostTime> arrived = {};  ///< when it reached this machine, if the source reports that
   bool more_came = false;                ///< further data arrived with it: `arrived` is their time, this packet came earlier
 
@@ -81,7 +81,7 @@ class CameraSource {
   virtual ~CameraSource() = default;
 
   virtual std::string name() const = 0;  ///< as the user wrote it
-  virtual std::span<const Stream> streams() const = 0;
+  virtual std::span<const events::Stream> streams() const = 0;
   virtual bool simulated() const { return false; }
   /// Whether packets that are not received in time are lost. A file or simulator at full speed waits instead.
   virtual bool live() const { return true; }
@@ -131,4 +131,4 @@ struct CameraSourceOptions {
 /// @throws Error  if `text` is none of these, or the source cannot be opened
 std::unique_ptr<CameraSource> open_camera_source(const std::string& text, const CameraSourceOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -6,7 +6,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 constexpr microseconds clock_was_set_back = 1s;
@@ -41,14 +41,14 @@ struct Keeper {
 
 }  // namespace
 
-std::optional<std::string> info_of(const Stream& stream, std::string_view key) {
+std::optional<std::string> info_of(const events::Stream& stream, std::string_view key) {
   for (const auto& [name, value] : stream.info) {
     if (name == key) return value;
   }
   return std::nullopt;
 }
 
-void set_info(Stream& stream, std::string_view key, std::string value) {
+void set_info(events::Stream& stream, std::string_view key, std::string value) {
   for (auto& [name, old] : stream.info) {
     if (name == key) {
       old = std::move(value);
@@ -58,9 +58,9 @@ void set_info(Stream& stream, std::string_view key, std::string value) {
   stream.info.emplace_back(key, std::move(value));
 }
 
-nlohmann::json camera_json(std::span<const Stream> streams) {
+nlohmann::json camera_json(std::span<const events::Stream> streams) {
   nlohmann::json json = nlohmann::json::object();
-  for (const Stream& stream : streams) {
+  for (const events::Stream& stream : streams) {
     if (!json.contains("source") && !stream.source.empty()) json["source"] = stream.source;
     const std::optional<std::string> mode = info_of(stream, readout_mode_attribute);
     if (mode && !json.contains("readout_mode")) json["readout_mode"] = *mode;
@@ -91,4 +91,4 @@ void AscendingTimes::keep(CameraPacket& packet, std::string_view name, SourceDro
   lose(lost);
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -10,16 +10,16 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// An attribute of a stream's `info` in addition to the vendor's.
 inline constexpr std::string_view readout_mode_attribute = "readoutMode";
 
-std::optional<std::string> info_of(const Stream& stream, std::string_view key);
-void set_info(Stream& stream, std::string_view key, std::string value);
+std::optional<std::string> info_of(const events::Stream& stream, std::string_view key);
+void set_info(events::Stream& stream, std::string_view key, std::string value);
 
 /// The camera of the streams, for run.json: `source`, and `readout_mode` if a stream names it.
-nlohmann::json camera_json(std::span<const Stream> streams);
+nlohmann::json camera_json(std::span<const events::Stream> streams);
 
 /// Keeps the times of a stream ascending, as recordings require.
 class AscendingTimes {
@@ -33,4 +33,4 @@ class AscendingTimes {
   std::optional<CameraTime> latest_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 std::int64_t difference(const ClockPair& pair) { return saturating_subtract(us_of(pair.host), us_of(pair.camera)); }
@@ -27,4 +27,4 @@ void ClockPairs::add(CameraTime camera, HostTime host) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 struct ClockPair {
   CameraTime camera;
@@ -32,4 +32,4 @@ class ClockPairs {
   std::vector<ClockPair> pairs_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -12,7 +12,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,12 +38,12 @@ struct Rest {
 
 /// One stream's packets, in file order.
 struct Lane {
-  Stream stream;
-  std::vector<PacketRecord> packets;
+  events::Stream stream;
+  std::vector<events::PacketRecord> packets;
   std::size_t next = 0;
-  Rest<Event> events;
-  Rest<ImuSample> imu;
-  Rest<Trigger> triggers;
+  Rest<events::Event> events;
+  Rest<events::ImuSample> imu;
+  Rest<events::Trigger> triggers;
   AscendingTimes times;
 
   bool has_rest() const { return !events.empty() || !imu.empty() || !triggers.empty(); }
@@ -84,8 +84,8 @@ nlohmann::json run_info_beside(const fs::path& file) {
 }
 
 /// What a recording lacks, according to its list of packets.
-std::vector<std::string> lacks_of(const RecordingReader& reader) {
-  const RecordingProblems& problems = reader.problems();
+std::vector<std::string> lacks_of(const events::RecordingReader& reader) {
+  const events::RecordingProblems& problems = reader.problems();
   std::vector<std::string> lacks;
   const auto add = [&lacks](std::uint64_t n, const char* thing, const char* what) {
     if (n > 0) lacks.push_back(std::to_string(n) + " " + thing + (n == 1 ? " " : "s ") + what);
@@ -94,7 +94,7 @@ std::vector<std::string> lacks_of(const RecordingReader& reader) {
   add(problems.skipped_bytes, "byte", "between packets are damaged and lost");
   add(problems.missing_packets, "packet", "of the data table are missing");
   if (lacks.empty() && !problems.table.empty()) lacks.push_back("the data table cannot be used: " + problems.table);
-  if (lacks.empty() && reader.index() == PacketIndex::scan)
+  if (lacks.empty() && reader.index() == events::PacketIndex::scan)
     lacks.emplace_back("was not closed: its end may be missing, but all its packets are whole");
   return lacks;
 }
@@ -103,22 +103,22 @@ class FileSource final : public CameraSource {
  public:
   FileSource(std::string name, const fs::path& file, const CameraSourceOptions& options)
       : name_(std::move(name)), reader_(file), pace_(options.speed), live_(options.speed > 0), span_(options.packet_span) {
-    const Stream& events = event_stream(reader_, options.stream);
-    for (const Stream& stream : reader_.streams()) {
-      if (stream.type == StreamType::other || stream.source != events.source) continue;
+    const events::Stream& events = events::event_stream(reader_, options.stream);
+    for (const events::Stream& stream : reader_.streams()) {
+      if (stream.type == events::StreamType::other || stream.source != events.source) continue;
       streams_.push_back(completed(stream));
     }
-    for (const Stream& stream : streams_) {
+    for (const events::Stream& stream : streams_) {
       Lane& lane = lanes_.emplace_back();
       lane.stream = stream;
-      for (const PacketRecord& packet : reader_.packets()) {
+      for (const events::PacketRecord& packet : reader_.packets()) {
         if (packet.stream_id != stream.id) continue;
         lane.packets.push_back(packet);
         if (packet.elements > 0 && (!first_ || packet.first < *first_)) first_ = packet.first;
       }
     }
     const nlohmann::json info = run_info_beside(file);
-    simulated_ = is_simulated(streams_) || (info.contains("simulated") && info.at("simulated") == true);
+    simulated_ = events::is_simulated(streams_) || (info.contains("simulated") && info.at("simulated") == true);
     if (info.contains("camera") && info.at("camera").is_object()) camera_ = info.at("camera");
     camera_.update(camera_json(streams_));
     camera_["replay_of"] = file.string();
@@ -129,7 +129,7 @@ class FileSource final : public CameraSource {
   }
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return streams_; }
+  std::span<const events::Stream> streams() const override { return streams_; }
   bool simulated() const override { return simulated_; }
   bool live() const override { return live_; }
   bool is_replay() const override { return true; }
@@ -149,7 +149,7 @@ class FileSource final : public CameraSource {
   }
 
   SourceDrops drops() const override {
-    const RecordingProblems& problems = reader_.problems();
+    const events::RecordingProblems& problems = reader_.problems();
     SourceDrops drops = backward_;
     drops.packets += problems.broken_packets + problems.mismatched_packets;
     drops.events += problems.out_of_range_events;
@@ -171,23 +171,23 @@ class FileSource final : public CameraSource {
       if (!lane->triggers.empty()) lane->triggers.take(next_.triggers, span_);
       return true;
     }
-    const PacketRecord& packet = lane->packets[lane->next++];
+    const events::PacketRecord& packet = lane->packets[lane->next++];
     switch (lane->stream.type) {
-      case StreamType::events: {
-        const std::span<const Event> events = reader_.read_events(packet);
+      case events::StreamType::events: {
+        const std::span<const events::Event> events = reader_.read_events(packet);
         next_.events.assign(events.begin(), events.end());
         break;
       }
-      case StreamType::imu:
+      case events::StreamType::imu:
         next_.imu = reader_.read_imu(packet);
         break;
-      case StreamType::triggers:
+      case events::StreamType::triggers:
         next_.triggers = reader_.read_triggers(packet);
         break;
-      case StreamType::frames:
+      case events::StreamType::frames:
         next_.frame = reader_.read_frame(packet);
         break;
-      case StreamType::other:
+      case events::StreamType::other:
         assert(false && "streams of other types have no lane");
     }
     lane->times.keep(next_, name_, backward_);
@@ -198,11 +198,11 @@ class FileSource final : public CameraSource {
   }
 
   std::string name_;
-  RecordingReader reader_;
+  events::RecordingReader reader_;
   Pace pace_;
   bool live_;
   microseconds span_;  ///< longest time within a packet
-  std::vector<Stream> streams_;
+  std::vector<events::Stream> streams_;
   std::vector<Lane> lanes_;
   std::optional<CameraTime> first_;
   CameraPacket next_;     ///< waits until it is due
@@ -221,4 +221,4 @@ std::unique_ptr<CameraSource> open_file_source(std::string name, const fs::path&
   return std::make_unique<FileSource>(std::move(name), file, options);
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -6,7 +6,7 @@
 
 #include "tactile/capture/camera_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// Plays a recording at `options.speed`: all streams of one camera, merged in the order of their packets' times. Times stay as
 /// they are stored. A packet is received when its last element is due, and spans less than `options.packet_span`.
@@ -16,4 +16,4 @@ namespace tactile {
 std::unique_ptr<CameraSource> open_file_source(std::string name, const std::filesystem::path& path,
                                                const CameraSourceOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::capture

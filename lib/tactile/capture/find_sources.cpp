@@ -14,7 +14,7 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/transport/dv/dv_stream_client.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,12 +80,12 @@ void add_usb_cameras(const fs::path& sysfs, const std::vector<FoundSource>& open
 
 void add_stream(const SourcePlaces& places, std::vector<FoundSource>& found) {
   try {
-    const DvStreamClient client(network_address(places.stream), places.stream_patience);
-    const Stream& stream = client.stream();
+    const transport::DvStreamClient client(transport::network_address(places.stream), places.stream_patience);
+    const events::Stream& stream = client.stream();
     std::string what = fmt::format("DV stream of {} from {}", name_of(stream.type), stream.source);
     if (stream.size) what += fmt::format(", {}x{}", stream.size->width, stream.size->height);
     if (const auto mode = info_of(stream, readout_mode_attribute)) what += ", read-out " + *mode;
-    if (is_simulated({&stream, 1})) what += ", simulated";
+    if (events::is_simulated({&stream, 1})) what += ", simulated";
     found.push_back({places.stream, what, ""});
   } catch (const Error&) {
     // No server, or no DV stream: not a source.
@@ -121,4 +121,4 @@ std::vector<FoundSource> find_video_devices(const SourcePlaces& places) {
   return found;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

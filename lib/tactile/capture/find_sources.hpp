@@ -7,7 +7,7 @@
 
 #include "tactile/capture/found_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// Where to look for sources.
 struct SourcePlaces {
@@ -23,4 +23,4 @@ std::vector<FoundSource> find_camera_sources(const SourcePlaces& places = {});
 /// Video devices that take pictures, by number.
 std::vector<FoundSource> find_video_devices(const SourcePlaces& places = {});
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A source that was found.
 struct FoundSource {
@@ -11,4 +11,4 @@ struct FoundSource {
   std::string serial{};     ///< of a USB device, if known
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

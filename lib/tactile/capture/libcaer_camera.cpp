@@ -23,7 +23,7 @@
 // Earlier versions do not support the DVXplorer Mini, invert its polarity, or cannot stop and start its read-out.
 static_assert(LIBCAER_VERSION >= 30314, "libcaer is too old; expected 3.3.14 or later");
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 constexpr std::int32_t imu_stream = 2, trigger_stream = 3;  // ids as in DV
@@ -159,7 +159,7 @@ class LibcaerCamera final : public CameraSource {
   LibcaerCamera& operator=(const LibcaerCamera&) = delete;
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return streams_; }
+  std::span<const events::Stream> streams() const override { return streams_; }
   bool can_reopen() const override { return true; }
 
   nlohmann::json camera() const override {
@@ -232,17 +232,17 @@ class LibcaerCamera final : public CameraSource {
 
   void declare_streams() {
     const std::string source = std::string("DVXplorer_") + info_.deviceSerialNumber;
-    streams_.push_back(event_stream_declaration(size_, source));
-    const auto add = [&](std::int32_t id, StreamType type, const char* identifier) {
-      Stream& stream = streams_.emplace_back();
+    streams_.push_back(events::event_stream_declaration(size_, source));
+    const auto add = [&](std::int32_t id, events::StreamType type, const char* identifier) {
+      events::Stream& stream = streams_.emplace_back();
       stream.id = id;
       stream.type = type;
       stream.type_identifier = identifier;
       stream.source = source;
       stream.name = name_of(type);
     };
-    if (info_.imuType != IMU_NONE) add(imu_stream, StreamType::imu, "IMUS");
-    if (!is_mini(info_)) add(trigger_stream, StreamType::triggers, "TRIG");
+    if (info_.imuType != IMU_NONE) add(imu_stream, events::StreamType::imu, "IMUS");
+    if (!is_mini(info_)) add(trigger_stream, events::StreamType::triggers, "TRIG");
     times_.resize(streams_.size());
     set_info(streams_.front(), readout_mode_attribute, std::string(mode_.name));
   }
@@ -327,8 +327,8 @@ class LibcaerCamera final : public CameraSource {
   ReadoutMode mode_;
   std::uint64_t lost_before_;
   caer_dvx_info info_{};
-  SensorSize size_;
-  std::vector<Stream> streams_;
+  events::SensorSize size_;
+  std::vector<events::Stream> streams_;
   std::vector<AscendingTimes> times_;
   std::optional<microseconds> offset_;  ///< camera time minus the device's
   SourceDrops drops_;                   ///< without those that the driver lost
@@ -360,4 +360,4 @@ std::vector<FoundSource> find_libcaer_cameras() {
   return cameras;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -8,7 +8,7 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/capture/found_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// Whether the build has libcaer, the driver of the vendor's cameras.
 bool is_built_with_libcaer();
@@ -28,4 +28,4 @@ std::vector<FoundSource> find_libcaer_cameras();
 /// From this firmware on, libcaer does not support a Mini.
 inline constexpr int first_foreign_firmware = 10;
 
-}  // namespace tactile
+}  // namespace tactile::capture

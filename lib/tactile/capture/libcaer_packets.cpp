@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 /// The packet of a container that holds one type; nullptr if there is none.
@@ -35,8 +35,8 @@ CameraTime time_of(std::int64_t device_us, microseconds offset) { return after(c
 
 }  // namespace
 
-std::uint64_t append_events(caerPolarityEventPacketConst packet, microseconds offset, SensorSize size,
-                            std::vector<Event>& events) {
+std::uint64_t append_events(caerPolarityEventPacketConst packet, microseconds offset, events::SensorSize size,
+                            std::vector<events::Event>& events) {
   const std::int32_t count = caerEventPacketHeaderGetEventNumber(&packet->packetHeader);
   events.reserve(events.size() + static_cast<std::size_t>(std::max(count, 0)));
   std::uint64_t outside = 0;
@@ -56,12 +56,12 @@ std::uint64_t append_events(caerPolarityEventPacketConst packet, microseconds of
   return outside;
 }
 
-void append_imu(caerIMU6EventPacketConst packet, microseconds offset, std::vector<ImuSample>& samples) {
+void append_imu(caerIMU6EventPacketConst packet, microseconds offset, std::vector<events::ImuSample>& samples) {
   const std::int32_t count = caerEventPacketHeaderGetEventNumber(&packet->packetHeader);
   for (std::int32_t i = 0; i < count; ++i) {
     const caerIMU6EventConst felt = caerIMU6EventPacketGetEventConst(packet, i);
     if (!caerIMU6EventIsValid(felt)) continue;
-    ImuSample sample;
+    events::ImuSample sample;
     sample.t = time_of(caerIMU6EventGetTimestamp64(felt, packet), offset);
     sample.temperature_c = caerIMU6EventGetTemp(felt);
     sample.acceleration_g[0] = caerIMU6EventGetAccelX(felt);
@@ -74,7 +74,7 @@ void append_imu(caerIMU6EventPacketConst packet, microseconds offset, std::vecto
   }
 }
 
-void append_triggers(caerSpecialEventPacketConst packet, microseconds offset, std::vector<Trigger>& triggers) {
+void append_triggers(caerSpecialEventPacketConst packet, microseconds offset, std::vector<events::Trigger>& triggers) {
   const std::int32_t count = caerEventPacketHeaderGetEventNumber(&packet->packetHeader);
   for (std::int32_t i = 0; i < count; ++i) {
     const caerSpecialEventConst special = caerSpecialEventPacketGetEventConst(packet, i);
@@ -106,4 +106,4 @@ std::optional<std::int64_t> lowest_device_time(caerEventPacketContainerConst con
   return lowest;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

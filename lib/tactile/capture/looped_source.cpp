@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 class LoopedSource final : public CameraSource {
@@ -13,7 +13,7 @@ class LoopedSource final : public CameraSource {
       : open_(std::move(open)), gap_(gap), round_(open_()), streams_(round_->streams().begin(), round_->streams().end()) {}
 
   std::string name() const override { return round_->name(); }
-  std::span<const Stream> streams() const override { return streams_; }
+  std::span<const events::Stream> streams() const override { return streams_; }
   bool simulated() const override { return round_->simulated(); }
   bool live() const override { return round_->live(); }
   nlohmann::json camera() const override { return round_->camera(); }
@@ -50,11 +50,11 @@ class LoopedSource final : public CameraSource {
   }
 
   void shift(CameraPacket& packet) {
-    for (Event& event : packet.events) note(event.t);
-    for (ImuSample& sample : packet.imu) note(sample.t);
-    for (Trigger& trigger : packet.triggers) note(trigger.t);
+    for (events::Event& event : packet.events) note(event.t);
+    for (events::ImuSample& sample : packet.imu) note(sample.t);
+    for (events::Trigger& trigger : packet.triggers) note(trigger.t);
     if (!packet.frame) return;
-    Frame& frame = *packet.frame;
+    events::Frame& frame = *packet.frame;
     note(frame.t);
     for (CameraTime* t : {&frame.frame_start, &frame.frame_end, &frame.exposure_start, &frame.exposure_end})
       *t = after(*t, shift_);
@@ -63,7 +63,7 @@ class LoopedSource final : public CameraSource {
   std::function<std::unique_ptr<CameraSource>()> open_;
   microseconds gap_;
   std::unique_ptr<CameraSource> round_;
-  std::vector<Stream> streams_;
+  std::vector<events::Stream> streams_;
   std::optional<CameraTime> first_, last_;  ///< of this round, as stored
   microseconds shift_{0};                   ///< added to this round's times
   SourceDrops earlier_;                     ///< of earlier rounds
@@ -75,4 +75,4 @@ std::unique_ptr<CameraSource> looped_source(std::function<std::unique_ptr<Camera
   return std::make_unique<LoopedSource>(std::move(open), gap);
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -5,7 +5,7 @@
 
 #include "tactile/capture/camera_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A source that is opened again whenever it ends, with ascending times: each round begins `gap` after the latest element of the
 /// previous one. Ends only after a round without elements.
@@ -13,4 +13,4 @@ namespace tactile {
 /// @param gap   between two rounds, in camera time, > 0
 std::unique_ptr<CameraSource> looped_source(std::function<std::unique_ptr<CameraSource>()> open, microseconds gap);
 
-}  // namespace tactile
+}  // namespace tactile::capture

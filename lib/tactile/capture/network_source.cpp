@@ -4,17 +4,17 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/transport/dv/dv_stream_client.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 class NetworkSource final : public CameraSource {
  public:
   explicit NetworkSource(const std::string& address)
-      : name_(address), client_(network_address(address)), stream_(client_.stream()) {}
+      : name_(address), client_(transport::network_address(address)), stream_(client_.stream()) {}
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return {&stream_, 1}; }
-  bool simulated() const override { return is_simulated(streams()); }
+  std::span<const events::Stream> streams() const override { return {&stream_, 1}; }
+  bool simulated() const override { return events::is_simulated(streams()); }
   bool reports_arrivals() const override { return client_.reports_arrivals(); }
   bool can_reopen() const override { return true; }
   nlohmann::json camera() const override {
@@ -25,16 +25,16 @@ class NetworkSource final : public CameraSource {
 
   Received receive(CameraPacket& packet, std::chrono::microseconds patience) override {
     switch (client_.receive(patience)) {
-      case DvStreamClient::Received::closed:
+      case transport::DvStreamClient::Received::closed:
         return Received::ended;
-      case DvStreamClient::Received::nothing:
+      case transport::DvStreamClient::Received::nothing:
         return Received::nothing;
-      case DvStreamClient::Received::packet:
+      case transport::DvStreamClient::Received::packet:
         break;
     }
     packet.clear();
     packet.stream_id = stream_.id;
-    const std::span<const Event> events = client_.events();
+    const std::span<const events::Event> events = client_.events();
     packet.events.assign(events.begin(), events.end());
     packet.imu.assign(client_.imu().begin(), client_.imu().end());
     packet.triggers.assign(client_.triggers().begin(), client_.triggers().end());
@@ -46,7 +46,7 @@ class NetworkSource final : public CameraSource {
   }
 
   SourceDrops drops() const override {
-    const DvStreamProblems& problems = client_.problems();
+    const transport::DvStreamProblems& problems = client_.problems();
     SourceDrops drops = backward_;
     drops.packets += problems.broken_packets + problems.mismatched_packets + problems.foreign_packets;
     drops.events += problems.out_of_range_events;
@@ -55,8 +55,8 @@ class NetworkSource final : public CameraSource {
 
  private:
   std::string name_;
-  DvStreamClient client_;
-  Stream stream_;
+  transport::DvStreamClient client_;
+  events::Stream stream_;
   AscendingTimes times_;
   SourceDrops backward_;  ///< elements back in time
 };
@@ -65,4 +65,4 @@ class NetworkSource final : public CameraSource {
 
 std::unique_ptr<CameraSource> open_network_source(const std::string& address) { return std::make_unique<NetworkSource>(address); }
 
-}  // namespace tactile
+}  // namespace tactile::capture

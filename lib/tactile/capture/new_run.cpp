@@ -10,7 +10,7 @@
 #include "tactile/core/make_folders.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace fs = std::filesystem;
 namespace {
 
@@ -79,4 +79,4 @@ fs::path discard_run(const RunFolder& run) {
   return target;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

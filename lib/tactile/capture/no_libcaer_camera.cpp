@@ -2,7 +2,7 @@
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 bool is_built_with_libcaer() { return false; }
 
@@ -16,4 +16,4 @@ std::unique_ptr<CameraSource> open_libcaer_camera(const std::string& name, const
 
 std::vector<FoundSource> find_libcaer_cameras() { return {}; }
 
-}  // namespace tactile
+}  // namespace tactile::capture

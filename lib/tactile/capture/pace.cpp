@@ -8,7 +8,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 Pace::Pace(double speed) : speed_(speed) {
   if (!std::isfinite(speed) || speed < 0)
@@ -35,4 +35,4 @@ bool Pace::wait_for(CameraTime t, std::chrono::microseconds patience) const {
   return true;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// The host time at which a camera time is due in a replay: the first one at once, every other later by its distance from the
 /// first one, divided by `speed`. A late one is due at once, and does not delay those after it.
@@ -27,4 +27,4 @@ class Pace {
   std::optional<std::chrono::steady_clock::time_point> begun_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

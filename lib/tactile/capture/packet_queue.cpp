@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 /// Packets given back between two checks for unneeded spare packets: half a minute of packets of 1 ms. Not less, because a
@@ -12,14 +12,14 @@ constexpr unsigned between_looks = 1U << 15;
 
 std::size_t allocated_bytes(const QueuedPacket& packet) {
   const CameraPacket& e = packet.elements;
-  return sizeof packet + e.events.capacity() * sizeof(Event) + e.imu.capacity() * sizeof(ImuSample) +
-         e.triggers.capacity() * sizeof(Trigger) + (e.frame ? e.frame->pixels.capacity() : 0);
+  return sizeof packet + e.events.capacity() * sizeof(events::Event) + e.imu.capacity() * sizeof(events::ImuSample) +
+         e.triggers.capacity() * sizeof(events::Trigger) + (e.frame ? e.frame->pixels.capacity() : 0);
 }
 
 std::size_t used_bytes(const QueuedPacket& packet) {
   const CameraPacket& e = packet.elements;
-  return sizeof packet + e.events.size() * sizeof(Event) + e.imu.size() * sizeof(ImuSample) +
-         e.triggers.size() * sizeof(Trigger) + (e.frame ? e.frame->pixels.size() : 0);
+  return sizeof packet + e.events.size() * sizeof(events::Event) + e.imu.size() * sizeof(events::ImuSample) +
+         e.triggers.size() * sizeof(events::Trigger) + (e.frame ? e.frame->pixels.size() : 0);
 }
 
 }  // namespace
@@ -116,4 +116,4 @@ bool PacketQueue::is_open() const {
   return open_;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -11,7 +11,7 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A packet between its source and the file.
 struct QueuedPacket {
@@ -66,4 +66,4 @@ class PacketQueue {
   bool open_ = true;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

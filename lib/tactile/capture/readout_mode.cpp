@@ -5,7 +5,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 std::span<const ReadoutMode> readout_modes() {
   static constexpr std::array modes{
@@ -28,4 +28,4 @@ const ReadoutMode& readout_mode(std::string_view name) {
   throw Error("read-out mode: '" + std::string(name) + "' is unknown; expected one of " + list);
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

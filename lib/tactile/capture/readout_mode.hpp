@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A read-out mode of the DVXplorer, with the chip's settings.
 struct ReadoutMode {
@@ -24,4 +24,4 @@ inline constexpr std::string_view default_readout_mode = "variable-5000";
 /// @throws Error  with a list of all names, if none has this name
 const ReadoutMode& readout_mode(std::string_view name);
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -5,7 +5,7 @@
 
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 constexpr std::chrono::milliseconds source_patience{50};  // after which the thread checks for a task
@@ -158,4 +158,4 @@ void Receiver::note_drops() {
   drops_now_ = drops;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

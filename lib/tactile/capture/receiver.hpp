@@ -16,7 +16,7 @@
 #include "tactile/capture/packet_queue.hpp"
 #include "tactile/capture/run_drops.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A source and its thread, on which all functions of the source are called. Packets between `begin` and `pause` go to the queue.
 /// If there is no room, a source that is not live waits; packets of a live one are dropped and counted. Used by one thread at a
@@ -75,4 +75,4 @@ class Receiver {
   std::thread thread_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

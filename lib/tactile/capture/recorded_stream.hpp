@@ -9,11 +9,11 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// One stream of a run's recording, and its source.
 struct RecordedStream {
-  Stream stream;                   ///< as the recording declares it; its id is its index
+  events::Stream stream;           ///< as the recording declares it; its id is its index
   std::size_t source_index = 0;    ///< among the sources
   std::int32_t source_stream = 0;  ///< its id in the source
 };
@@ -23,4 +23,4 @@ struct RecordedStream {
 /// @throws Error  if no source has a stream of events, or two sources have the same stream of the same camera
 std::vector<RecordedStream> recorded_streams(std::span<const std::unique_ptr<CameraSource>> sources);
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 std::string RobotBit::text() const { return bit ? fmt::format("{}:{}", field, *bit) : field; }
 
@@ -51,4 +51,4 @@ bool RisingEdge::rises(std::optional<bool> high) {
   return was_low && *high;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A condition of the robot: a BOOL, a whole number other than 0, or one bit of it.
 struct RobotBit {
@@ -28,4 +28,4 @@ class RisingEdge {
   bool low_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

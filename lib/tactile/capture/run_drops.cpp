@@ -1,6 +1,6 @@
 #include "tactile/capture/run_drops.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 nlohmann::json json_of(const LostElements& lost) {
@@ -28,4 +28,4 @@ nlohmann::json json_of(const RunDrops& drops) {
             {"source", json_of(drops.source)}}}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

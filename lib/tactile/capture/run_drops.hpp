@@ -4,7 +4,7 @@
 
 #include "tactile/capture/camera_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// Elements that the sources sent and the run's recording lacks, by reason.
 struct RunDrops {
@@ -21,4 +21,4 @@ struct RunDrops {
 /// As `dropped` in run.json, without robot and film.
 nlohmann::json json_of(const RunDrops& drops);
 
-}  // namespace tactile
+}  // namespace tactile::capture

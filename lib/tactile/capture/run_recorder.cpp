@@ -18,7 +18,7 @@
 #include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace fs = std::filesystem;
 namespace {
 
@@ -40,17 +40,17 @@ struct HeldElements {
   std::uint64_t others() const { return imu_samples + triggers + frames; }
 };
 
-HeldElements held_elements(const std::vector<WrittenStream>& written, const std::vector<Stream>& streams) {
+HeldElements held_elements(const std::vector<events::WrittenStream>& written, const std::vector<events::Stream>& streams) {
   HeldElements held;
   for (std::size_t i = 0; i < written.size(); ++i) {
-    const WrittenStream& stream = written[i];
+    const events::WrittenStream& stream = written[i];
     if (stream.elements == 0) continue;
-    const StreamType type = streams[i].type;
-    const bool of_events = type == StreamType::events;
-    (of_events                      ? held.events
-     : type == StreamType::imu      ? held.imu_samples
-     : type == StreamType::triggers ? held.triggers
-                                    : held.frames) += stream.elements;
+    const events::StreamType type = streams[i].type;
+    const bool of_events = type == events::StreamType::events;
+    (of_events                              ? held.events
+     : type == events::StreamType::imu      ? held.imu_samples
+     : type == events::StreamType::triggers ? held.triggers
+                                            : held.frames) += stream.elements;
     if (of_events) {
       held.first_event = std::min(held.first_event.value_or(stream.first), stream.first);
       held.last_event = std::max(held.last_event.value_or(stream.last), stream.last);
@@ -85,11 +85,11 @@ void attempt(RunSummary& summary, const Step& step) {
 struct RunRecorder::State {
   RunRecorderOptions options;
   std::vector<RecordedStream> streams;
-  std::vector<Stream> declared;
+  std::vector<events::Stream> declared;
   bool is_simulated = false;
   PacketQueue queue;
-  std::unique_ptr<RobotMonitor> robot;
-  std::unique_ptr<VideoCapture> video;
+  std::unique_ptr<robot::RobotMonitor> robot;
+  std::unique_ptr<video::VideoCapture> video;
   std::vector<std::unique_ptr<Receiver>> receivers;
   std::vector<std::optional<HostTime>> reported_ends;  ///< of each source, the end that was logged
   std::unique_ptr<OpenRun> open;
@@ -123,7 +123,7 @@ std::string RunRecorder::State::source_error() const {
 
 bool RunRecorder::State::has_events(std::size_t source_index) const {
   return std::any_of(streams.begin(), streams.end(), [&](const RecordedStream& stream) {
-    return stream.source_index == source_index && stream.stream.type == StreamType::events;
+    return stream.source_index == source_index && stream.stream.type == events::StreamType::events;
   });
 }
 
@@ -180,7 +180,7 @@ RunInfo RunRecorder::State::info(const RunRequest& request, HostTime begun) cons
     if (streams.front().source_index == i) camera = told;
     sources.push_back({{"source", receivers[i]->name()}, {"camera", std::move(told)}, {"ended", nullptr}});
   }
-  const SensorSize size = *declared.front().size;
+  const events::SensorSize size = *declared.front().size;
   return {.object = request.run.object,
           .run = request.run.run,
           .session = request.session,
@@ -195,13 +195,13 @@ RunInfo RunRecorder::State::info(const RunRequest& request, HostTime begun) cons
                     {"host_time_us", {{"begin", us_of(begun)}, {"end", nullptr}}}}};
 }
 
-RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<RobotMonitor> robot,
-                         std::unique_ptr<VideoCapture> video, RunRecorderOptions options)
+RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<robot::RobotMonitor> robot,
+                         std::unique_ptr<video::VideoCapture> video, RunRecorderOptions options)
     : state_(std::make_unique<State>(std::move(options))) {
   State& state = *state_;
   state.streams = recorded_streams(sources);
   for (const RecordedStream& stream : state.streams) state.declared.push_back(stream.stream);
-  state.is_simulated = is_simulated(state.declared) ||
+  state.is_simulated = events::is_simulated(state.declared) ||
                        std::any_of(sources.begin(), sources.end(), [](const auto& source) { return source->simulated(); });
   state.robot = std::move(robot);
   state.video = std::move(video);
@@ -218,9 +218,9 @@ RunRecorder::~RunRecorder() {
   }
 }
 
-const std::vector<Stream>& RunRecorder::streams() const { return state_->declared; }
+const std::vector<events::Stream>& RunRecorder::streams() const { return state_->declared; }
 bool RunRecorder::simulated() const { return state_->is_simulated; }
-const RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
+const robot::RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
 void RunRecorder::discard() {
   for (const auto& receiver : state_->receivers) receiver->discard();
 }
@@ -314,7 +314,7 @@ RunSummary RunRecorder::end(const std::string& why) {
   state.count(written, summary);
 
   nlohmann::json files = nlohmann::json::object();
-  const fs::path checksums = checksums_beside(run.request.run.events());
+  const fs::path checksums = events::checksums_beside(run.request.run.events());
   attempt(summary, [&] {
     std::vector<fs::path> made;
     for (const fs::directory_entry& entry : fs::directory_iterator(run.request.run.folder)) {
@@ -404,4 +404,4 @@ RunInfo RunRecorder::State::final_info(const RunSummary& summary, HostTime ended
   return info;
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -16,11 +16,11 @@
 #include "tactile/robot/robot_monitor.hpp"
 #include "tactile/video/video_capture.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 struct RunRecorderOptions {
   std::size_t queue_bytes = std::size_t{256} << 20;  ///< packets that wait for the disk [B]; further ones are dropped and counted
-  Compression compression = Compression::lz4;
+  events::Compression compression = events::Compression::lz4;
   std::chrono::milliseconds sync_period{1'000};  ///< between two syncs of the disk, > 0
   /// Called once by `RunRecorder::state` when a source has ended while events continue; not for replays at full speed.
   std::function<void(const std::string&)> log = {};
@@ -42,8 +42,8 @@ struct RunState {
   std::uint64_t bytes = 0;              ///< the file's size
   std::size_t queue_bytes = 0;
   RunDrops drops;
-  std::optional<RobotMonitorState> robot;
-  std::optional<VideoCaptureState> video;
+  std::optional<robot::RobotMonitorState> robot;
+  std::optional<video::VideoCaptureState> video;
   std::string ended;  ///< why it must end now; empty while it can continue
 };
 
@@ -59,8 +59,8 @@ struct RunSummary {
   std::chrono::microseconds span{};         ///< camera time from the earliest to the latest element in the recording
   std::chrono::microseconds events_span{};  ///< of the events only
   RunDrops drops;
-  std::optional<RobotMonitorState> robot;
-  std::optional<VideoCaptureState> video;
+  std::optional<robot::RobotMonitorState> robot;
+  std::optional<video::VideoCaptureState> video;
   std::string ended;                ///< why: "duration", "source ended", "interrupted" …, or the first of `errors`
   std::vector<std::string> errors;  ///< sources that were lost, files that could not be written
 };
@@ -79,15 +79,15 @@ class RunRecorder {
  public:
   /// `robot` and `video` may be null.
   /// @throws Error  if no source has a stream of events, or two sources have the same stream of the same camera
-  RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<RobotMonitor> robot,
-              std::unique_ptr<VideoCapture> video, RunRecorderOptions options = {});
+  RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std::unique_ptr<robot::RobotMonitor> robot,
+              std::unique_ptr<video::VideoCapture> video, RunRecorderOptions options = {});
   ~RunRecorder();  ///< ends the present run
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
-  const std::vector<Stream>& streams() const;  ///< as the recordings declare them
+  const std::vector<events::Stream>& streams() const;  ///< as the recordings declare them
   bool simulated() const;
-  const RobotMonitor* robot() const;  ///< null if there is none
+  const robot::RobotMonitor* robot() const;  ///< null if there is none
 
   /// From now on packets of live sources are discarded until a run begins. Otherwise the first run has everything that the
   /// sources sent before it.
@@ -108,4 +108,4 @@ class RunRecorder {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

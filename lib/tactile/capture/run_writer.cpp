@@ -10,7 +10,7 @@
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 using Steady = std::chrono::steady_clock;
@@ -19,8 +19,8 @@ constexpr std::chrono::milliseconds patience{50};  // so that waiting elements a
 constexpr std::uint64_t kept_in_memory = std::uint64_t{512}
                                          << 20;  // of the file, by the system: whole runs of a usual length [B]
 
-std::vector<Stream> declared(const std::vector<RecordedStream>& streams) {
-  std::vector<Stream> all;
+std::vector<events::Stream> declared(const std::vector<RecordedStream>& streams) {
+  std::vector<events::Stream> all;
   all.reserve(streams.size());
   for (const RecordedStream& stream : streams) all.push_back(stream.stream);
   return all;
@@ -38,24 +38,24 @@ std::optional<TimeSpan> span_of(const std::vector<Element>& elements) {
 }
 
 /// First and last time of the elements of the stream's type; nothing if there are none.
-std::optional<TimeSpan> span_of(const CameraPacket& packet, StreamType type) {
+std::optional<TimeSpan> span_of(const CameraPacket& packet, events::StreamType type) {
   switch (type) {
-    case StreamType::events:
+    case events::StreamType::events:
       return span_of(packet.events);
-    case StreamType::imu:
+    case events::StreamType::imu:
       return span_of(packet.imu);
-    case StreamType::triggers:
+    case events::StreamType::triggers:
       return span_of(packet.triggers);
     default:
       return packet.frame ? std::optional(TimeSpan{packet.frame->t, packet.frame->t}) : std::nullopt;
   }
 }
 
-bool is_sound(const Frame& frame) {
-  const std::size_t pixel = bytes_per_pixel(frame.format);
+bool is_sound(const events::Frame& frame) {
+  const std::size_t pixel = events::bytes_per_pixel(frame.format);
   if (pixel == 0 || frame.width < 0 || frame.height < 0) return false;
   const std::size_t size = pixel * static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-  return frame.pixels.size() == size && size <= packet_limit - 4096;
+  return frame.pixels.size() == size && size <= events::packet_limit - 4096;
 }
 
 /// Removes elements that are earlier than previous ones. @return  how many
@@ -156,7 +156,7 @@ void RunWriter::write_packet(QueuedPacket& queued) {
     so_far_.drops.outside += count_of(packet);
     return;
   }
-  const Stream& stream = found->stream;
+  const events::Stream& stream = found->stream;
   const LostElements came = count_of(packet);
   RunDrops drops;
   leave_out_misfits(stream, packet, drops);
@@ -181,13 +181,13 @@ void RunWriter::write_packet(QueuedPacket& queued) {
 
   if (span) {
     switch (stream.type) {
-      case StreamType::events:
+      case events::StreamType::events:
         file_.write_events(stream.id, packet.events);
         break;
-      case StreamType::imu:
+      case events::StreamType::imu:
         file_.write_imu(stream.id, packet.imu);
         break;
-      case StreamType::triggers:
+      case events::StreamType::triggers:
         file_.write_triggers(stream.id, packet.triggers);
         break;
       default:
@@ -205,23 +205,23 @@ void RunWriter::write_packet(QueuedPacket& queued) {
   so_far_.reached_duration = so_far_.reached_duration || reached_duration;
 }
 
-void RunWriter::leave_out_misfits(const Stream& stream, CameraPacket& packet, RunDrops& drops) const {
+void RunWriter::leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const {
   const CameraTime newest = newest_[static_cast<std::size_t>(stream.id)].value_or(CameraTime::min());
   switch (stream.type) {
-    case StreamType::events: {
-      const SensorSize size = *stream.size;
-      const EventsCheck check = check_events(packet.events, size);
+    case events::StreamType::events: {
+      const events::SensorSize size = *stream.size;
+      const events::EventsCheck check = events::check_events(packet.events, size);
       const bool goes_on = packet.events.empty() || packet.events.front().t >= newest;
       if (check.inside && check.ascending && goes_on) break;
-      drops.outside.events +=
-          static_cast<std::uint64_t>(std::erase_if(packet.events, [size](const Event& e) { return is_outside(e, size); }));
+      drops.outside.events += static_cast<std::uint64_t>(
+          std::erase_if(packet.events, [size](const events::Event& e) { return events::is_outside(e, size); }));
       drops.back_in_time.events += leave_out_steps_back(packet.events, newest);
       break;
     }
-    case StreamType::imu:
+    case events::StreamType::imu:
       drops.back_in_time.others += leave_out_steps_back(packet.imu, newest);
       break;
-    case StreamType::triggers:
+    case events::StreamType::triggers:
       drops.back_in_time.others += leave_out_steps_back(packet.triggers, newest);
       break;
     default:
@@ -259,7 +259,7 @@ void RunWriter::sync_all() {
     lock.unlock();
     try {
       sync_to_disk(path_);
-      const std::filesystem::path checksums = checksums_beside(path_);
+      const std::filesystem::path checksums = events::checksums_beside(path_);
       if (std::filesystem::exists(checksums)) sync_to_disk(checksums);
       // Releases the pages of a long recording for reuse: new pages cost more, and other programs need the memory, too.
       release_memory_of(path_, kept_in_memory);
@@ -270,4 +270,4 @@ void RunWriter::sync_all() {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

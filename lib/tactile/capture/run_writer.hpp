@@ -16,10 +16,10 @@
 #include "tactile/capture/run_drops.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 struct RunWriterOptions {
-  Compression compression = Compression::lz4;
+  events::Compression compression = events::Compression::lz4;
   std::chrono::milliseconds sync_period{1'000};  ///< > 0
   bool pairs_clocks = true;                      ///< whether sources are live, so that `pairs` can be computed
   std::optional<microseconds> duration = {};     ///< in camera time from the first element on; later elements are left out
@@ -51,14 +51,14 @@ class RunWriter {
   void stop();  ///< closes the queue, and returns once its packets are written
 
   // After `stop`.
-  void close() { file_.close(); }                        ///< @throws Error as RecordingWriter does
-  const RecordingWriter& file() const { return file_; }  ///< for its contents
-  const ClockPairs& pairs() const { return pairs_; }     ///< of the first stream's camera
+  void close() { file_.close(); }                                ///< @throws Error as RecordingWriter does
+  const events::RecordingWriter& file() const { return file_; }  ///< for its contents
+  const ClockPairs& pairs() const { return pairs_; }             ///< of the first stream's camera
 
  private:
   void write_all();
   void write_packet(QueuedPacket& queued);
-  void leave_out_misfits(const Stream& stream, CameraPacket& packet, RunDrops& drops) const;
+  void leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const;
   bool cut_to_duration(CameraPacket& packet, const std::optional<CameraTime>& first) const;
   void sync_all();
   void fail(const std::string& error);
@@ -67,7 +67,7 @@ class RunWriter {
   const std::vector<RecordedStream> streams_;
   const RunWriterOptions options_;
   PacketQueue& queue_;
-  RecordingWriter file_;                           ///< used by the writing thread until it has ended, as are the next two
+  events::RecordingWriter file_;                   ///< used by the writing thread until it has ended, as are the next two
   std::vector<std::optional<CameraTime>> newest_;  ///< the last time written, of each stream
   ClockPairs pairs_;
 
@@ -78,4 +78,4 @@ class RunWriter {
   std::thread writing_, syncing_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::capture

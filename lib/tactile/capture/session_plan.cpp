@@ -9,7 +9,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace fs = std::filesystem;
 namespace {
 
@@ -106,4 +106,4 @@ int complete_runs(const fs::path& data, const SessionPlan& plan, const std::stri
   }));
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

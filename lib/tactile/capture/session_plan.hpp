@@ -7,7 +7,7 @@
 
 #include "tactile/capture/robot_bit.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// A list of runs to record, one after the other:
 ///
@@ -34,4 +34,4 @@ SessionPlan read_session_plan(const std::filesystem::path& file);
 /// interrupted, not because a source was lost and, if the plan has a duration, not because the source ended early.
 int complete_runs(const std::filesystem::path& data, const SessionPlan& plan, const std::string& object);
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -13,7 +13,7 @@
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/simulation/simulated_run.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 namespace {
 
 constexpr std::string_view usual_object = "water-bottle", preset = "quick";
@@ -21,17 +21,17 @@ constexpr microseconds packet_span = 1ms;
 constexpr microseconds between_recordings = 5s;  ///< on the camera's clock, from the end of one to the start of the next
 
 bool is_model(const std::string& name) {
-  const auto& models = default_physics().objects;
-  return std::any_of(models.begin(), models.end(), [&](const ObjectModel& model) { return model.name == name; });
+  const auto& models = simulation::default_physics().objects;
+  return std::any_of(models.begin(), models.end(), [&](const simulation::ObjectModel& model) { return model.name == name; });
 }
 
 /// The last event of a recording; nothing if it has none or cannot be read.
 std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
   std::optional<CameraTime> last;
   try {
-    const RecordingReader recording(file);
-    for (const PacketRecord& packet : recording.packets()) {
-      if (packet.elements == 0 || recording.stream(packet.stream_id).type != StreamType::events) continue;
+    const events::RecordingReader recording(file);
+    for (const events::PacketRecord& packet : recording.packets()) {
+      if (packet.elements == 0 || recording.stream(packet.stream_id).type != events::StreamType::events) continue;
       last = std::max(last.value_or(packet.last), packet.last);
     }
   } catch (const Error&) {
@@ -42,12 +42,13 @@ std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
 
 /// One simulated run.
 struct Scene {
-  Scene(DrawnRun run, const CameraPixels& pixels) : drawn(std::move(run)), film(film_of(drawn, pixels)), imu(imu_of(drawn)) {}
+  Scene(simulation::DrawnRun run, const simulation::CameraPixels& pixels)
+      : drawn(std::move(run)), film(simulation::film_of(drawn, pixels)), imu(simulation::imu_of(drawn)) {}
 
-  DrawnRun drawn;
-  SkinFilm film;
+  simulation::DrawnRun drawn;
+  simulation::SkinFilm film;
   CameraTime last_event{};
-  std::vector<ImuSample> imu;
+  std::vector<events::ImuSample> imu;
   std::size_t felt = 0;  ///< IMU samples that were sent
 };
 
@@ -59,17 +60,17 @@ class SimulatorSource final : public CameraSource {
         seed_(seed),
         pace_(speed),
         live_(speed > 0),
-        physics_(default_physics()),
-        pixels_(simulated_camera_pixels(physics_, seed)),
-        streams_{event_stream_declaration(physics_.camera.size, simulated_camera_name(seed)),
-                 simulated_imu_stream(simulated_camera_name(seed))} {
+        physics_(simulation::default_physics()),
+        pixels_(simulation::simulated_camera_pixels(physics_, seed)),
+        streams_{events::event_stream_declaration(physics_.camera.size, simulation::simulated_camera_name(seed)),
+                 simulation::simulated_imu_stream(simulation::simulated_camera_name(seed))} {
     if (object_) physics_.object(*object_);
     set_info(streams_[0], readout_mode_attribute, "constant");
-    for (Stream& stream : streams_) set_info(stream, simulated_attribute, "true");
+    for (events::Stream& stream : streams_) set_info(stream, events::simulated_attribute, "true");
   }
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return streams_; }
+  std::span<const events::Stream> streams() const override { return streams_; }
   bool simulated() const override { return true; }
   bool live() const override { return live_; }
   bool begins_again() const override { return true; }
@@ -79,7 +80,7 @@ class SimulatorSource final : public CameraSource {
     json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
                          {"preset", preset},
                          {"seed", seed_},
-                         {"model_version", simulation_model_version}};
+                         {"model_version", simulation::simulation_model_version}};
     return json;
   }
 
@@ -123,9 +124,9 @@ class SimulatorSource final : public CameraSource {
     const bool is_whole = scene_->film.ended() && last && *last >= scene_->last_event;
     std::optional<CameraTime> until;
     if (!is_whole) until = last.value_or(scene_->drawn.start());
-    if (wants_robot) write_robot(run.robot(), scene_->drawn, until);
-    if (wants_video) write_video(run.video(), run.video_times(), scene_->drawn, until);
-    Truth truth = truth_of(scene_->drawn, pixels_, scene_->film.filmed(), until);
+    if (wants_robot) simulation::write_robot(run.robot(), scene_->drawn, until);
+    if (wants_video) simulation::write_video(run.video(), run.video_times(), scene_->drawn, until);
+    Truth truth = simulation::truth_of(scene_->drawn, pixels_, scene_->film.filmed(), until);
     // A real robot or film is not simulated.
     if (!wants_robot) truth.lift_start.reset();
     if (!wants_robot) truth.robot_clock.reset();
@@ -135,9 +136,10 @@ class SimulatorSource final : public CameraSource {
 
  private:
   void begin(const std::string& object, const std::string& run, microseconds gap) {
-    DrawnRun drawn = draw_run(physics_, object, run, std::string(preset), seed_);
+    simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_);
     if (clocks_) {
-      drawn.clocks = continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
+      drawn.clocks =
+          simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
     } else {
       clocks_ = drawn.clocks;
     }
@@ -149,7 +151,7 @@ class SimulatorSource final : public CameraSource {
   void film_next() {
     const auto readouts = packet_span / scene_->drawn.camera.readout;
     for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
-      const std::span<const Event> events = scene_->film.next();
+      const std::span<const events::Event> events = scene_->film.next();
       next_.events.insert(next_.events.end(), events.begin(), events.end());
     }
     if (!next_.events.empty()) scene_->last_event = next_.events.back().t;
@@ -163,10 +165,10 @@ class SimulatorSource final : public CameraSource {
   std::uint64_t seed_;
   Pace pace_;
   bool live_;
-  const SimulationPhysics& physics_;
-  CameraPixels pixels_;
-  std::array<Stream, 2> streams_;    ///< events and IMU samples
-  std::optional<RunClocks> clocks_;  ///< of the first run
+  const simulation::SimulationPhysics& physics_;
+  simulation::CameraPixels pixels_;
+  std::array<events::Stream, 2> streams_;        ///< events and IMU samples
+  std::optional<simulation::RunClocks> clocks_;  ///< of the first run
   std::unique_ptr<Scene> scene_;
   std::optional<std::filesystem::path> recorded_;  ///< the run being recorded
   int endless_runs_ = 0;
@@ -180,4 +182,4 @@ std::unique_ptr<CameraSource> open_simulator_source(std::string name, std::optio
   return std::make_unique<SimulatorSource>(std::move(name), std::move(object), speed, seed);
 }
 
-}  // namespace tactile
+}  // namespace tactile::capture

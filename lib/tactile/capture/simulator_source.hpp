@@ -6,7 +6,7 @@
 
 #include "tactile/capture/camera_source.hpp"
 
-namespace tactile {
+namespace tactile::capture {
 
 /// The simulator as a live camera: the read-outs of runs as of `simulate --preset quick`, in packets of 1 ms. The camera's clock
 /// continues from run to run. The IMU is on in every run.
@@ -22,4 +22,4 @@ namespace tactile {
 std::unique_ptr<CameraSource> open_simulator_source(std::string name, std::optional<std::string> object, double speed,
                                                     std::uint64_t seed);
 
-}  // namespace tactile
+}  // namespace tactile::capture

@@ -17,7 +17,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
@@ -41,16 +41,17 @@ class Import {
   Import(const BagSurvey& found, const BagTopicChoice& choice, const BagImportOptions& options, const RunFolder& run,
          BagImportSummary& summary)
       : choice_(choice), summary_(summary) {
-    std::vector<Stream> streams{event_stream_declaration(summary.size, choice.at(BagTopicKind::events))};
+    std::vector<events::Stream> streams{events::event_stream_declaration(summary.size, choice.at(BagTopicKind::events))};
     if (choice.contains(BagTopicKind::imu)) {
-      Stream imu;
+      events::Stream imu;
       imu.id = imu_id;
-      imu.type = StreamType::imu;
-      imu.name = name_of(StreamType::imu);
+      imu.type = events::StreamType::imu;
+      imu.name = name_of(events::StreamType::imu);
       imu.source = streams.front().source;
       streams.push_back(imu);
     }
-    writer_.emplace(run.events(), streams, RecordingWriterOptions{.compression = options.compression.value_or(Compression::lz4)});
+    writer_.emplace(run.events(), streams,
+                    events::RecordingWriterOptions{.compression = options.compression.value_or(events::Compression::lz4)});
     sorter_.emplace(*writer_, events_id);
     if (choice.contains(BagTopicKind::pose)) {
       const auto joints = choice.find(BagTopicKind::joints);
@@ -143,7 +144,7 @@ class Import {
   }
 
   void take_imu(const BagMessage& message) {
-    ImuSample sample;
+    events::ImuSample sample;
     if (!decode_imu_message(message.data, sample)) {
       ++summary_.drops.broken_messages;
     } else if (newest_imu_ && sample.t <= *newest_imu_) {
@@ -157,7 +158,7 @@ class Import {
 
   const BagTopicChoice& choice_;
   BagImportSummary& summary_;
-  std::optional<RecordingWriter> writer_;
+  std::optional<events::RecordingWriter> writer_;
   std::optional<EventSorter> sorter_;
   std::optional<ImportedRobotLog> robot_;
   std::optional<ImportedFilm> film_;
@@ -277,4 +278,4 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   return summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

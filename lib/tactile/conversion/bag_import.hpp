@@ -12,16 +12,16 @@
 #include "tactile/events/event.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// The topics to use. Empty: the only topic of its kind. "none": no topic; not allowed for events.
 struct BagImportOptions {
-  std::string events_topic{};                ///< dvs_msgs/EventArray or event_camera_msgs/EventPacket
-  std::string joints_topic{};                ///< sensor_msgs/JointState that names the UR's joints
-  std::string pose_topic{};                  ///< tf2_msgs/TFMessage that has base -> tool0_controller
-  std::string video_topic{};                 ///< sensor_msgs/Image
-  std::string imu_topic{};                   ///< sensor_msgs/Imu
-  std::optional<Compression> compression{};  ///< of events.aedat4; default LZ4
+  std::string events_topic{};                        ///< dvs_msgs/EventArray or event_camera_msgs/EventPacket
+  std::string joints_topic{};                        ///< sensor_msgs/JointState that names the UR's joints
+  std::string pose_topic{};                          ///< tf2_msgs/TFMessage that has base -> tool0_controller
+  std::string video_topic{};                         ///< sensor_msgs/Image
+  std::string imu_topic{};                           ///< sensor_msgs/Imu
+  std::optional<events::Compression> compression{};  ///< of events.aedat4; default LZ4
 };
 
 /// What is missing in the run, lost before or during the import.
@@ -46,7 +46,7 @@ struct BagTopic {
 struct BagImportSummary {
   RunFolder run;
   std::vector<BagTopic> topics;  ///< of the bag, by name
-  SensorSize size;
+  events::SensorSize size;
   std::uint64_t events = 0, sorted_events = 0, imu_samples = 0, robot_states = 0, frames = 0;
   CameraTime first{}, last{};  ///< of the events
   bool has_joints = false;     ///< robot.csv has `actual_q_0` to `_5`
@@ -80,4 +80,4 @@ void refuse_ros2_bag(const std::filesystem::path& file);
 BagImportSummary import_bag(const std::filesystem::path& bag, const std::filesystem::path& folder,
                             const BagImportOptions& options = {}, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::conversion

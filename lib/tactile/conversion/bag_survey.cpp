@@ -6,7 +6,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 constexpr std::string_view nothing = "none";
@@ -62,10 +62,10 @@ void look_at(SurveyedTopic& topic, std::span<const std::byte> data, Decoded& dec
       topic.encoding = decoded.image.encoding;
       if (decoded.image.pixels.empty()) return;
       if (std::max(decoded.image.pixels.cols, decoded.image.pixels.rows) > most_video_side) {
-        if (!topic.unusable_size) topic.unusable_size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
+        if (!topic.unusable_size) topic.unusable_size = events::SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
         return;
       }
-      topic.size = SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
+      topic.size = events::SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
       ++topic.useful;
       break;
     case RosMessage::imu:
@@ -236,4 +236,4 @@ BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, con
   return choice;
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -15,7 +15,7 @@
 #include "tactile/events/event.hpp"
 
 // The first of the two readings of a bag: its topics, and the choice of those that the run uses.
-namespace tactile {
+namespace tactile::conversion {
 
 /// The kinds of topics, each with its option and a description.
 enum class BagTopicKind : std::uint8_t { events, joints, pose, video, imu };
@@ -40,12 +40,12 @@ struct SurveyedTopic {
   std::string type, md5sum;
   RosMessage message = RosMessage::other;
   std::uint64_t messages = 0;
-  std::uint64_t useful = 0;                 ///< that have events, a known joint, or the pose
-  JointPositions first_joints{};            ///< the first known of each
-  std::optional<SensorSize> size;           ///< of the first message that can be decoded
-  std::string encoding;                     ///< of its events or image
-  std::optional<SensorSize> unusable_size;  ///< of the first image that is too large for a video
-  std::string other_encoding;               ///< the first unknown encoding of events
+  std::uint64_t useful = 0;                         ///< that have events, a known joint, or the pose
+  JointPositions first_joints{};                    ///< the first known of each
+  std::optional<events::SensorSize> size;           ///< of the first message that can be decoded
+  std::string encoding;                             ///< of its events or image
+  std::optional<events::SensorSize> unusable_size;  ///< of the first image that is too large for a video
+  std::string other_encoding;                       ///< the first unknown encoding of events
 };
 
 struct BagSurvey {
@@ -67,4 +67,4 @@ BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, con
 /// The damage to a bag, as the end of a sentence; empty if there is none.
 std::string damage_text(const BagProblems& problems);
 
-}  // namespace tactile
+}  // namespace tactile::conversion

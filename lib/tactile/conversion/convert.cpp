@@ -20,11 +20,11 @@
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array common_sizes{SensorSize{320, 240}, SensorSize{346, 260}, SensorSize{640, 480}};
+constexpr std::array common_sizes{events::SensorSize{320, 240}, events::SensorSize{346, 260}, events::SensorSize{640, 480}};
 
 /// The earliest and the latest time so far.
 class TimesSeen {
@@ -46,10 +46,10 @@ std::string text_of(const TimesSeen& range) {
                      : std::string("the recording is empty");
 }
 
-bool can_hold(RecordingFormat format, StreamType type) {
-  if (holds_one_stream(format)) return type == StreamType::events;
-  if (format == RecordingFormat::hdf5) return type != StreamType::other && type != StreamType::frames;
-  return type != StreamType::other;
+bool can_hold(RecordingFormat format, events::StreamType type) {
+  if (holds_one_stream(format)) return type == events::StreamType::events;
+  if (format == RecordingFormat::hdf5) return type != events::StreamType::other && type != events::StreamType::frames;
+  return type != events::StreamType::other;
 }
 
 void check_options(const ConvertOptions& options, RecordingFormat from, RecordingFormat to) {
@@ -70,40 +70,41 @@ void check_options(const ConvertOptions& options, RecordingFormat from, Recordin
     throw Error("the crop is empty or begins outside the sensor; expected X,Y,WxH with X and Y from 0, W and H from 1");
 }
 
-SensorSize size_that_holds(SensorSize extent) {
-  const auto fits = [&](const SensorSize& size) { return extent.width <= size.width && extent.height <= size.height; };
+events::SensorSize size_that_holds(events::SensorSize extent) {
+  const auto fits = [&](const events::SensorSize& size) { return extent.width <= size.width && extent.height <= size.height; };
   const auto* found = std::find_if(common_sizes.begin(), common_sizes.end(), fits);
   return found == common_sizes.end() ? extent : *found;
 }
 
 /// Selects the input streams for the output. The crop determines their size.
-void choose_streams(std::span<const Stream> streams, const fs::path& in, const ConvertOptions& options, ConvertSummary& summary) {
-  std::vector<const Stream*> chosen;
-  for (const std::string& choice : options.streams) chosen.push_back(&event_stream(streams, in.string(), choice));
-  if (chosen.empty() && holds_one_stream(summary.to)) chosen.push_back(&event_stream(streams, in.string()));
+void choose_streams(std::span<const events::Stream> streams, const fs::path& in, const ConvertOptions& options,
+                    ConvertSummary& summary) {
+  std::vector<const events::Stream*> chosen;
+  for (const std::string& choice : options.streams) chosen.push_back(&events::event_stream(streams, in.string(), choice));
+  if (chosen.empty() && holds_one_stream(summary.to)) chosen.push_back(&events::event_stream(streams, in.string()));
   const auto among_chosen = [&](const auto& is_it) {
-    return chosen.empty() || std::any_of(chosen.begin(), chosen.end(), [&](const Stream* c) { return is_it(*c); });
+    return chosen.empty() || std::any_of(chosen.begin(), chosen.end(), [&](const events::Stream* c) { return is_it(*c); });
   };
-  for (const Stream& stream : streams) {
+  for (const events::Stream& stream : streams) {
     const bool is_wanted =
-        stream.type == StreamType::events
-            ? among_chosen([&](const Stream& c) { return c.id == stream.id; })
-            : stream.source.empty() || among_chosen([&](const Stream& c) { return c.source == stream.source; });
+        stream.type == events::StreamType::events
+            ? among_chosen([&](const events::Stream& c) { return c.id == stream.id; })
+            : stream.source.empty() || among_chosen([&](const events::Stream& c) { return c.source == stream.source; });
     if (!is_wanted || !can_hold(summary.to, stream.type)) {
       summary.left_out.push_back(stream);
       continue;
     }
-    Stream kept = completed(stream);
-    if (options.crop && (stream.type == StreamType::events || stream.type == StreamType::frames)) {
+    events::Stream kept = completed(stream);
+    if (options.crop && (stream.type == events::StreamType::events || stream.type == events::StreamType::frames)) {
       const PixelRegion& crop = *options.crop;
       if (stream.size && (crop.width > stream.size->width - crop.x || crop.height > stream.size->height - crop.y)) {
         throw Error(fmt::format("{}: the crop {},{},{}x{} exceeds the {}x{} pixels of stream {}; expected a crop inside them",
                                 in.string(), crop.x, crop.y, crop.width, crop.height, stream.size->width, stream.size->height,
                                 stream.id));
       }
-      kept.size = SensorSize{crop.width, crop.height};
+      kept.size = events::SensorSize{crop.width, crop.height};
     }
-    if (stream.type == StreamType::events && !summary.size) summary.size = kept.size;
+    if (stream.type == events::StreamType::events && !summary.size) summary.size = kept.size;
     summary.streams.push_back({std::move(kept), 0});
   }
   if (summary.streams.empty())
@@ -130,9 +131,9 @@ class Passage {
                                     [&](const ConvertedStream& s) { return s.stream.id == stream_id; });
     return found == summary_.streams.end() ? nullptr : &*found;
   }
-  void pass(ConvertedStream& to, std::span<const Event> events) {
+  void pass(ConvertedStream& to, std::span<const events::Event> events) {
     note(events);
-    std::span<const Event> inside = cut_.of(events, events_kept_);
+    std::span<const events::Event> inside = cut_.of(events, events_kept_);
     if (crop_) {
       events_cropped_.clear();
       crop_events(inside, *crop_, events_cropped_);
@@ -141,18 +142,19 @@ class Passage {
     }
     hand_over(to, inside);
   }
-  void pass(ConvertedStream& to, std::span<const ImuSample> samples) {
+  void pass(ConvertedStream& to, std::span<const events::ImuSample> samples) {
     note(samples);
     hand_over(to, cut_.of(samples, imu_kept_));
   }
-  void pass(ConvertedStream& to, std::span<const Trigger> triggers) {
+  void pass(ConvertedStream& to, std::span<const events::Trigger> triggers) {
     note(triggers);
     hand_over(to, cut_.of(triggers, triggers_kept_));
   }
-  void pass(ConvertedStream& to, const Frame& frame) {
+  void pass(ConvertedStream& to, const events::Frame& frame) {
     note(std::span(&frame, 1));
     if (!cut_.holds(frame.t)) return;
-    const std::optional<Frame> part = crop_ ? cropped(frame, *crop_, bytes_per_pixel(frame.format)) : std::nullopt;
+    const std::optional<events::Frame> part =
+        crop_ ? cropped(frame, *crop_, events::bytes_per_pixel(frame.format)) : std::nullopt;
     if (crop_ && !part) {
       ++summary_.cropped_frames;
       return;
@@ -167,7 +169,7 @@ class Passage {
       throw Error(fmt::format("{}: the cut {} us contains no element; {}. A '+' before a time counts from the first element",
                               in_.string(), cut_.text(), text_of(all_)));
     const bool any = std::any_of(summary_.streams.begin(), summary_.streams.end(), [](const ConvertedStream& s) {
-      return s.elements > 0 && (s.stream.type == StreamType::events || s.stream.type == StreamType::frames);
+      return s.elements > 0 && (s.stream.type == events::StreamType::events || s.stream.type == events::StreamType::frames);
     });
     if (summary_.cropped_events > 0 && !any) {
       throw Error(fmt::format("{}: the crop contains none of {} events; expected a region with events", in_.string(),
@@ -220,41 +222,41 @@ class Passage {
   std::unique_ptr<RecordingOutput> output_;
   TimesSeen all_, written_;
   std::map<std::int32_t, CameraTime> newest_;  ///< written of each stream
-  std::vector<Event> events_kept_, events_cropped_;
-  std::vector<ImuSample> imu_kept_;
-  std::vector<Trigger> triggers_kept_;
+  std::vector<events::Event> events_kept_, events_cropped_;
+  std::vector<events::ImuSample> imu_kept_;
+  std::vector<events::Trigger> triggers_kept_;
 };
 
 void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
                          const ProgressCallback& progress) {
-  RecordingReader recording(in, options.threads);
+  events::RecordingReader recording(in, options.threads);
   choose_streams(recording.streams(), in, options, summary);
   if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(recording.compression());
   Passage passage(in, out, options, summary);
   std::optional<CameraTime> first;
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     if (packet.elements > 0 && passage.output_stream(packet.stream_id) != nullptr)
       first = std::min(first.value_or(packet.first), packet.first);
   }
   if (first) passage.begin_at(*first);
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
     ConvertedStream* const to = passage.output_stream(packet.stream_id);
     if (to == nullptr) continue;  // all packets are read, because the data table's times may be wrong
     switch (to->stream.type) {
-      case StreamType::events:
-        passage.pass(*to, std::span<const Event>(recording.read_events(packet)));
+      case events::StreamType::events:
+        passage.pass(*to, std::span<const events::Event>(recording.read_events(packet)));
         break;
-      case StreamType::imu:
-        passage.pass(*to, std::span<const ImuSample>(recording.read_imu(packet)));
+      case events::StreamType::imu:
+        passage.pass(*to, std::span<const events::ImuSample>(recording.read_imu(packet)));
         break;
-      case StreamType::triggers:
-        passage.pass(*to, std::span<const Trigger>(recording.read_triggers(packet)));
+      case events::StreamType::triggers:
+        passage.pass(*to, std::span<const events::Trigger>(recording.read_triggers(packet)));
         break;
-      case StreamType::frames:
+      case events::StreamType::frames:
         if (const auto frame = recording.read_frame(packet)) passage.pass(*to, *frame);
         break;
-      case StreamType::other:
+      case events::StreamType::other:
         break;
     }
   }
@@ -266,11 +268,11 @@ void convert_from_hdf5(const fs::path& in, const fs::path& out, const ConvertOpt
                        const ProgressCallback& progress) {
   Hdf5RecordingReader recording(in, options.size, options.source);
   choose_streams(recording.streams(), in, options, summary);
-  if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(Compression::lz4);
+  if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(events::Compression::lz4);
   Passage passage(in, out, options, summary);
   std::vector<std::int32_t> ids;
   for (const ConvertedStream& kept : summary.streams) ids.push_back(kept.stream.id);
-  const auto pass = [&](const Stream& stream, const auto& elements) {
+  const auto pass = [&](const events::Stream& stream, const auto& elements) {
     passage.pass(*passage.output_stream(stream.id), elements);
   };
   recording.read(ids, {.events = pass, .imu = pass, .triggers = pass}, progress);
@@ -278,11 +280,11 @@ void convert_from_hdf5(const fs::path& in, const fs::path& out, const ConvertOpt
 }
 
 /// The smallest sensor that contains a CSV's events, 0x0 without events. Checks every line.
-SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
-  EventCsvReader csv(in);
+events::SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
+  events::EventCsvReader csv(in);
   int last_x = -1, last_y = -1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
-    for (const Event& event : events) {
+    for (const events::Event& event : events) {
       last_x = std::max<int>(last_x, event.x);
       last_y = std::max<int>(last_y, event.y);
     }
@@ -293,19 +295,19 @@ SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
 
 void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
                       const ProgressCallback& progress) {
-  std::optional<SensorSize> size = options.size;
+  std::optional<events::SensorSize> size = options.size;
   if (!size) {
-    const SensorSize extent = extent_of(in, progress);
+    const events::SensorSize extent = extent_of(in, progress);
     if (extent.width == 0)
       throw Error(in.string() + ": has no events, so the sensor's size is unknown; expected events, or --size WxH");
     size = size_that_holds(extent);
     summary.size_guessed = true;
   }
-  const Stream stream = event_stream_declaration(*size, options.source.value_or("csv"));
+  const events::Stream stream = events::event_stream_declaration(*size, options.source.value_or("csv"));
   choose_streams({&stream, 1}, in, options, summary);
-  if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(Compression::lz4);
+  if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(events::Compression::lz4);
 
-  EventCsvReader csv(in, size);
+  events::EventCsvReader csv(in, size);
   Passage passage(in, out, options, summary);
   const std::uint64_t passes = summary.size_guessed ? 2 : 1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
@@ -347,7 +349,7 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   check_options(options, summary.from, summary.to);
   if (!fs::exists(in)) throw Error(in.string() + ": no such file; expected a recording");
   if (!fs::is_regular_file(in)) throw Error(in.string() + ": is not a regular file; expected a recording");
-  check_target(out, in, options.replace);
+  events::check_target(out, in, options.replace);
   switch (summary.from) {
     case RecordingFormat::csv:
       convert_from_csv(in, out, options, summary, progress);
@@ -364,4 +366,4 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
   return summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -14,7 +14,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// The formats of a conversion, given by the extension in upper or lower case: .aedat4, .csv, .h5 or .hdf5, .npz (output only).
 enum class RecordingFormat : std::uint8_t { aedat4, csv, hdf5, npz };
@@ -29,7 +29,7 @@ RecordingFormat recording_format_of(const std::filesystem::path& file);
 
 struct ConvertOptions {
   /// Of an AEDAT4 output. Default: that of an AEDAT4 input, otherwise LZ4.
-  std::optional<Compression> compression{};
+  std::optional<events::Compression> compression{};
   std::optional<CameraTime> from{};  ///< earlier elements are omitted
   std::optional<CameraTime> to{};    ///< elements at this time and later are omitted
   bool from_counts_from_first = false,
@@ -40,31 +40,31 @@ struct ConvertOptions {
   std::vector<std::string> streams{};
   /// Of a CSV input, or of an HDF5 input without a size. Default for CSV: the smallest of 320x240, 346x260 and 640x480 that
   /// contains the events, or their extent if none does.
-  std::optional<SensorSize> size{};
+  std::optional<events::SensorSize> size{};
   std::optional<std::string> source{};  ///< the camera to declare for such an input; default "csv" or "hdf5"
   bool replace = false;                 ///< whether an existing output may be replaced
   unsigned threads = 1;                 ///< threads that read an AEDAT4 input, > 0
 };
 
 struct ConvertedStream {
-  Stream stream;               ///< as written
+  events::Stream stream;       ///< as written
   std::uint64_t elements = 0;  ///< written
 };
 
 /// What a conversion did.
 struct ConvertSummary {
   RecordingFormat from = RecordingFormat::aedat4, to = RecordingFormat::aedat4;
-  std::optional<Compression> compression;  ///< of an AEDAT4 output
-  std::vector<ConvertedStream> streams;    ///< kept
-  std::vector<Stream> left_out;            ///< other event streams, and types that the output format lacks
-  std::optional<SensorSize> size;          ///< of the first stream of events, as written
-  bool size_guessed = false;               ///< derived from a CSV's events
-  std::optional<CameraTime> first, last;   ///< of the elements written, over all streams
-  std::optional<CameraTime> first_in;      ///< of the elements read, cut or not
-  std::uint64_t cropped_events = 0;        ///< inside the cut, but outside the crop
-  std::uint64_t cropped_frames = 0;        ///< completely outside the crop
-  std::uint64_t steps_back = 0;            ///< in time, of the events written to CSV or NPZ
-  RecordingProblems problems;              ///< of an AEDAT4 input
+  std::optional<events::Compression> compression;  ///< of an AEDAT4 output
+  std::vector<ConvertedStream> streams;            ///< kept
+  std::vector<events::Stream> left_out;            ///< other event streams, and types that the output format lacks
+  std::optional<events::SensorSize> size;          ///< of the first stream of events, as written
+  bool size_guessed = false;                       ///< derived from a CSV's events
+  std::optional<CameraTime> first, last;           ///< of the elements written, over all streams
+  std::optional<CameraTime> first_in;              ///< of the elements read, cut or not
+  std::uint64_t cropped_events = 0;                ///< inside the cut, but outside the crop
+  std::uint64_t cropped_frames = 0;                ///< completely outside the crop
+  std::uint64_t steps_back = 0;                    ///< in time, of the events written to CSV or NPZ
+  events::RecordingProblems problems;              ///< of an AEDAT4 input
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
@@ -78,4 +78,4 @@ struct ConvertSummary {
 ConvertSummary convert_recording(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const ConvertOptions& options = {}, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::conversion

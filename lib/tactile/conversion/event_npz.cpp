@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/file_descriptor.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 constexpr std::size_t record_bytes = 13;
@@ -132,8 +132,8 @@ std::uint32_t crc_of(std::string_view bytes) {
 
 struct EventNpzWriter::State {
   std::string name;  ///< for errors
-  SensorSize size;
-  FileDescriptor file;
+  events::SensorSize size;
+  events::FileDescriptor file;
   std::uint64_t end = 0;  ///< of what was written [B]
   std::uint64_t events = 0, steps_back = 0;
   CameraTime previous = CameraTime::min();
@@ -156,11 +156,11 @@ struct EventNpzWriter::State {
   }
 };
 
-EventNpzWriter::EventNpzWriter(const std::filesystem::path& file, SensorSize size) : state_(std::make_unique<State>()) {
+EventNpzWriter::EventNpzWriter(const std::filesystem::path& file, events::SensorSize size) : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.name = file.string();
   state.size = size;
-  state.file = FileDescriptor(::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  state.file = events::FileDescriptor(::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!state.file.is_open())
     throw Error(fmt::format("{}: cannot be made ({}); expected a writable folder", state.name, std::strerror(errno)));
   state.buffer.reserve(buffered_records * record_bytes);
@@ -171,9 +171,9 @@ EventNpzWriter::~EventNpzWriter() = default;
 EventNpzWriter::EventNpzWriter(EventNpzWriter&&) noexcept = default;
 EventNpzWriter& EventNpzWriter::operator=(EventNpzWriter&&) noexcept = default;
 
-void EventNpzWriter::write(std::span<const Event> events) {
+void EventNpzWriter::write(std::span<const events::Event> events) {
   State& state = *state_;
-  for (const Event& event : events) {
+  for (const events::Event& event : events) {
     if (event.t < state.previous) ++state.steps_back;
     state.previous = event.t;
     if (state.buffer.size() == buffered_records * record_bytes) state.put_waiting();
@@ -211,4 +211,4 @@ void EventNpzWriter::close() {
   state.file.reset();
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

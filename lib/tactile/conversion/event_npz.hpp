@@ -7,7 +7,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// Writes events for NumPy. `np.load(file)["events"]` is a structured array with the fields t_us (int64), x, y (uint16) and
 /// on (uint8), little-endian, 13 bytes each without gaps. `sensor_size` is int32 [width, height]. The entries of the ZIP archive
@@ -20,18 +20,18 @@ namespace tactile {
 class EventNpzWriter {
  public:
   /// @throws Error if the file cannot be made
-  EventNpzWriter(const std::filesystem::path& file, SensorSize size);
+  EventNpzWriter(const std::filesystem::path& file, events::SensorSize size);
   ~EventNpzWriter();
   EventNpzWriter(EventNpzWriter&&) noexcept;
   EventNpzWriter& operator=(EventNpzWriter&&) noexcept;
 
-  void write(std::span<const Event> events);  ///< coordinates must be >= 0. @throws Error if writing fails
-  std::uint64_t steps_back() const;           ///< in time, so far
-  void close();                               ///< completes the file; no further writes. @throws Error if writing fails
+  void write(std::span<const events::Event> events);  ///< coordinates must be >= 0. @throws Error if writing fails
+  std::uint64_t steps_back() const;                   ///< in time, so far
+  void close();                                       ///< completes the file; no further writes. @throws Error if writing fails
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::conversion

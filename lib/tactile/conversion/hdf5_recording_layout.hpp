@@ -7,12 +7,12 @@
 
 #include "tactile/events/stream.hpp"
 
-namespace tactile::hdf5_layout {
+namespace tactile::conversion::hdf5_layout {
 
 inline constexpr hsize_t chunk_rows = 65'536;
 
 /// The name of each type's group, in the order in which the types are read.
-inline constexpr std::pair<StreamType, std::string_view> groups[] = {
-    {StreamType::events, "events"}, {StreamType::imu, "imu"}, {StreamType::triggers, "triggers"}};
+inline constexpr std::pair<events::StreamType, std::string_view> groups[] = {
+    {events::StreamType::events, "events"}, {events::StreamType::imu, "imu"}, {events::StreamType::triggers, "triggers"}};
 
-}  // namespace tactile::hdf5_layout
+}  // namespace tactile::conversion::hdf5_layout

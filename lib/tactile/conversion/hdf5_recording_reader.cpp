@@ -17,7 +17,7 @@
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/hdf5/read_apart.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace h5 = hdf5;
 using hdf5_layout::chunk_rows;
@@ -92,7 +92,7 @@ class ColumnIn {
 };
 
 struct StreamIn {
-  Stream stream;
+  events::Stream stream;
   hsize_t rows = 0, next = 0;
   CameraTime previous = CameraTime::min();
   ColumnIn<std::int64_t> t;
@@ -149,23 +149,23 @@ std::vector<T> values_in(std::span<const std::byte> bytes) {
 }
 
 /// As CBOR, because texts may contain any bytes.
-std::vector<std::uint8_t> packed(const Stream& stream) {
+std::vector<std::uint8_t> packed(const events::Stream& stream) {
   nlohmann::json size;
   if (stream.size) size = {stream.size->width, stream.size->height};
   return nlohmann::json::to_cbor(nlohmann::json::array(
       {stream.id, static_cast<int>(stream.type), stream.type_identifier, stream.source, stream.name, size, stream.info}));
 }
 
-Stream unpacked(std::span<const std::byte> bytes) {
+events::Stream unpacked(std::span<const std::byte> bytes) {
   const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const nlohmann::json json = nlohmann::json::from_cbor(begin, begin + bytes.size());
-  Stream stream;
+  events::Stream stream;
   stream.id = json.at(0).get<std::int32_t>();
-  stream.type = static_cast<StreamType>(json.at(1).get<int>());
+  stream.type = static_cast<events::StreamType>(json.at(1).get<int>());
   stream.type_identifier = json.at(2).get<std::string>();
   stream.source = json.at(3).get<std::string>();
   stream.name = json.at(4).get<std::string>();
-  if (!json.at(5).is_null()) stream.size = SensorSize{json.at(5).at(0).get<int>(), json.at(5).at(1).get<int>()};
+  if (!json.at(5).is_null()) stream.size = events::SensorSize{json.at(5).at(0).get<int>(), json.at(5).at(1).get<int>()};
   stream.info = json.at(6).get<decltype(stream.info)>();
   return stream;
 }
@@ -175,10 +175,10 @@ struct OpenRecording {
   std::string name;
   h5::Id file;
   std::vector<StreamIn> inputs;
-  std::vector<Stream> streams;
+  std::vector<events::Stream> streams;
   bool is_given_size_used = false;
 
-  SensorSize size_of_events(hid_t group, const std::string& where, std::optional<SensorSize> given) {
+  events::SensorSize size_of_events(hid_t group, const std::string& where, std::optional<events::SensorSize> given) {
     std::optional<std::int64_t> width = number_of(group, "width", where), height = number_of(group, "height", where);
     if (!width || !height) {
       width = number_of(file, "sensor_width", name);
@@ -198,7 +198,8 @@ struct OpenRecording {
     return {static_cast<int>(*width), static_cast<int>(*height)};
   }
 
-  void add(StreamType type, const std::string& member, std::optional<SensorSize> size, const std::optional<std::string>& source) {
+  void add(events::StreamType type, const std::string& member, std::optional<events::SensorSize> size,
+           const std::optional<std::string>& source) {
     const std::string where = name + ": /" + member;
     if (!h5::linked_file(file, member).empty())
       throw Error(where + ": lies in another file; expected the whole recording in one file");
@@ -206,16 +207,18 @@ struct OpenRecording {
     const h5::Id group = h5::open_group(file, member, name);
     StreamIn& in = inputs.emplace_back();
     in.stream.type = type;
-    in.stream.type_identifier = identifier_of(type);
+    in.stream.type_identifier = events::identifier_of(type);
 
     const std::size_t cut = member.find('_');
-    const std::int64_t plain_id = type == StreamType::events ? 0 : type == StreamType::imu ? 2 : 3;  // as the vendor counts
+    const std::int64_t plain_id = type == events::StreamType::events ? 0
+                                  : type == events::StreamType::imu  ? 2
+                                                                     : 3;  // as the vendor counts
     const std::int64_t named_id = cut == std::string::npos ? plain_id : whole_number_in(member.substr(cut + 1)).value_or(-1);
     const std::int64_t id = number_of(group, "stream_id", where).value_or(named_id);
     if (id < 0 || id > std::numeric_limits<std::int32_t>::max())
       throw Error(fmt::format("{}: is stream {}; expected a whole number from 0 on", where, id));
     in.stream.id = static_cast<std::int32_t>(id);
-    for (const Stream& other : streams) {
+    for (const events::Stream& other : streams) {
       if (other.id == in.stream.id)
         throw Error(fmt::format("{}: is stream {}, as another one; expected a different id for each", where, id));
     }
@@ -239,12 +242,12 @@ struct OpenRecording {
                                 in.rows));
       }
     };
-    if (type == StreamType::events) {
+    if (type == events::StreamType::events) {
       in.stream.size = size_of_events(group, where, size);
       open(in.x, "x", 1);
       open(in.y, "y", 1);
       open(in.on, "on", 1);
-    } else if (type == StreamType::imu) {
+    } else if (type == events::StreamType::imu) {
       open(in.temperature, "temperature_c", 1);
       open(in.acceleration, "acceleration_g", 3);
       open(in.angular_rate, "angular_rate_dps", 3);
@@ -255,7 +258,7 @@ struct OpenRecording {
     streams.push_back(in.stream);
   }
 
-  void open(const fs::path& path, std::optional<SensorSize> size, const std::optional<std::string>& source) {
+  void open(const fs::path& path, std::optional<events::SensorSize> size, const std::optional<std::string>& source) {
     name = path.string();
     file = h5::open_file(path, false);
     refuse_dataset(file, name);
@@ -267,7 +270,7 @@ struct OpenRecording {
         if (member == group || is_further) add(type, member, size, source);
       }
     }
-    const auto sized = std::find_if(streams.begin(), streams.end(), [](const Stream& s) { return s.size.has_value(); });
+    const auto sized = std::find_if(streams.begin(), streams.end(), [](const events::Stream& s) { return s.size.has_value(); });
     if (size && !is_given_size_used && sized != streams.end()) {
       throw Error(
           fmt::format("{}: declares a sensor of {}x{} pixels; omit --size", name, sized->size->width, sized->size->height));
@@ -290,9 +293,9 @@ struct OpenRecording {
       total += in.rows;
     }
 
-    std::vector<Event> events;
-    std::vector<ImuSample> samples;
-    std::vector<Trigger> triggers;
+    std::vector<events::Event> events;
+    std::vector<events::ImuSample> samples;
+    std::vector<events::Trigger> triggers;
     const auto xyz = [](ColumnIn<float>& column, hsize_t row, float(&into)[3]) { std::copy_n(column.at(row), 3, into); };
     for (std::erase_if(left, [](const StreamIn* in) { return in->ended(); }); !left.empty();
          std::erase_if(left, [](const StreamIn* in) { return in->ended(); })) {
@@ -306,14 +309,14 @@ struct OpenRecording {
       triggers.clear();
       for (; in.next < end && in.next_time() <= until; ++in.next) {
         const CameraTime t = in.take_time();
-        if (in.stream.type == StreamType::events) {
-          Event event{.t = t};
+        if (in.stream.type == events::StreamType::events) {
+          events::Event event{.t = t};
           event.x = static_cast<std::int16_t>(in.take(in.x, 0, in.stream.size->width - 1));
           event.y = static_cast<std::int16_t>(in.take(in.y, 0, in.stream.size->height - 1));
           event.on = static_cast<std::uint8_t>(in.take(in.on, 0, 1));
           events.push_back(event);
-        } else if (in.stream.type == StreamType::imu) {
-          ImuSample& sample = samples.emplace_back();
+        } else if (in.stream.type == events::StreamType::imu) {
+          events::ImuSample& sample = samples.emplace_back();
           sample.t = t;
           sample.temperature_c = *in.temperature.at(in.next);
           xyz(in.acceleration, in.next, sample.acceleration_g);
@@ -338,18 +341,18 @@ struct OpenRecording {
 
 struct Hdf5RecordingReader::State {
   fs::path file;
-  std::optional<SensorSize> size;
+  std::optional<events::SensorSize> size;
   std::optional<std::string> source;
-  std::vector<Stream> streams;
+  std::vector<events::Stream> streams;
 };
 
-Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<SensorSize> size,
+Hdf5RecordingReader::Hdf5RecordingReader(const fs::path& file, std::optional<events::SensorSize> size,
                                          const std::optional<std::string>& source)
     : state_(std::make_unique<State>(State{file, size, source, {}})) {
   const auto open = [&](const h5::Send& send) {
     OpenRecording recording;
     recording.open(file, size, source);
-    for (const Stream& stream : recording.streams) {
+    for (const events::Stream& stream : recording.streams) {
       const std::vector<std::uint8_t> bytes = packed(stream);
       send(of_streams, 0, std::as_bytes(std::span(bytes)));
     }
@@ -362,7 +365,7 @@ Hdf5RecordingReader::~Hdf5RecordingReader() = default;
 Hdf5RecordingReader::Hdf5RecordingReader(Hdf5RecordingReader&&) noexcept = default;
 Hdf5RecordingReader& Hdf5RecordingReader::operator=(Hdf5RecordingReader&&) noexcept = default;
 
-std::span<const Stream> Hdf5RecordingReader::streams() const { return state_->streams; }
+std::span<const events::Stream> Hdf5RecordingReader::streams() const { return state_->streams; }
 
 void Hdf5RecordingReader::read(std::span<const std::int32_t> stream_ids, const Taker& taker, const ProgressCallback& progress) {
   const auto work = [&](const h5::Send& send) {
@@ -375,11 +378,11 @@ void Hdf5RecordingReader::read(std::span<const std::int32_t> stream_ids, const T
       const auto counts = values_in<std::uint64_t>(bytes);
       return tell(progress, counts.at(0), counts.at(1), state_->file.filename().string());
     }
-    const Stream& stream = state_->streams.at(place);
-    if (kind == of_events) taker.events(stream, values_in<Event>(bytes));
-    if (kind == of_imu) taker.imu(stream, values_in<ImuSample>(bytes));
-    if (kind == of_triggers) taker.triggers(stream, values_in<Trigger>(bytes));
+    const events::Stream& stream = state_->streams.at(place);
+    if (kind == of_events) taker.events(stream, values_in<events::Event>(bytes));
+    if (kind == of_imu) taker.imu(stream, values_in<events::ImuSample>(bytes));
+    if (kind == of_triggers) taker.triggers(stream, values_in<events::Trigger>(bytes));
   });
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

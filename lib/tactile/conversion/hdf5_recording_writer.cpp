@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace h5 = hdf5;
 using hdf5_layout::chunk_rows;
@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t layout_version = 1;
 
 /// Empty if HDF5 recordings have no such streams.
-std::string_view group_of(StreamType type) {
+std::string_view group_of(events::StreamType type) {
   const auto* found = std::find_if(std::begin(groups), std::end(groups), [type](const auto& g) { return g.first == type; });
   return found == std::end(groups) ? std::string_view{} : found->second;
 }
@@ -51,7 +51,7 @@ struct ColumnOut {
 };
 
 struct StreamOut {
-  Stream stream;
+  events::Stream stream;
   h5::Id group;
   std::string where;
   ColumnOut<std::int64_t> t;
@@ -64,9 +64,9 @@ struct StreamOut {
   template <class Use>
   void for_columns(const Use& use) {
     use(t);
-    if (stream.type == StreamType::events) use(x), use(y), use(on);
-    if (stream.type == StreamType::imu) use(temperature), use(acceleration), use(angular_rate), use(magnetic_field);
-    if (stream.type == StreamType::triggers) use(type);
+    if (stream.type == events::StreamType::events) use(x), use(y), use(on);
+    if (stream.type == events::StreamType::imu) use(temperature), use(acceleration), use(angular_rate), use(magnetic_field);
+    if (stream.type == events::StreamType::triggers) use(type);
   }
 };
 
@@ -83,16 +83,17 @@ struct Hdf5RecordingWriter::State {
     file = h5::Id();
   }
 
-  void open(std::span<const Stream> declared) {
+  void open(std::span<const events::Stream> declared) {
     const std::string name = path.string();
     file = h5::create_file(path, h5::Structure::plain);
     h5::write_attribute(file, "recording_format", layout_version, name);
-    const auto events =
-        std::find_if(declared.begin(), declared.end(), [](const Stream& s) { return s.type == StreamType::events; });
+    const auto events = std::find_if(declared.begin(), declared.end(),
+                                     [](const events::Stream& s) { return s.type == events::StreamType::events; });
     if (events != declared.end()) {
       // These attributes apply to every stream without a size of its own, so a stream without a size rules them out.
-      const bool all_have_size =
-          std::all_of(declared.begin(), declared.end(), [](const Stream& s) { return s.type != StreamType::events || s.size; });
+      const bool all_have_size = std::all_of(declared.begin(), declared.end(), [](const events::Stream& s) {
+        return s.type != events::StreamType::events || s.size;
+      });
       if (all_have_size) {
         h5::write_attribute(file, "sensor_width", std::int64_t{events->size->width}, name);
         h5::write_attribute(file, "sensor_height", std::int64_t{events->size->height}, name);
@@ -100,10 +101,10 @@ struct Hdf5RecordingWriter::State {
       h5::write_attribute(file, "source", events->source, name);
     }
     streams.reserve(declared.size());
-    for (const Stream& stream : declared) add(stream);
+    for (const events::Stream& stream : declared) add(stream);
   }
 
-  void add(const Stream& stream) {
+  void add(const events::Stream& stream) {
     std::string name(group_of(stream.type));
     if (name.empty()) {
       throw Error(fmt::format("{}: stream {} holds {}; expected events, imu or triggers", path.string(), stream.id,
@@ -126,11 +127,11 @@ struct Hdf5RecordingWriter::State {
     h5::write_attribute(out.group, "info", info.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), out.where);
 
     out.t.create(out.group, "t_us", 1, out.where);
-    if (stream.type == StreamType::events) {
+    if (stream.type == events::StreamType::events) {
       out.x.create(out.group, "x", 1, out.where);
       out.y.create(out.group, "y", 1, out.where);
       out.on.create(out.group, "on", 1, out.where);
-    } else if (stream.type == StreamType::imu) {
+    } else if (stream.type == events::StreamType::imu) {
       out.temperature.create(out.group, "temperature_c", 1, out.where);
       out.acceleration.create(out.group, "acceleration_g", 3, out.where);
       out.angular_rate.create(out.group, "angular_rate_dps", 3, out.where);
@@ -159,7 +160,7 @@ struct Hdf5RecordingWriter::State {
   }
 };
 
-Hdf5RecordingWriter::Hdf5RecordingWriter(const fs::path& file, std::span<const Stream> streams)
+Hdf5RecordingWriter::Hdf5RecordingWriter(const fs::path& file, std::span<const events::Stream> streams)
     : state_(std::make_unique<State>()) {
   const h5::Session session;
   state_->path = file;
@@ -169,16 +170,16 @@ Hdf5RecordingWriter::~Hdf5RecordingWriter() = default;
 Hdf5RecordingWriter::Hdf5RecordingWriter(Hdf5RecordingWriter&&) noexcept = default;
 Hdf5RecordingWriter& Hdf5RecordingWriter::operator=(Hdf5RecordingWriter&&) noexcept = default;
 
-void Hdf5RecordingWriter::write_events(std::int32_t stream_id, std::span<const Event> events) {
-  state_->write(stream_id, events, [](StreamOut& out, const Event& event) {
+void Hdf5RecordingWriter::write_events(std::int32_t stream_id, std::span<const events::Event> events) {
+  state_->write(stream_id, events, [](StreamOut& out, const events::Event& event) {
     out.x.waiting.push_back(static_cast<std::uint16_t>(event.x));
     out.y.waiting.push_back(static_cast<std::uint16_t>(event.y));
     out.on.waiting.push_back(event.on);
   });
 }
 
-void Hdf5RecordingWriter::write_imu(std::int32_t stream_id, std::span<const ImuSample> samples) {
-  state_->write(stream_id, samples, [](StreamOut& out, const ImuSample& sample) {
+void Hdf5RecordingWriter::write_imu(std::int32_t stream_id, std::span<const events::ImuSample> samples) {
+  state_->write(stream_id, samples, [](StreamOut& out, const events::ImuSample& sample) {
     const auto append = [](ColumnOut<float>& column, const auto& xyz) {
       column.waiting.insert(column.waiting.end(), std::begin(xyz), std::end(xyz));
     };
@@ -189,8 +190,9 @@ void Hdf5RecordingWriter::write_imu(std::int32_t stream_id, std::span<const ImuS
   });
 }
 
-void Hdf5RecordingWriter::write_triggers(std::int32_t stream_id, std::span<const Trigger> triggers) {
-  state_->write(stream_id, triggers, [](StreamOut& out, const Trigger& trigger) { out.type.waiting.push_back(trigger.type); });
+void Hdf5RecordingWriter::write_triggers(std::int32_t stream_id, std::span<const events::Trigger> triggers) {
+  state_->write(stream_id, triggers,
+                [](StreamOut& out, const events::Trigger& trigger) { out.type.waiting.push_back(trigger.type); });
 }
 
 void Hdf5RecordingWriter::close() {
@@ -202,4 +204,4 @@ void Hdf5RecordingWriter::close() {
   state_->file.close(state_->path.string());
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

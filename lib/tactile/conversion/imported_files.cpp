@@ -14,7 +14,7 @@
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/film_picture.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
@@ -22,12 +22,12 @@ constexpr microseconds sorted_span{20'000};                 // messages of sever
 constexpr std::size_t most_waiting = std::size_t{4} << 20;  // events; those of a faster camera are sorted over less time
 
 bool is_of_an_arm(const ToolPose& pose) {
-  return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < beyond_any_arm; });
+  return std::all_of(pose.place.begin(), pose.place.end(), [](double along) { return std::abs(along) < robot::beyond_any_arm; });
 }
 
 /// The mean speed over several steps is at most the highest speed of a step.
 bool is_reached(const ToolPose& before, const ToolPose& after) {
-  const double most = beyond_any_arm * 1e-6 * static_cast<double>((after.t - before.t).count());
+  const double most = robot::beyond_any_arm * 1e-6 * static_cast<double>((after.t - before.t).count());
   const std::array<double, 3> turn = rotation_vector(turn_between(before.turn, after.turn));
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(after.place.at(i) - before.place.at(i)) >= most) return false;
@@ -46,10 +46,10 @@ std::string robot_log_header(bool has_joints) {
   return text + ",host_time_us";
 }
 
-VideoWriterOptions options_for(cv::Size size) {
-  VideoWriterOptions options;
-  options.width = film_size(size).width;
-  options.height = film_size(size).height;
+video::VideoWriterOptions options_for(cv::Size size) {
+  video::VideoWriterOptions options;
+  options.width = video::film_size(size).width;
+  options.height = video::film_size(size).height;
   return options;
 }
 
@@ -74,8 +74,8 @@ void LineFile::fail() const {
   throw Error(name_ + ": cannot be written (" + std::strerror(errno) + "); expected a place with room");
 }
 
-void EventSorter::add(std::span<const Event> events) {
-  for (const Event& event : events) {
+void EventSorter::add(std::span<const events::Event> events) {
+  for (const events::Event& event : events) {
     if (count_ > 0 && event.t < last_) {
       ++late_;
       continue;
@@ -94,9 +94,10 @@ void EventSorter::finish() { put(CameraTime::max()); }
 
 void EventSorter::put(CameraTime until) {
   if (waiting_.empty()) return;
-  if (!is_sorted_) std::stable_sort(waiting_.begin(), waiting_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+  if (!is_sorted_)
+    std::stable_sort(waiting_.begin(), waiting_.end(), [](const events::Event& a, const events::Event& b) { return a.t < b.t; });
   is_sorted_ = true;
-  const auto end = std::partition_point(waiting_.begin(), waiting_.end(), [&](const Event& e) { return e.t <= until; });
+  const auto end = std::partition_point(waiting_.begin(), waiting_.end(), [&](const events::Event& e) { return e.t <= until; });
   if (end == waiting_.begin()) return;
   if (count_ == 0) first_ = waiting_.front().t;
   last_ = std::prev(end)->t;
@@ -151,7 +152,7 @@ void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolP
   file_.write(line + fmt::format(",{}\n", us_of(row.received)));
 }
 
-ImportedFilm::ImportedFilm(const RunFolder& run, SensorSize size)
+ImportedFilm::ImportedFilm(const RunFolder& run, events::SensorSize size)
     : size_(size.width, size.height),
       file_(run.video()),
       times_(run.video_times(), "index,pts_us,host_time_us"),
@@ -163,7 +164,7 @@ bool ImportedFilm::add(const RosImage& image, HostTime received) {
   if (!first_) first_ = image.t;
   last_ = image.t;
   const auto pts = VideoTime{image.t - *first_};
-  writer_.write(film_picture(image.pixels, size_), pts);
+  writer_.write(video::film_picture(image.pixels, size_), pts);
   times_.write(fmt::format("{},{},{}\n", frames_++, us_of(pts), us_of(received)));
   return true;
 }
@@ -174,4 +175,4 @@ void ImportedFilm::close() {
   times_.close();
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -18,7 +18,7 @@
 #include "tactile/video/video_writer.hpp"
 
 // The files of a run, written from a bag's messages.
-namespace tactile {
+namespace tactile::conversion {
 
 /// A text file written line by line.
 class LineFile {
@@ -42,9 +42,9 @@ class LineFile {
 /// very fast camera. Events that come later than that are dropped and counted.
 class EventSorter {
  public:
-  EventSorter(RecordingWriter& writer, std::int32_t stream_id) : writer_(writer), stream_id_(stream_id) {}
+  EventSorter(events::RecordingWriter& writer, std::int32_t stream_id) : writer_(writer), stream_id_(stream_id) {}
 
-  void add(std::span<const Event> events);
+  void add(std::span<const events::Event> events);
   void finish();  ///< writes all waiting events
 
   std::uint64_t written() const { return count_; }
@@ -56,9 +56,9 @@ class EventSorter {
  private:
   void put(CameraTime until);
 
-  RecordingWriter& writer_;
+  events::RecordingWriter& writer_;
   std::int32_t stream_id_;
-  std::vector<Event> waiting_;
+  std::vector<events::Event> waiting_;
   CameraTime newest_{}, first_{}, last_{};
   std::uint64_t count_ = 0, sorted_ = 0, late_ = 0;
   bool is_sorted_ = true;
@@ -93,7 +93,7 @@ class ImportedRobotLog {
 /// video.mp4 and video.csv.
 class ImportedFilm {
  public:
-  ImportedFilm(const RunFolder& run, SensorSize size);
+  ImportedFilm(const RunFolder& run, events::SensorSize size);
 
   /// Adds a frame. @return  false, and the frame is omitted, if it has another size or is not later than the one before
   bool add(const RosImage& image, HostTime received);
@@ -105,10 +105,10 @@ class ImportedFilm {
   cv::Size size_;
   std::filesystem::path file_;
   LineFile times_;
-  VideoWriter writer_;
+  video::VideoWriter writer_;
   std::optional<HostTime> first_;
   HostTime last_{};
   std::uint64_t frames_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -7,7 +7,7 @@
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// A rectangle of pixels. After a crop, coordinates count from its upper left corner.
 struct PixelRegion {
@@ -18,10 +18,10 @@ struct PixelRegion {
 };
 
 /// Appends the events inside the region to `kept`, with coordinates that count from its corner.
-void crop_events(std::span<const Event> events, const PixelRegion& region, std::vector<Event>& kept);
+void crop_events(std::span<const events::Event> events, const PixelRegion& region, std::vector<events::Event>& kept);
 
 /// The part of the frame inside the region, with a position that counts from the region's corner; nothing if they do not overlap.
 /// @param bytes_per_pixel  of the frame's format
-std::optional<Frame> cropped(const Frame& frame, const PixelRegion& region, std::size_t bytes_per_pixel);
+std::optional<events::Frame> cropped(const events::Frame& frame, const PixelRegion& region, std::size_t bytes_per_pixel);
 
-}  // namespace tactile
+}  // namespace tactile::conversion

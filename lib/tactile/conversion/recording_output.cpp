@@ -12,31 +12,31 @@
 #include "tactile/events/event_csv.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
 class Aedat4Output : public RecordingOutput {
  public:
-  Aedat4Output(const fs::path& file, std::vector<Stream> streams, Compression compression)
+  Aedat4Output(const fs::path& file, std::vector<events::Stream> streams, events::Compression compression)
       : writer_(file, std::move(streams), {.compression = compression}) {}
-  void write(std::int32_t id, std::span<const Event> events) override { writer_.write_events(id, events); }
-  void write(std::int32_t id, std::span<const ImuSample> samples) override { writer_.write_imu(id, samples); }
-  void write(std::int32_t id, std::span<const Trigger> triggers) override { writer_.write_triggers(id, triggers); }
-  void write(std::int32_t id, const Frame& frame) override { writer_.write_frame(id, frame); }
+  void write(std::int32_t id, std::span<const events::Event> events) override { writer_.write_events(id, events); }
+  void write(std::int32_t id, std::span<const events::ImuSample> samples) override { writer_.write_imu(id, samples); }
+  void write(std::int32_t id, std::span<const events::Trigger> triggers) override { writer_.write_triggers(id, triggers); }
+  void write(std::int32_t id, const events::Frame& frame) override { writer_.write_frame(id, frame); }
   void close() override { writer_.close(); }
 
  private:
-  RecordingWriter writer_;
+  events::RecordingWriter writer_;
 };
 
 class Hdf5Output : public RecordingOutput {
  public:
-  Hdf5Output(const fs::path& file, std::span<const Stream> streams) : writer_(file, streams) {}
+  Hdf5Output(const fs::path& file, std::span<const events::Stream> streams) : writer_(file, streams) {}
   using RecordingOutput::write;
-  void write(std::int32_t id, std::span<const Event> events) override { writer_.write_events(id, events); }
-  void write(std::int32_t id, std::span<const ImuSample> samples) override { writer_.write_imu(id, samples); }
-  void write(std::int32_t id, std::span<const Trigger> triggers) override { writer_.write_triggers(id, triggers); }
+  void write(std::int32_t id, std::span<const events::Event> events) override { writer_.write_events(id, events); }
+  void write(std::int32_t id, std::span<const events::ImuSample> samples) override { writer_.write_imu(id, samples); }
+  void write(std::int32_t id, std::span<const events::Trigger> triggers) override { writer_.write_triggers(id, triggers); }
   void close() override { writer_.close(); }
 
  private:
@@ -50,7 +50,7 @@ class EventOutput : public RecordingOutput {
   template <class... Arguments>
   explicit EventOutput(Arguments&&... arguments) : writer_(std::forward<Arguments>(arguments)...) {}
   using RecordingOutput::write;
-  void write(std::int32_t, std::span<const Event> events) override { writer_.write(events); }
+  void write(std::int32_t, std::span<const events::Event> events) override { writer_.write(events); }
   std::uint64_t steps_back() const override { return writer_.steps_back(); }
   void close() override { writer_.close(); }
 
@@ -61,9 +61,9 @@ class EventOutput : public RecordingOutput {
 }  // namespace
 
 std::unique_ptr<RecordingOutput> open_output(const fs::path& file, const fs::path& in, const ConvertSummary& summary) {
-  std::vector<Stream> streams;
-  const auto check_size = [&](const Stream& stream) {
-    if (stream.type == StreamType::events && !stream.size) {
+  std::vector<events::Stream> streams;
+  const auto check_size = [&](const events::Stream& stream) {
+    if (stream.type == events::StreamType::events && !stream.size) {
       throw Error(fmt::format("{}: its events have no sensor size (stream {}); expected a stream that declares one, or --crop",
                               in.string(), stream.id));
     }
@@ -71,7 +71,7 @@ std::unique_ptr<RecordingOutput> open_output(const fs::path& file, const fs::pat
   for (const ConvertedStream& kept : summary.streams) streams.push_back(kept.stream);
   switch (summary.to) {
     case RecordingFormat::csv:
-      return std::make_unique<EventOutput<EventCsvWriter>>(file);
+      return std::make_unique<EventOutput<events::EventCsvWriter>>(file);
     case RecordingFormat::npz:
       check_size(streams.front());
       return std::make_unique<EventOutput<EventNpzWriter>>(file, *summary.size);
@@ -84,4 +84,4 @@ std::unique_ptr<RecordingOutput> open_output(const fs::path& file, const fs::pat
   return std::make_unique<Aedat4Output>(file, std::move(streams), *summary.compression);
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

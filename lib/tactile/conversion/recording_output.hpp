@@ -8,7 +8,7 @@
 #include "tactile/conversion/convert.hpp"
 #include "tactile/events/other_streams.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// Whether a file of this format contains the events of one stream only.
 constexpr bool holds_one_stream(RecordingFormat format) {
@@ -19,10 +19,10 @@ constexpr bool holds_one_stream(RecordingFormat format) {
 class RecordingOutput {
  public:
   virtual ~RecordingOutput() = default;
-  virtual void write(std::int32_t stream_id, std::span<const Event> events) = 0;
-  virtual void write(std::int32_t, std::span<const ImuSample>) {}  // called only with what the format can hold
-  virtual void write(std::int32_t, std::span<const Trigger>) {}
-  virtual void write(std::int32_t, const Frame&) {}
+  virtual void write(std::int32_t stream_id, std::span<const events::Event> events) = 0;
+  virtual void write(std::int32_t, std::span<const events::ImuSample>) {}  // called only with what the format can hold
+  virtual void write(std::int32_t, std::span<const events::Trigger>) {}
+  virtual void write(std::int32_t, const events::Frame&) {}
   virtual std::uint64_t steps_back() const { return 0; }
   virtual void close() = 0;
 };
@@ -32,4 +32,4 @@ class RecordingOutput {
 std::unique_ptr<RecordingOutput> open_output(const std::filesystem::path& file, const std::filesystem::path& in,
                                              const ConvertSummary& summary);
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -19,7 +19,7 @@
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
@@ -68,7 +68,7 @@ std::optional<std::string> text_field(Bytes header, std::string_view name) {
 }
 
 /// Decompresses bzip2 to the front of `content`: whole only if it gives exactly `size` bytes; otherwise as much as possible.
-Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t size) {
+events::Decompressed decompress_bz2(Bytes stored, events::PacketBuffer& content, std::size_t size) {
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return {};
   struct End {
@@ -94,7 +94,7 @@ Decompressed decompress_bz2(Bytes stored, PacketBuffer& content, std::size_t siz
 }
 
 /// Decompresses the front of an LZ4 frame to the front of `content`, at most `size` bytes.
-std::size_t decompress_lz4_front(Bytes stored, PacketBuffer& content, std::size_t size) {
+std::size_t decompress_lz4_front(Bytes stored, events::PacketBuffer& content, std::size_t size) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) return 0;
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> end(context, LZ4F_freeDecompressionContext);
@@ -115,20 +115,20 @@ std::size_t decompress_lz4_front(Bytes stored, PacketBuffer& content, std::size_
 
 struct RosBagReader::State {
   std::string name;  ///< for errors
-  FileDescriptor file;
+  events::FileDescriptor file;
   std::uint64_t size = 0;
   std::uint64_t at = 0;  ///< the next record of the file
   BagProblems problems;
   std::map<std::uint32_t, BagConnection> connections;
   std::vector<std::byte> header;
-  PacketBuffer stored, content;
-  PacketDecompressor decompressor;
+  events::PacketBuffer stored, content;
+  events::PacketDecompressor decompressor;
   Bytes rest;                ///< of the chunk being read
   bool is_rest_cut = false;  ///< the file ends inside that chunk, which is already counted
 
   void open(const fs::path& path) {
     name = path.string();
-    file = FileDescriptor(fs::is_directory(path) ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    file = events::FileDescriptor(fs::is_directory(path) ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     struct stat status {};
     if (!file.is_open() || ::fstat(file.number(), &status) != 0)
       throw Error(fmt::format("{}: cannot be opened ({}); expected a readable bag", name,
@@ -185,7 +185,7 @@ struct RosBagReader::State {
   }
 
   /// A record's data, at the front of `into`.
-  Bytes data_of(const Record& record, PacketBuffer& into) const {
+  Bytes data_of(const Record& record, events::PacketBuffer& into) const {
     into.grow(record.data_size, 0);
     const std::span<std::byte> bytes(into.data(), record.data_size);
     read(record.data_at, bytes);
@@ -236,10 +236,10 @@ struct RosBagReader::State {
       size_made = decompress_lz4_front(data, content, std::min<std::size_t>(*claimed, 255 * data.size()));
     } else if (*compression == "lz4") {
       content.grow(std::min<std::size_t>(*claimed, 255 * data.size()) + lz4_spare, 0);  // otherwise it grows by doubling
-      const Decompressed made = decompressor.decompress(Compression::lz4, data, content, *claimed);
+      const events::Decompressed made = decompressor.decompress(events::Compression::lz4, data, content, *claimed);
       if (!made.whole || made.size != *claimed) return false;
     } else if (*compression == "bz2") {
-      const Decompressed made = decompress_bz2(data, content, *claimed);
+      const events::Decompressed made = decompress_bz2(data, content, *claimed);
       if (!made.whole && !record.is_cut) return false;
       size_made = std::min<std::size_t>(made.size, *claimed);
     } else {
@@ -321,4 +321,4 @@ std::uint64_t RosBagReader::bytes_read() const { return state_->at; }
 std::uint64_t RosBagReader::file_size() const { return state_->size; }
 const BagProblems& RosBagReader::problems() const { return state_->problems; }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -10,7 +10,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// A publisher on a topic of a bag.
 struct BagConnection {
@@ -59,4 +59,4 @@ class RosBagReader {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-namespace tactile {
+namespace tactile::conversion {
 namespace {
 
 using Bytes = std::span<const std::byte>;
@@ -88,7 +88,7 @@ T number_at(Bytes bytes, std::size_t offset) {
 }
 
 /// Reads the sensor's size, which both messages give as height, then width.
-bool take_size(Cursor& cursor, SensorSize& size) {
+bool take_size(Cursor& cursor, events::SensorSize& size) {
   const auto height = cursor.number<std::uint32_t>(), width = cursor.number<std::uint32_t>();
   if (!cursor.ok() || width < 1 || height < 1 || width > most_pixels || height > most_pixels) return false;
   size = {static_cast<int>(width), static_cast<int>(height)};
@@ -100,7 +100,7 @@ void add_event(RosEvents& into, std::int64_t t_us, unsigned x, unsigned y, bool 
     ++into.outside;
     return;
   }
-  Event& event = into.events.emplace_back();
+  events::Event& event = into.events.emplace_back();
   event.t = camera_time(t_us);
   event.x = static_cast<std::int16_t>(x);
   event.y = static_cast<std::int16_t>(y);
@@ -310,7 +310,7 @@ bool decode_image(Bytes message, RosImage& into) {
   into = {};
   Cursor cursor(message);
   const std::int64_t stamp_us = cursor.header().first;
-  SensorSize size;
+  events::SensorSize size;
   if (!take_size(cursor, size)) return false;
   const std::string_view encoding = cursor.text();
   const bool is_big_endian = cursor.number<std::uint8_t>() != 0;
@@ -342,7 +342,7 @@ bool decode_image(Bytes message, RosImage& into) {
   return true;
 }
 
-bool decode_imu_message(Bytes message, ImuSample& into) {
+bool decode_imu_message(Bytes message, events::ImuSample& into) {
   into = {};
   Cursor cursor(message);
   into.t = camera_time(cursor.header().first);
@@ -354,4 +354,4 @@ bool decode_imu_message(Bytes message, ImuSample& into) {
   return cursor.ok();
 }
 
-}  // namespace tactile
+}  // namespace tactile::conversion

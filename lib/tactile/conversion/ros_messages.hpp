@@ -16,7 +16,7 @@
 
 // Decoders for the messages of a run, in ROS 1's serialisation. They check every length before use. They fail if the bytes are
 // not such a message, or have more than 8 million events.
-namespace tactile {
+namespace tactile::conversion {
 
 /// The type of a message. The MD5 sum identifies the definition, whatever its name: tf/tfMessage is tf2_msgs/TFMessage.
 enum class RosMessage : std::uint8_t { other, event_array, event_packet, joint_state, transforms, image, imu };
@@ -25,8 +25,8 @@ RosMessage ros_message_with(std::string_view md5sum);  ///< `other` if it is unk
 
 /// The events of a message, in its order.
 struct RosEvents {
-  SensorSize size;
-  std::vector<Event> events;
+  events::SensorSize size;
+  std::vector<events::Event> events;
   std::uint64_t outside = 0;              ///< events outside the sensor; dropped
   std::optional<std::uint64_t> sequence;  ///< of an EventPacket: each is one above the last
   std::string encoding;                   ///< of an EventPacket
@@ -73,6 +73,6 @@ struct RosImage {
 bool decode_image(std::span<const std::byte> message, RosImage& into);
 
 /// sensor_msgs/Imu, which has neither temperature nor magnetic field: they are 0.
-bool decode_imu_message(std::span<const std::byte> message, ImuSample& into);
+bool decode_imu_message(std::span<const std::byte> message, events::ImuSample& into);
 
-}  // namespace tactile
+}  // namespace tactile::conversion

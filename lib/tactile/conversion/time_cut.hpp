@@ -12,7 +12,7 @@
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::conversion {
 
 /// Selects the elements inside the times that the options give.
 class TimeCut {
@@ -64,4 +64,4 @@ class TimeCut {
   bool is_limited_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::conversion

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr std::int64_t period_us = 100'000;
@@ -79,4 +79,4 @@ CameraTime ArrivalLine::camera_of(HostTime t) const {
   return camera_time(moved(plain, -offset_ - host * drift_ / (1 + drift_)));
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -6,7 +6,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// The earliest host time for each camera time: a line below the arrivals of the last ten seconds.
 ///
@@ -49,4 +49,4 @@ class ArrivalLine {
   double drift_ = 0, offset_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::detect {
 
 using std::chrono::nanoseconds;
 
@@ -90,4 +90,4 @@ void DeadlineMonitor::add(const TickTimes& times, std::uint64_t skipped) {
   if (times.waiting) whole_.add(*times.waiting + *times.queued + work);
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A histogram of durations of fixed size. The width of a bin is 1/32 of its time, so that percentiles are accurate within 3 %.
 class DurationHistogram {
@@ -82,4 +82,4 @@ class DeadlineMonitor {
   DurationHistogram waiting_, queued_, rendering_, network_, output_, work_, answer_, whole_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A fault of the events or of the output, and what the detector did.
 struct DetectionFault {
@@ -16,4 +16,4 @@ struct DetectionFault {
 };
 using ReportFault = std::function<void(const DetectionFault&)>;
 
-}  // namespace tactile
+}  // namespace tactile::detect

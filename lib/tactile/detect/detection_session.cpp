@@ -18,7 +18,7 @@
 #include "tactile/detect/tick_log.hpp"
 #include "tactile/detect/udp_records.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr std::size_t waiting_bytes = std::size_t{64} << 20;  // of packets before the detector
@@ -28,10 +28,10 @@ constexpr std::chrono::milliseconds between_reads{10};
 constexpr std::chrono::milliseconds between_live_reads{50};  // soon enough for a person; to wake up costs processor time
 
 /// The network runs once, so that its memory is allocated before there are events.
-std::unique_ptr<CameraSource> opened(const DetectionOptions& options, const ClassifyHeatmap& network) {
+std::unique_ptr<capture::CameraSource> opened(const DetectionOptions& options, const ClassifyHeatmap& network) {
   network(std::vector<std::uint8_t>(
       static_cast<std::size_t>(options.input.width) * static_cast<std::size_t>(options.input.height), 255));
-  std::unique_ptr<CameraSource> source = open_camera_source(options.source, options.source_options);
+  std::unique_ptr<capture::CameraSource> source = capture::open_camera_source(options.source, options.source_options);
   if (const std::string remark = source->remark(); !remark.empty()) options.warn(fmt::format("{}: {}", options.source, remark));
   return source;
 }
@@ -68,7 +68,7 @@ struct DetectionSession::State {
   DetectionOptions options;
   FaultLog faults;
   DetectionSummary summary;
-  std::unique_ptr<CameraSource> source;  ///< until the feed has it
+  std::unique_ptr<capture::CameraSource> source;  ///< until the feed has it
   const bool plays, real_time;
   RealTimeRefusals refusals;
   std::unique_ptr<UdpRecords> udp;
@@ -76,7 +76,7 @@ struct DetectionSession::State {
   TickLog ticks;
   std::vector<ReportedTick> read;
   std::optional<SessionRecording> recording;
-  PacketQueue queue{waiting_bytes};
+  capture::PacketQueue queue{waiting_bytes};
   LiveDetector detector;
   std::atomic<bool> is_over{false}, stops{false};
 
@@ -125,7 +125,7 @@ void DetectionSession::State::report(const DetectionFault& fault) {
 
 void DetectionSession::State::report(const ReportedTick& tick) {
   if (udp && !udp->send(tick) && udp->failed() == 1) {
-    const NetworkAddress& to = *options.udp;
+    const transport::NetworkAddress& to = *options.udp;
     report({"udp",
             fmt::format("--udp {}: a record could not be sent ({}); expected a program that listens there",
                         to.text().substr(std::strlen("tcp://")), std::strerror(errno)),
@@ -148,11 +148,11 @@ EventFeedOptions DetectionSession::State::feed_options() {
   // A recording copies each packet, which must not delay the thread that reports ticks.
   feed.receives_ahead = plays || recording || !source->reports_arrivals();
   feed.fault = [this](const DetectionFault& fault) { report(fault); };
-  feed.wakes = [this](const CameraPacket& packet) { return detector.awaits(packet.events); };
-  if (source->can_reopen()) feed.open = [this] { return open_camera_source(options.source, options.source_options); };
+  feed.wakes = [this](const capture::CameraPacket& packet) { return detector.awaits(packet.events); };
+  if (source->can_reopen()) feed.open = [this] { return capture::open_camera_source(options.source, options.source_options); };
   feed.reconnect = options.reconnect;
   if (recording) {
-    feed.see = [this, has_ended = false](const CameraPacket& packet) mutable {
+    feed.see = [this, has_ended = false](const capture::CameraPacket& packet) mutable {
       if (recording->put(packet) || std::exchange(has_ended, true)) return;
       report({"recording", "the camera's clock started again: the recording ends here, verdicts continue", host_now()});
     };
@@ -269,4 +269,4 @@ DetectionSummary DetectionSession::run(const TickOutput& output) {
   return std::move(summary);
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

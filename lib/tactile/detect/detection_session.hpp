@@ -18,12 +18,12 @@
 #include "tactile/detect/session_recording.hpp"
 #include "tactile/detect/verdict_counts.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 struct DetectionOptions {
   std::string source;  ///< as `open_camera_source` takes it
-  CameraSourceOptions source_options;
-  SensorSize input;                                    ///< of the network
+  capture::CameraSourceOptions source_options;
+  events::SensorSize input;                            ///< of the network
   TickDetectorOptions detector;                        ///< rendering, confirmation and gate
   microseconds slack{2'000};                           ///< a tick waits this long for late events, >= 0
   bool rehearses = true;                               ///< run the network once before each tick
@@ -31,7 +31,7 @@ struct DetectionOptions {
   std::optional<microseconds> duration;                ///< > 0; by the host's clock, or of a replay by the camera's
   bool real_time = true;                               ///< real-time priority and locked memory; never for replays
   bool awake = false;                                  ///< keep processor cores awake
-  std::optional<NetworkAddress> udp = {};              ///< send a record there at each tick
+  std::optional<transport::NetworkAddress> udp = {};   ///< send a record there at each tick
   std::optional<RobotReporterOptions> robot = {};      ///< report to this robot
   std::optional<SessionRecordingOptions> record = {};  ///< also record the run
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< messages; any thread
@@ -57,7 +57,7 @@ struct DetectionSummary {
   VerdictCounts verdicts;
   DeadlineMonitor deadlines{std::chrono::milliseconds(2)};
   microseconds longest_packet{0};
-  SourceDrops drops;
+  capture::SourceDrops drops;
   std::uint64_t reopened = 0;
   std::map<std::string, std::uint64_t> faults;  ///< how often each kind occurred
   std::vector<DetectionFault> first_faults;
@@ -66,7 +66,7 @@ struct DetectionSummary {
   std::optional<std::string> awake_refused;    ///< with `awake`: why cores may sleep, empty if they stay awake
   std::optional<RobotReporterSummary> robot;
   std::optional<std::array<std::uint64_t, 2>> udp;  ///< records sent and failed
-  std::optional<RunSummary> recorded;
+  std::optional<capture::RunSummary> recorded;
   std::uint64_t ticks_left_out = 0;  ///< ticks that `TickOutput` did not receive, because it was too slow
   std::exception_ptr failure;        ///< an error that ended the session
 };
@@ -91,4 +91,4 @@ class DetectionSession {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 using std::chrono::milliseconds;
@@ -20,16 +20,16 @@ constexpr microseconds between_reports{1'000'000};
 
 }  // namespace
 
-const Stream& events_of(const CameraSource& source) {
-  for (const Stream& stream : source.streams()) {
-    if (stream.type != StreamType::events) continue;
+const events::Stream& events_of(const capture::CameraSource& source) {
+  for (const events::Stream& stream : source.streams()) {
+    if (stream.type != events::StreamType::events) continue;
     if (stream.size) return stream;
     throw Error(source.name() + ": its events declare no size; expected the sensor's");
   }
   throw Error(source.name() + ": has no stream of events; expected one");
 }
 
-EventFeed::EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, EventFeedOptions options)
+EventFeed::EventFeed(std::unique_ptr<capture::CameraSource> source, capture::PacketQueue& queue, EventFeedOptions options)
     : source_(std::move(source)),
       queue_(queue),
       options_(std::move(options)),
@@ -62,9 +62,9 @@ std::optional<microseconds> EventFeed::gave_up_after() const {
   return gave_up_after_;
 }
 
-SourceDrops EventFeed::drops() const {
+capture::SourceDrops EventFeed::drops() const {
   const std::scoped_lock lock(guard_);
-  SourceDrops drops = drops_of_earlier_;
+  capture::SourceDrops drops = drops_of_earlier_;
   return drops += drops_;
 }
 
@@ -105,13 +105,13 @@ void EventFeed::open_when_lost() {
       opens_ = false;
     }
     if (!open_again()) return queue_.close();
-    PacketQueue::Packet back = queue_.take();
+    capture::PacketQueue::Packet back = queue_.take();
     mark(back.front());
     queue_.push(back, true);
   }
 }
 
-bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) {
+bool EventFeed::next(capture::PacketQueue::Packet& packet, microseconds patience, microseconds rest) {
   if (options_.receives_ahead) return queue_.pop(packet, patience);
   if (is_lost_) {
     const bool continues = queue_.pop(packet, patience);
@@ -144,7 +144,7 @@ bool EventFeed::next(PacketQueue::Packet& packet, microseconds patience, microse
 
 /// Receives into `packet_`. If the source is lost, `packet_` is empty and has the next `source_index`.
 EventFeed::Outcome EventFeed::receive(microseconds patience) {
-  CameraPacket& elements = packet_.front().elements;
+  capture::CameraPacket& elements = packet_.front().elements;
   elements.clear();
   const auto keep_drops = [this] {  // without a report: the error says more
     const std::scoped_lock lock(guard_);
@@ -153,15 +153,15 @@ EventFeed::Outcome EventFeed::receive(microseconds patience) {
   Outcome outcome = Outcome::nothing;
   try {
     switch (source_->receive(elements, patience)) {
-      case CameraSource::Received::packet:
+      case capture::CameraSource::Received::packet:
         note_arrival();
         if (options_.see) options_.see(elements);
         // Packets of other streams lead to no verdict.
         if (!elements.events.empty() || elements.empty()) outcome = Outcome::packet;
         break;
-      case CameraSource::Received::nothing:
+      case capture::CameraSource::Received::nothing:
         break;
-      case CameraSource::Received::ended:
+      case capture::CameraSource::Received::ended:
         keep_drops();
         return Outcome::over;
     }
@@ -174,14 +174,14 @@ EventFeed::Outcome EventFeed::receive(microseconds patience) {
 }
 
 /// Makes it the empty packet that shows a new `source_index`.
-void EventFeed::mark(QueuedPacket& packet) const {
+void EventFeed::mark(capture::QueuedPacket& packet) const {
   packet.elements.clear();
   packet.source_index = index_;
   packet.arrived = host_now();
 }
 
 void EventFeed::note_arrival() {
-  QueuedPacket& packet = packet_.front();
+  capture::QueuedPacket& packet = packet_.front();
   packet.source_index = index_;
   packet.arrived = packet.elements.arrived.value_or(host_now());
   // Others may have arrived while it was decoded.
@@ -189,7 +189,7 @@ void EventFeed::note_arrival() {
 }
 
 void EventFeed::hand_over() {
-  const CameraPacket& elements = packet_.front().elements;
+  const capture::CameraPacket& elements = packet_.front().elements;
   const std::uint64_t events = elements.events.size();
   const bool wakes = !options_.wakes || options_.wakes(elements);
   if (queue_.push(packet_, options_.waits, wakes)) {
@@ -201,12 +201,12 @@ void EventFeed::hand_over() {
 
 /// Reports at most once a second: damage usually affects many packets.
 void EventFeed::note_drops() {
-  const SourceDrops drops = source_->drops();
+  const capture::SourceDrops drops = source_->drops();
   if (!(drops == drops_)) {
     const std::scoped_lock lock(guard_);
     drops_ = drops;
   }
-  const LostElements all = drops.total();
+  const capture::LostElements all = drops.total();
   const std::uint64_t count = all.packets + all.events + all.others;
   const HostTime now = host_now();
   if (count == drops_known_ || now - drops_reported_ < between_reports) return;
@@ -246,7 +246,7 @@ bool EventFeed::open_again() {
     }
     pause = std::min(2 * pause, longest_pause);
     try {
-      std::unique_ptr<CameraSource> again = options_.open();
+      std::unique_ptr<capture::CameraSource> again = options_.open();
       if (*events_of(*again).size != sensor_) throw Error(name_ + ": is another sensor now; expected the same size as before");
       source_ = std::move(again);
     } catch (const Error& e) {
@@ -268,4 +268,4 @@ bool EventFeed::open_again() {
   return false;
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

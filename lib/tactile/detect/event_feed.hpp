@@ -16,19 +16,19 @@
 #include "tactile/detect/live_detector.hpp"
 #include "tactile/detect/packet_supply.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 struct EventFeedOptions {
   /// Opens the source again after it broke; empty if that is impossible.
-  std::function<std::unique_ptr<CameraSource>()> open = {};
+  std::function<std::unique_ptr<capture::CameraSource>()> open = {};
   std::chrono::milliseconds reconnect{10'000};  ///< try to open it for this long, >= 0
   /// Whether a separate thread receives packets. Otherwise `next` receives them, so that no thread has to wake another one. This
   /// needs a source that reports arrival times, since packets wait until `next` is called.
   bool receives_ahead = true;
   bool waits = false;  ///< wait for room in the queue; else packets without room are dropped and counted
-  std::function<void(const CameraPacket&)> see = {};  ///< called with every packet as it arrives
+  std::function<void(const capture::CameraPacket&)> see = {};  ///< called with every packet as it arrives
   /// Whether a packet must wake the thread that waits in `next`; every packet does if this is empty.
-  std::function<bool(const CameraPacket&)> wakes = {};
+  std::function<bool(const capture::CameraPacket&)> wakes = {};
   std::function<void()> prepare = {};  ///< called first on the thread that receives packets
   ReportFault fault = [](const DetectionFault&) {};
 };
@@ -39,7 +39,7 @@ struct EventFeedOptions {
 class EventFeed final : public PacketSupply {
  public:
   /// @param queue  must outlive this
-  EventFeed(std::unique_ptr<CameraSource> source, PacketQueue& queue, EventFeedOptions options);
+  EventFeed(std::unique_ptr<capture::CameraSource> source, capture::PacketQueue& queue, EventFeedOptions options);
   ~EventFeed() override;  ///< stops
   EventFeed(const EventFeed&) = delete;
   EventFeed& operator=(const EventFeed&) = delete;
@@ -47,14 +47,14 @@ class EventFeed final : public PacketSupply {
   void start();
   void stop();  ///< waits for its thread, and closes the queue
 
-  bool next(PacketQueue::Packet& packet, microseconds patience, microseconds rest) override;
-  void give_back(PacketQueue::Packet packet) override { queue_.give_back(std::move(packet)); }
+  bool next(capture::PacketQueue::Packet& packet, microseconds patience, microseconds rest) override;
+  void give_back(capture::PacketQueue::Packet packet) override { queue_.give_back(std::move(packet)); }
   std::uint64_t lost_events() const override { return lost_.load(std::memory_order_relaxed); }
 
   std::string error() const;  ///< why the source is lost; empty if it has ended
   /// How long the feed tried to open the source again before it gave up; nothing if it did not give up.
   std::optional<microseconds> gave_up_after() const;
-  SourceDrops drops() const;  ///< of all openings
+  capture::SourceDrops drops() const;  ///< of all openings
   std::uint64_t reopened() const { return reopened_.load(std::memory_order_relaxed); }
 
  private:
@@ -62,7 +62,7 @@ class EventFeed final : public PacketSupply {
   void receive_all();
   void open_when_lost();
   Outcome receive(microseconds patience);
-  void mark(QueuedPacket& packet) const;
+  void mark(capture::QueuedPacket& packet) const;
   void note_arrival();
   void hand_over();
   void note_drops();
@@ -70,14 +70,14 @@ class EventFeed final : public PacketSupply {
   bool open_again();
   void report(const char* kind, const std::string& text) const;
 
-  std::unique_ptr<CameraSource> source_;
-  PacketQueue& queue_;
+  std::unique_ptr<capture::CameraSource> source_;
+  capture::PacketQueue& queue_;
   const EventFeedOptions options_;
   const std::string name_;
-  const SensorSize sensor_;
+  const events::SensorSize sensor_;
   std::size_t index_ = 0;
-  PacketQueue::Packet packet_;  ///< to be filled
-  bool is_lost_ = false;        ///< the source is being opened again; unused if a separate thread receives
+  capture::PacketQueue::Packet packet_;  ///< to be filled
+  bool is_lost_ = false;                 ///< the source is being opened again; unused if a separate thread receives
   std::atomic<std::uint64_t> lost_{0}, reopened_{0};
   HostTime drops_reported_{};
   std::uint64_t drops_known_ = 0;
@@ -89,11 +89,11 @@ class EventFeed final : public PacketSupply {
   bool stops_ = false, opens_ = false;
   std::string why_lost_, error_;
   std::optional<microseconds> gave_up_after_;
-  SourceDrops drops_, drops_of_earlier_;
+  capture::SourceDrops drops_, drops_of_earlier_;
   std::thread thread_;
 };
 
 /// The first stream of events. @throws Error  if there is none, or it declares no size
-const Stream& events_of(const CameraSource& source);
+const events::Stream& events_of(const capture::CameraSource& source);
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 
 #include "tactile/detect/detection_fault.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// Faults by kind, and the first of them. May be used from several threads.
 class FaultLog {
@@ -36,4 +36,4 @@ class FaultLog {
   std::vector<DetectionFault> first_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -7,7 +7,7 @@
 
 #include "tactile/core/duration_units.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr microseconds between_reports{10'000'000}, share_window{1'000'000};
@@ -29,7 +29,7 @@ bool RepeatedFault::is_due_again(HostTime at) {
   return true;
 }
 
-void LateEvents::add(std::span<const Event> events, std::size_t late, const std::optional<CameraTime>& last_reported,
+void LateEvents::add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported,
                      HostTime at) {
   if (late > 0 && last_reported) latest_ = std::max(latest_, between(events.front().t, *last_reported));
   if (window_begin_ == HostTime{}) window_begin_ = at;
@@ -79,4 +79,4 @@ void Backlog::dropped(bool more_came, HostTime at) {
     report_({"behind", "more events arrive than can be read here: waiting events are dropped, and there is no verdict", at});
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 #include "tactile/detect/detection_fault.hpp"
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A fault that can occur again and again. It is reported at most every ten seconds.
 class RepeatedFault {
@@ -35,7 +35,7 @@ class LateEvents {
   /// Counts one packet. Reports a fault if more than 1 % of the events within a second were late.
   /// @param late           so many of `events`, from the first on, were late
   /// @param last_reported  the last tick with a verdict, if any
-  void add(std::span<const Event> events, std::size_t late, const std::optional<CameraTime>& last_reported, HostTime at);
+  void add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported, HostTime at);
 
   void in_time() { all_late_since_.reset(); }  ///< an event was in time
   /// All events of a packet were late. @return  a sentence, or an empty text, once this has lasted for `limit`
@@ -70,4 +70,4 @@ class Backlog {
   bool drops_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr std::size_t chunk = 8192;  // events of a replay that are counted before their tick, at most
@@ -50,8 +50,8 @@ void LiveDetector::restart(const char* kind, const std::string& text, HostTime a
   if (*kind != '\0') fault_({kind, text, at});
 }
 
-void LiveDetector::take(const QueuedPacket& packet) {
-  const std::span<const Event> events = packet.elements.events;
+void LiveDetector::take(const capture::QueuedPacket& packet) {
+  const std::span<const events::Event> events = packet.elements.events;
   const HostTime at = packet.arrived;
   if (stream_ && *stream_ != packet.source_index) {
     // First report the ticks that closed before the change.
@@ -78,14 +78,14 @@ void LiveDetector::take(const QueuedPacket& packet) {
   backlog_.begin_dropping();
 }
 
-void LiveDetector::drop(const CameraPacket& packet, HostTime at) {
+void LiveDetector::drop(const capture::CameraPacket& packet, HostTime at) {
   counts_.lost_events += packet.events.size();
   backlog_.dropped(packet.more_came, at);
 }
 
-void LiveDetector::take_played(std::span<const Event> events, HostTime at) {
+void LiveDetector::take_played(std::span<const events::Event> events, HostTime at) {
   for (; !events.empty() && !over_; events = events.subspan(std::min(chunk, events.size()))) {
-    const std::span<const Event> part = events.first(std::min(chunk, events.size()));
+    const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
     detector_.add(part);
     counts_.events += part.size();
     clock_.arrived(part.front().t, part.back().t, at);
@@ -121,7 +121,7 @@ void LiveDetector::check_length(microseconds span, HostTime at) {
        at});
 }
 
-void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
+void LiveDetector::take_live(std::span<const events::Event> events, HostTime at) {
   const CameraTime first = events.front().t, last = events.back().t;
   check_jump(first, at);
   check_length(between(first, last), at);
@@ -131,7 +131,7 @@ void LiveDetector::take_live(std::span<const Event> events, HostTime at) {
   late_events_.add(events, late, clock_.last_reported(), at);
   const auto lacks_events_until = [this](CameraTime t) { hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), t); };
   if (late > 0) lacks_events_until(after(events[late - 1].t, 1us));
-  const std::span<const Event> in_time = events.subspan(late);
+  const std::span<const events::Event> in_time = events.subspan(late);
   if (in_time.empty()) {
     if (const auto text = late_events_.all_late(at)) restart("late", *text, at);
     return;
@@ -240,13 +240,14 @@ void LiveDetector::check_stop(HostTime due, HostTime now) {
           now);
 }
 
-bool LiveDetector::awaits(std::span<const Event> events) const {
+bool LiveDetector::awaits(std::span<const events::Event> events) const {
   return events.size() > few_events || events.empty() || events.back().t >= awaited_.load(std::memory_order_relaxed);
 }
 
 /// Takes `packet` and those that wait after it, for a tick's time at most, and not while a tick is due whose events are all here.
 /// @return  the host's time afterwards
-HostTime LiveDetector::take_waiting(PacketSupply& supply, PacketQueue::Packet& packet, HostTime begun, HostTime& taken_until) {
+HostTime LiveDetector::take_waiting(PacketSupply& supply, capture::PacketQueue::Packet& packet, HostTime begun,
+                                    HostTime& taken_until) {
   HostTime now = begun;
   while (!packet.empty()) {
     note_lost(supply.lost_events());
@@ -262,7 +263,7 @@ HostTime LiveDetector::take_waiting(PacketSupply& supply, PacketQueue::Packet& p
 }
 
 void LiveDetector::run(PacketSupply& supply, const std::function<bool()>& stop) {
-  PacketQueue::Packet packet;
+  capture::PacketQueue::Packet packet;
   HostTime taken_until{};  // long ago
   stop_ = stop;
   for (bool open = true; open && !stop() && !over_;) {
@@ -285,4 +286,4 @@ void LiveDetector::run(PacketSupply& supply, const std::function<bool()>& stop) 
   stop_ = nullptr;
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

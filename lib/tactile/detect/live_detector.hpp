@@ -18,7 +18,7 @@
 #include "tactile/detect/tick_clock.hpp"
 #include "tactile/detect/tick_detector.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 struct LiveDetectorOptions {
   TickClockOptions clock;           ///< `by_events_alone`, for replays at any speed: every tick is reported, however late
@@ -57,7 +57,7 @@ class LiveDetector {
 
   /// Counts the events of a packet. If its `source_index` is new, the stream restarts. Ticks of a replay are reported at once.
   /// @throws Error  if events lie outside the sensor or are not ascending, or if a replay has more than `most_ticks` ticks
-  void take(const QueuedPacket& packet);
+  void take(const capture::QueuedPacket& packet);
 
   /// Reports the next tick that is due, or the newest. @return  false if none is due
   /// @param taken_until  packets that arrived until then have been taken, later ones may wait: the host's time closes no later
@@ -77,7 +77,7 @@ class LiveDetector {
   /// Whether `run` must wake up for a packet: it closes a tick, or has so many events that counting them later takes long. Other
   /// packets can wait until `run` wakes by itself. Waking a thread takes some microseconds, which is most of the work of a quiet
   /// scene. Any thread may call it.
-  bool awaits(std::span<const Event> events) const;
+  bool awaits(std::span<const events::Event> events) const;
 
   /// Takes packets by the host's clock until there are no more, or `stop` returns true.
   void run(PacketSupply& supply, const std::function<bool()>& stop);
@@ -90,12 +90,12 @@ class LiveDetector {
   bool plays() const { return options_.clock.by_events_alone; }
   bool is_closed_in_time(HostTime now) const;
   void restart(const char* kind, const std::string& text, HostTime at);
-  void drop(const CameraPacket& packet, HostTime at);
-  void take_played(std::span<const Event> events, HostTime at);
-  void take_live(std::span<const Event> events, HostTime at);
+  void drop(const capture::CameraPacket& packet, HostTime at);
+  void take_played(std::span<const events::Event> events, HostTime at);
+  void take_live(std::span<const events::Event> events, HostTime at);
   void check_jump(CameraTime first, HostTime at);
   void check_length(microseconds span, HostTime at);
-  HostTime take_waiting(PacketSupply& supply, PacketQueue::Packet& packet, HostTime begun, HostTime& taken_until);
+  HostTime take_waiting(PacketSupply& supply, capture::PacketQueue::Packet& packet, HostTime begun, HostTime& taken_until);
   void report(const DueTick& due, HostTime now);
 
   TickDetector detector_;
@@ -126,4 +126,4 @@ class LiveDetector {
   bool over_ = false;  ///< a replay has lasted for `play_for`
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

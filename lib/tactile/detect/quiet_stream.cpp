@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 constexpr microseconds period{250'000};
@@ -30,4 +30,4 @@ std::optional<microseconds> QuietStream::least_waiting(HostTime now) const {
   return std::min(*last_period_, *this_period_);
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

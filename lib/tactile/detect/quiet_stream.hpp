@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// How long the packets of a quiet stream can wait unread: until the earliest time at which a packet can close the next tick. The
 /// time is estimated from the last one or two quarters of a second.
@@ -29,4 +29,4 @@ class QuietStream {
   std::uint64_t events_since_tick_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace tactile {
+namespace tactile::detect {
 
 std::string use_real_time_priority(int priority) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);
@@ -51,4 +51,4 @@ AwakeProcessors::AwakeProcessors() : latency_(::open("/dev/cpu_dma_latency", O_W
   latency_.reset();
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

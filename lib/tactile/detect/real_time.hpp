@@ -6,7 +6,7 @@
 
 #include "tactile/events/file_descriptor.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// Gives the calling thread real-time priority (SCHED_FIFO) and timers that are accurate to the microsecond.
 /// @param priority  1 to 99
@@ -37,8 +37,8 @@ class AwakeProcessors {
   const std::string& refused() const { return refused_; }  ///< why the cores may sleep; empty if they stay awake
 
  private:
-  FileDescriptor latency_;
+  events::FileDescriptor latency_;
   std::string refused_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-namespace tactile {
+namespace tactile::detect {
 
-RecordedCopy::RecordedCopy(CameraSource& original, bool waits)
+RecordedCopy::RecordedCopy(capture::CameraSource& original, bool waits)
     : original_(original),
       waits_(waits),
       simulated_(original.simulated()),
@@ -14,7 +14,7 @@ RecordedCopy::RecordedCopy(CameraSource& original, bool waits)
       streams_(original.streams().begin(), original.streams().end()),
       camera_(original.camera()) {}
 
-void RecordedCopy::put(const CameraPacket& packet) {
+void RecordedCopy::put(const capture::CameraPacket& packet) {
   if (ended_early_) return;
   if (!packet.events.empty()) {
     if (last_event_ && packet.events.front().t < *last_event_) {
@@ -24,18 +24,18 @@ void RecordedCopy::put(const CameraPacket& packet) {
     }
     last_event_ = packet.events.back().t;
   }
-  PacketQueue::Packet copy = queue_.take();
+  capture::PacketQueue::Packet copy = queue_.take();
   copy.front().elements = packet;
   if (queue_.push(copy, waits_) || !queue_.is_open()) return;
-  const LostElements lost = count_of(packet);
+  const capture::LostElements lost = capture::count_of(packet);
   const std::scoped_lock lock(guard_);
   lost_ += {.packets = lost.packets, .events = lost.events, .others = lost.others, .back_in_time = {}};
 }
 
 void RecordedCopy::end() { queue_.close(); }
 
-CameraSource::Received RecordedCopy::receive(CameraPacket& packet, std::chrono::microseconds patience) {
-  PacketQueue::Packet next;
+capture::CameraSource::Received RecordedCopy::receive(capture::CameraPacket& packet, std::chrono::microseconds patience) {
+  capture::PacketQueue::Packet next;
   if (!queue_.pop(next, patience)) return Received::ended;
   if (next.empty()) return Received::nothing;
   std::swap(packet, next.front().elements);
@@ -43,7 +43,7 @@ CameraSource::Received RecordedCopy::receive(CameraPacket& packet, std::chrono::
   return Received::packet;
 }
 
-SourceDrops RecordedCopy::drops() const {
+capture::SourceDrops RecordedCopy::drops() const {
   const std::scoped_lock lock(guard_);
   return lost_;
 }
@@ -52,4 +52,4 @@ void RecordedCopy::end_run(const RunFolder& run, bool wants_robot, bool wants_vi
   if (writes_files_) original_.end_run(run, wants_robot, wants_video);
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

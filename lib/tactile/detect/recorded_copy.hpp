@@ -10,42 +10,42 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/capture/packet_queue.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A source of copied packets, so that a stream can be recorded while a detector uses it. If its memory is full, it drops and
 /// counts packets, or waits. It ends where the stream's time goes back, as after a restart of the camera: a recording has one
 /// clock.
-class RecordedCopy final : public CameraSource {
+class RecordedCopy final : public capture::CameraSource {
  public:
   /// @param original  must outlive this, unless it is opened again; used before the first packet and after the last one
-  RecordedCopy(CameraSource& original, bool waits);
+  RecordedCopy(capture::CameraSource& original, bool waits);
 
-  void put(const CameraPacket& packet);  ///< from one thread
-  void end();                            ///< after the last packet
+  void put(const capture::CameraPacket& packet);  ///< from one thread
+  void end();                                     ///< after the last packet
   bool ended_early() const { return ended_early_; }
 
   std::string name() const override { return name_; }
-  std::span<const Stream> streams() const override { return streams_; }
+  std::span<const events::Stream> streams() const override { return streams_; }
   bool simulated() const override { return simulated_; }
   bool live() const override { return live_; }
   nlohmann::json camera() const override { return camera_; }
-  Received receive(CameraPacket& packet, std::chrono::microseconds patience) override;
-  SourceDrops drops() const override;
+  Received receive(capture::CameraPacket& packet, std::chrono::microseconds patience) override;
+  capture::SourceDrops drops() const override;
   bool begins_again() const override { return false; }
   void begin_run(const RunFolder& run) override { original_.begin_run(run); }
   void end_run(const RunFolder& run, bool wants_robot, bool wants_video) override;
 
  private:
-  CameraSource& original_;
+  capture::CameraSource& original_;
   const bool waits_, simulated_, live_, writes_files_;
   std::string name_;
-  std::vector<Stream> streams_;
+  std::vector<events::Stream> streams_;
   nlohmann::json camera_;
-  PacketQueue queue_{std::size_t{256} << 20};
+  capture::PacketQueue queue_{std::size_t{256} << 20};
   std::optional<CameraTime> last_event_;
   std::atomic<bool> ended_early_{false};
   mutable std::mutex guard_;
-  SourceDrops lost_;
+  capture::SourceDrops lost_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

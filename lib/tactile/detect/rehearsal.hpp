@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// When the network runs once without use, so that its weights are in the cache for the next tick. It runs about halfway between
 /// the last tick and the packet that closes the next one: a later run is more likely to stay in the cache, but on a cold cache
@@ -40,4 +40,4 @@ class Rehearsal {
   std::optional<Period> planned_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -6,7 +6,7 @@
 #include "tactile/detect/tick_clock.hpp"
 #include "tactile/detect/tick_detector.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A tick with its verdict.
 struct ReportedTick {
@@ -19,4 +19,4 @@ struct ReportedTick {
   std::optional<HostTime> last_arrival;  ///< of any events
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -7,7 +7,7 @@
 
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// When one bit of the robot is high.
 struct RobotBitRule {
@@ -57,4 +57,4 @@ class RobotBits {
   std::vector<std::optional<CameraTime>> raised_;  ///< the last tick that raised it
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -4,14 +4,14 @@
 
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 RobotReporter::RobotReporter(const RobotReporterOptions& options, ReportFault fault, std::function<void()> prepare)
     : bits_(options.rules, options.clearing) {
-  RobotInputsOptions inputs{.host = options.address.host, .port = options.address.port, .bits = options.registers};
+  robot::RobotInputsOptions inputs{.host = options.address.host, .port = options.address.port, .bits = options.registers};
   inputs.log = [fault = std::move(fault)](const std::string& text) { fault({"robot", text, host_now()}); };
   inputs.prepare = std::move(prepare);
-  inputs_ = std::make_unique<RobotInputs>(std::move(inputs));
+  inputs_ = std::make_unique<robot::RobotInputs>(std::move(inputs));
 }
 
 void RobotReporter::report(const ReportedTick& tick) {
@@ -37,4 +37,4 @@ RobotReporterSummary RobotReporter::summary() const {
   return {inputs_->state(), raised_, from_event_};
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -13,17 +13,17 @@
 #include "tactile/robot/robot_inputs.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 struct RobotReporterOptions {
-  NetworkAddress address;
+  transport::NetworkAddress address;
   std::vector<int> registers;       ///< input bit registers, 64 to 127
   std::vector<RobotBitRule> rules;  ///< one for each register
   BitClearing clearing;
 };
 
 struct RobotReporterSummary {
-  RobotInputsState state;
+  robot::RobotInputsState state;
   std::uint64_t raised = 0;      ///< how often a bit rose
   DurationHistogram from_event;  ///< of rising bits: from the arrival of the last event to the write of the register
 };
@@ -43,7 +43,7 @@ class RobotReporter {
   std::uint64_t high_ = 0, raised_ = 0;
   mutable std::mutex guard_;
   DurationHistogram from_event_;
-  std::unique_ptr<RobotInputs> inputs_;  ///< last, so that its thread ends first
+  std::unique_ptr<robot::RobotInputs> inputs_;  ///< last, so that its thread ends first
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

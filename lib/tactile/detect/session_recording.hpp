@@ -9,7 +9,7 @@
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/detect/recorded_copy.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// The run to record.
 struct SessionRecordingOptions {
@@ -25,20 +25,20 @@ class SessionRecording {
   /// @param source    its packets are recorded; see `RecordedCopy`
   /// @param settings  kept in run.json
   /// @throws Error  if the folder or a file cannot be created
-  SessionRecording(const SessionRecordingOptions& options, CameraSource& source, bool waits, const nlohmann::json& settings,
-                   std::function<void(const std::string&)> warn);
+  SessionRecording(const SessionRecordingOptions& options, capture::CameraSource& source, bool waits,
+                   const nlohmann::json& settings, std::function<void(const std::string&)> warn);
 
   /// @return  false once the camera's clock has started again: the recording ends there
-  bool put(const CameraPacket& packet);
+  bool put(const capture::CameraPacket& packet);
   /// Waits until all packets are written. @param why  kept in run.json
-  RunSummary end(const std::string& why);
+  capture::RunSummary end(const std::string& why);
 
   const RunFolder& run() const { return run_; }
 
  private:
   RecordedCopy* copy_;  ///< belongs to the recorder
-  std::unique_ptr<RunRecorder> recorder_;
+  std::unique_ptr<capture::RunRecorder> recorder_;
   RunFolder run_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

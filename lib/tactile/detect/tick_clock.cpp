@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::detect {
 
 void TickClock::restart() {
   line_.restart();
@@ -11,9 +11,9 @@ void TickClock::restart() {
   arrivals_.clear();
 }
 
-std::size_t TickClock::too_late(std::span<const Event> events) const {
+std::size_t TickClock::too_late(std::span<const events::Event> events) const {
   if (!last_reported_ || events.empty() || events.front().t >= *last_reported_) return 0;
-  const auto is_late = [this](const Event& event) { return event.t < *last_reported_; };
+  const auto is_late = [this](const events::Event& event) { return event.t < *last_reported_; };
   return static_cast<std::size_t>(std::partition_point(events.begin(), events.end(), is_late) - events.begin());
 }
 
@@ -106,4 +106,4 @@ void TickClock::reported(const DueTick& tick) {
   arrivals_.erase(arrivals_.begin(), std::find_if_not(arrivals_.begin(), arrivals_.end(), is_over));
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 #include "tactile/detect/arrival_line.hpp"
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 struct TickClockOptions {
   microseconds tick{2'000};      ///< > 0
@@ -41,7 +41,7 @@ class TickClock {
   void restart();
 
   /// How many of these events, from the first on, are earlier than the last reported tick, and therefore too late.
-  std::size_t too_late(std::span<const Event> events) const;
+  std::size_t too_late(std::span<const events::Event> events) const;
 
   /// Events of one packet that are not too late, ascending from call to call.
   void arrived(CameraTime first, CameraTime last, HostTime at);
@@ -81,4 +81,4 @@ class TickClock {
   std::vector<Arrival> arrivals_;  ///< packets that close ticks that are not reported yet, ascending
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

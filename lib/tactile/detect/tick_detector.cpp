@@ -7,9 +7,10 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
-TickDetector::TickDetector(SensorSize sensor, SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options)
+TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify,
+                           const TickDetectorOptions& options)
     : sensor_(sensor),
       options_(options),
       classify_(std::move(classify)),
@@ -30,9 +31,9 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
   if (!verdict.gated) renderer_.render(std::span(heatmap_));
   const Clock::time_point rendered = Clock::now();
   if (!verdict.gated) {
-    const Logits logits = classify_(heatmap_);
-    verdict.predicted = verdict_of(logits);
-    verdict.probabilities = probabilities_of(logits);
+    const model::Logits logits = classify_(heatmap_);
+    verdict.predicted = model::verdict_of(logits);
+    verdict.probabilities = model::probabilities_of(logits);
   }
   for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
   verdict.verdict = confirmation_.next(verdict.predicted);
@@ -48,8 +49,8 @@ bool TickDetector::rehearse() {
 }
 
 void TickDetector::restart() {
-  renderer_ = HeatmapRenderer(sensor_, options_.rendering);
+  renderer_ = heatmaps::HeatmapRenderer(sensor_, options_.rendering);
   confirmation_.restart();
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

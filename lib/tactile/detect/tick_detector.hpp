@@ -11,19 +11,19 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/inference/logits.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// Runs the network: the logits of one heatmap of the network's input size.
-using ClassifyHeatmap = std::function<Logits(std::span<const std::uint8_t> heatmap)>;
+using ClassifyHeatmap = std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
 
 /// The verdict at one tick, and what led to it.
 struct TickVerdict {
   CameraTime t{};
-  std::uint64_t events = 0;              ///< in [t_c - t_h, t_c)
-  Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
-  Touch predicted = Touch::none;         ///< by gate or network at this tick, before confirmation
-  Touch verdict = Touch::none;           ///< after confirmation
-  bool gated = false;                    ///< fewer events than the gate's limit: none, without rendering or network
+  std::uint64_t events = 0;                     ///< in [t_c - t_h, t_c)
+  model::Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
+  Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation
+  Touch verdict = Touch::none;                  ///< after confirmation
+  bool gated = false;                           ///< fewer events than the gate's limit: none, without rendering or network
 };
 
 /// The computing time of one tick.
@@ -33,7 +33,7 @@ struct TickCost {
 };
 
 struct TickDetectorOptions {
-  HeatmapOptions rendering;
+  heatmaps::HeatmapOptions rendering;
   Confirmation confirmation{};
   std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network runs
 };
@@ -44,9 +44,9 @@ class TickDetector {
  public:
   /// @param input  size of the network's input
   /// @throws Error  if this sensor's heatmaps are of another size, or as HeatmapRenderer
-  TickDetector(SensorSize sensor, SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
+  TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
 
-  void add(std::span<const Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
+  void add(std::span<const events::Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
 
   /// Counts the events so far of the history that ends at `t`, and forgets earlier ones. This leaves less work for the verdict at
   /// `t` or a later tick, and changes no verdict.
@@ -64,12 +64,12 @@ class TickDetector {
   void restart();
 
  private:
-  SensorSize sensor_;
+  events::SensorSize sensor_;
   TickDetectorOptions options_;
   ClassifyHeatmap classify_;
-  HeatmapRenderer renderer_;
+  heatmaps::HeatmapRenderer renderer_;
   RunningConfirmation confirmation_;
   std::vector<std::uint8_t> heatmap_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -8,7 +8,7 @@
 
 #include "tactile/detect/reported_tick.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// Passes ticks from the thread that reports them to one that shows and writes them, which may be slow. Its size is bounded.
 class TickLog {
@@ -60,4 +60,4 @@ class TickLog {
   bool closed_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

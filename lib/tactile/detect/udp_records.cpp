@@ -13,7 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 namespace {
 
 class Writer {
@@ -61,7 +61,7 @@ VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent) {
   return record;
 }
 
-UdpRecords::UdpRecords(const NetworkAddress& to) {
+UdpRecords::UdpRecords(const transport::NetworkAddress& to) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
@@ -87,4 +87,4 @@ bool UdpRecords::send(const ReportedTick& tick) {
   return is_sent;
 }
 
-}  // namespace tactile
+}  // namespace tactile::detect

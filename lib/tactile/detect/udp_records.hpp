@@ -8,7 +8,7 @@
 #include "tactile/detect/reported_tick.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 inline constexpr std::size_t verdict_record_size = 64;
 using VerdictRecord = std::array<std::byte, verdict_record_size>;
@@ -21,7 +21,7 @@ VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent);
 class UdpRecords {
  public:
   /// @throws Error  if there is no such host
-  explicit UdpRecords(const NetworkAddress& to);
+  explicit UdpRecords(const transport::NetworkAddress& to);
   ~UdpRecords();
   UdpRecords(const UdpRecords&) = delete;
   UdpRecords& operator=(const UdpRecords&) = delete;
@@ -36,4 +36,4 @@ class UdpRecords {
   std::uint64_t sent_ = 0, failed_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

@@ -9,7 +9,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/detect/reported_tick.hpp"
 
-namespace tactile {
+namespace tactile::detect {
 
 /// A maximal sequence of ticks with one verdict other than none, without a restart of the stream.
 struct VerdictEpisode {
@@ -52,4 +52,4 @@ struct VerdictCounts {
   bool is_listed_ = false;  ///< the present episode
 };
 
-}  // namespace tactile
+}  // namespace tactile::detect

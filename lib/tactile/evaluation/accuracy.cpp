@@ -4,10 +4,10 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
-std::optional<double> accuracy_over(std::span<const RunConfusion> runs, std::span<const std::size_t> indexes) {
+std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs, std::span<const std::size_t> indexes) {
   std::uint64_t correct = 0, samples = 0;
   for (const std::size_t i : indexes) {
     correct += runs[i].confusion.correct();
@@ -17,11 +17,11 @@ std::optional<double> accuracy_over(std::span<const RunConfusion> runs, std::spa
   return static_cast<double>(correct) / static_cast<double>(samples);
 }
 
-Accuracy accuracy_by(std::span<const RunConfusion> runs,
-                     const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
-                     const BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [](const RunConfusion& run) { return run.confusion.samples() > 0; });
-  Accuracy accuracy;
+results::Accuracy accuracy_by(std::span<const results::RunConfusion> runs,
+                              const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
+                              const results::BootstrapOptions& options) {
+  const auto objects = runs_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  results::Accuracy accuracy;
   for (const auto& [name, indexes] : objects)
     accuracy.objects[name] = figure_of_object(indexes, mean_over_objects(of_runs), options);
   accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options);
@@ -30,22 +30,23 @@ Accuracy accuracy_by(std::span<const RunConfusion> runs,
 
 }  // namespace
 
-Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted) {
+results::Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted) {
   if (truth.size() != predicted.size()) {
     throw Error("confusion: " + std::to_string(truth.size()) + " samples but " + std::to_string(predicted.size()) +
                 " verdicts; expected one each");
   }
-  Confusion confusion;
+  results::Confusion confusion;
   for (std::size_t i = 0; i < truth.size(); ++i) confusion.add(truth[i], predicted[i]);
   return confusion;
 }
 
-Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
+results::Accuracy accuracy_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options) {
   return accuracy_by(
       runs, [runs](std::span<const std::size_t> indexes) { return accuracy_over(runs, indexes); }, options);
 }
 
-Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b, const BootstrapOptions& options) {
+results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, std::span<const results::RunConfusion> b,
+                                      const results::BootstrapOptions& options) {
   bool same = a.size() == b.size();
   for (std::size_t i = 0; same && i < a.size(); ++i) {
     same = a[i].object == b[i].object;
@@ -61,15 +62,16 @@ Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const Ru
       options);
 }
 
-UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
-                                   const BootstrapOptions& options) {
-  const Accuracy with = accuracy_of(seen, options), without = accuracy_of(held_out, options);
-  const Accuracy difference = accuracy_difference(seen, held_out, options);
-  UnseenComparison comparison;
+results::UnseenComparison unseen_comparison(std::span<const results::RunConfusion> seen,
+                                            std::span<const results::RunConfusion> held_out,
+                                            const results::BootstrapOptions& options) {
+  const results::Accuracy with = accuracy_of(seen, options), without = accuracy_of(held_out, options);
+  const results::Accuracy difference = accuracy_difference(seen, held_out, options);
+  results::UnseenComparison comparison;
   comparison.mean = {with.mean, without.mean, difference.mean};
   for (const auto& [name, figure] : with.objects)
     comparison.objects[name] = {figure, without.objects.at(name), difference.objects.at(name)};
   return comparison;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -11,22 +11,23 @@
 #include "tactile/results/confusion.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Counts pairs of true and predicted class. @throws Error  if the two are not of one length
-Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted);
+results::Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted);
 
 /// Runs without samples are left out.
-Accuracy accuracy_of(std::span<const RunConfusion> runs, const BootstrapOptions& options = {});
+results::Accuracy accuracy_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options = {});
 
 /// `b - a` of the same runs in the same order, in each draw too. @throws Error  if they are not runs of the same objects
-Accuracy accuracy_difference(std::span<const RunConfusion> a, std::span<const RunConfusion> b,
-                             const BootstrapOptions& options = {});
+results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, std::span<const results::RunConfusion> b,
+                                      const results::BootstrapOptions& options = {});
 
 /// Compares verdicts on the same runs with their objects in training and without; the names of models and runs stay empty.
 /// @throws Error  as `accuracy_difference`
-UnseenComparison unseen_comparison(std::span<const RunConfusion> seen, std::span<const RunConfusion> held_out,
-                                   const BootstrapOptions& options = {});
+results::UnseenComparison unseen_comparison(std::span<const results::RunConfusion> seen,
+                                            std::span<const results::RunConfusion> held_out,
+                                            const results::BootstrapOptions& options = {});
 
 /// The runs of each object, by their place in `runs`, objects by name; those for which `taken` is false are left out.
 template <class Run, class Taken>
@@ -45,4 +46,4 @@ inline RunsByObject without_names(const std::map<std::string, std::vector<std::s
   return runs;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 /// What of a run's counts is meant.
@@ -73,8 +73,8 @@ Part wrong_of(const Part& part) {
 }
 
 template <class MakeFigure>
-ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<const std::size_t> counted, const Parts& parts,
-                        MakeFigure figure) {
+results::ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<const std::size_t> counted, const Parts& parts,
+                                 MakeFigure figure) {
   const auto share = [&](const Part& part) { return figure(part, mean_share(runs, part)); };
   const std::uint64_t intervals = sum_of(runs, counted, parts.last).intervals;
   return {share(parts.first),
@@ -87,8 +87,8 @@ ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<const std::
           intervals - sum_of(runs, counted, parts.before_last).intervals};
 }
 
-AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vector<Touch>& touches, const OverTimeOptions& options,
-                             const BootstrapOptions& bootstrap) {
+results::AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vector<Touch>& touches,
+                                      const results::OverTimeOptions& options, const results::BootstrapOptions& bootstrap) {
   // The part is named of one class's counts; classes that count together are summed.
   const auto part = [&touches](std::function<TickCount(const OverTimeCounts&)> of_class) -> Part {
     return [&touches, of_class = std::move(of_class)](const OverTimeOfRun& run) {
@@ -104,7 +104,7 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
                     part([](const OverTimeCounts& counts) { return counts.before_last; }),
                     part([](const OverTimeCounts& counts) { return counts.after; })};
 
-  AccuracyOverTime accuracy;
+  results::AccuracyOverTime accuracy;
   std::vector<std::size_t> every_run(runs.size());
   std::iota(every_run.begin(), every_run.end(), std::size_t{0});
   accuracy.all = shares_of(runs, every_run, parts, [&](const Part& of, const Statistic& statistic) {
@@ -114,17 +114,18 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
     accuracy.objects[object.first] = shares_of(runs, object.second, parts, [&](const Part& of, const Statistic& statistic) {
       const auto with = runs_with(runs, of);
       const auto found = with.find(object.first);
-      return found == with.end() ? Figure{} : figure_of_object(found->second, statistic, bootstrap);
+      return found == with.end() ? results::Figure{} : figure_of_object(found->second, statistic, bootstrap);
     });
   }
 
   const auto curve = [&](std::vector<TickCount> OverTimeCounts::*bins) {
-    std::vector<OverTimeBin> curve_bins;
+    std::vector<results::OverTimeBin> curve_bins;
     const auto longest = static_cast<std::size_t>(options.longest / options.bin);
     for (std::size_t i = 0; i < longest; ++i) {
       const Part of_bin =
           part([bins, i](const OverTimeCounts& counts) { return i < (counts.*bins).size() ? (counts.*bins)[i] : TickCount{}; });
-      OverTimeBin bin{options.bin * static_cast<std::int64_t>(i), options.bin * static_cast<std::int64_t>(i + 1), {}, 0, 0};
+      results::OverTimeBin bin{
+          options.bin * static_cast<std::int64_t>(i), options.bin * static_cast<std::int64_t>(i + 1), {}, 0, 0};
       const RunsByObject with = without_names(runs_with(runs, of_bin));
       for (const auto& object : with) {
         const TickCount counts = sum_of(runs, object, of_bin);
@@ -145,7 +146,7 @@ AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vecto
 }  // namespace
 
 OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                           const OverTimeOptions& options, std::span<const TouchInterval> elsewhere) {
+                           const results::OverTimeOptions& options, std::span<const TouchInterval> elsewhere) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
     throw Error("accuracy over time: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
@@ -187,10 +188,10 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
   return run;
 }
 
-OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options,
-                            const BootstrapOptions& bootstrap) {
+results::OverTime accuracy_over_time(std::span<const RunOverTime> runs, const results::OverTimeOptions& options,
+                                     const results::BootstrapOptions& bootstrap) {
   return {options, accuracy_of(runs, {Touch::press}, options, bootstrap), accuracy_of(runs, {Touch::slip}, options, bootstrap),
           accuracy_of(runs, {Touch::press, Touch::slip}, options, bootstrap)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

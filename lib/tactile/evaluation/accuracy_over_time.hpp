@@ -12,7 +12,7 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/results/over_time.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Ticks of intervals, and how many of them were predicted correctly.
 struct TickCount {
@@ -36,7 +36,7 @@ using OverTimeOfRun = std::array<OverTimeCounts, touch_count>;
 /// @param elsewhere  other intervals: their ticks do not count as after an interval
 /// @throws Error  if there is not one verdict for each tick
 OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                           const OverTimeOptions& options = {}, std::span<const TouchInterval> elsewhere = {});
+                           const results::OverTimeOptions& options = {}, std::span<const TouchInterval> elsewhere = {});
 
 /// One run's.
 struct RunOverTime {
@@ -44,7 +44,7 @@ struct RunOverTime {
   OverTimeOfRun counts;
 };
 
-OverTime accuracy_over_time(std::span<const RunOverTime> runs, const OverTimeOptions& options = {},
-                            const BootstrapOptions& bootstrap = {});
+results::OverTime accuracy_over_time(std::span<const RunOverTime> runs, const results::OverTimeOptions& options = {},
+                                     const results::BootstrapOptions& bootstrap = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

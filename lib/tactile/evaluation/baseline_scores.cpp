@@ -6,27 +6,27 @@
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/event_counts.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 /// The dataset's runs that the model learned from directly; the baselines are fitted on them.
-std::vector<std::uint32_t> training_runs_of(const Dataset& dataset, const ModelDescription& model) {
-  if (model.manifest_hash == dataset.manifest_hash()) return split_of(dataset, model.settings.split).train_runs;
+std::vector<std::uint32_t> training_runs_of(const windows::Dataset& dataset, const model::ModelDescription& model) {
+  if (model.manifest_hash == dataset.manifest_hash()) return model::split_of(dataset, model.settings.split).train_runs;
   std::vector<std::uint32_t> runs;
   for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
     const auto& named = model.train_runs;
-    if (learned_from(model, dataset.runs()[run].events_sha256) &&
+    if (model::learned_from(model, dataset.runs()[run].events_sha256) &&
         std::find(named.begin(), named.end(), name_of(dataset.runs()[run])) != named.end())
       runs.push_back(run);
   }
   return runs;
 }
 
-void add_samples(BaselineSamples& samples, const Dataset& dataset, const Classifier& classifier, std::uint32_t run,
-                 unsigned threads) {
-  const auto indexes = samples_of_runs(dataset, {&run, 1});
-  const auto heatmaps = sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
-  const auto events = event_counts(dataset, run, indexes, classifier.rendering().history);
+void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
+                 std::uint32_t run, unsigned threads) {
+  const auto indexes = model::samples_of_runs(dataset, {&run, 1});
+  const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
+  const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history);
   const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
   for (std::size_t i = 0; i < indexes.size(); ++i) {
     samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells),
@@ -36,7 +36,7 @@ void add_samples(BaselineSamples& samples, const Dataset& dataset, const Classif
 
 }  // namespace
 
-BaselineSamples training_samples(const Dataset& dataset, const Classifier& classifier, unsigned threads,
+BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress) {
   BaselineSamples training;
   const std::vector<std::uint32_t> runs = training_runs_of(dataset, classifier.model());
@@ -48,21 +48,22 @@ BaselineSamples training_samples(const Dataset& dataset, const Classifier& class
   return training;
 }
 
-std::vector<BaselineScore> baseline_scores(const BaselineSamples& training, std::span<const BaselineSamples> tests,
-                                           std::span<const std::string> objects, const BootstrapOptions& bootstrap) {
+std::vector<results::BaselineScore> baseline_scores(const BaselineSamples& training, std::span<const BaselineSamples> tests,
+                                                    std::span<const std::string> objects,
+                                                    const results::BootstrapOptions& bootstrap) {
   if (training.truth.empty()) return {};
   const MajorityBaseline majority = fit_majority(training.truth);
   const EventCountBaseline event_count = fit_event_count(training.events, training.truth);
   const LogisticBaseline by_moments = fit_logistic(training.moments, training.truth);
   const LogisticBaseline by_fields = fit_logistic(training.fields, training.truth);
   const auto score = [&](const std::string& name, auto verdict) {
-    std::vector<RunConfusion> runs;
+    std::vector<results::RunConfusion> runs;
     for (std::size_t i = 0; i < tests.size(); ++i) {
-      RunConfusion run{objects[i], {}};
+      results::RunConfusion run{objects[i], {}};
       for (std::size_t k = 0; k < tests[i].truth.size(); ++k) run.confusion.add(tests[i].truth[k], verdict(tests[i], k));
       runs.push_back(run);
     }
-    return BaselineScore{name, accuracy_of(runs, bootstrap)};
+    return results::BaselineScore{name, accuracy_of(runs, bootstrap)};
   };
   return {
       score("majority", [&](const BaselineSamples&, std::size_t) { return majority.touch; }),
@@ -71,4 +72,4 @@ std::vector<BaselineScore> baseline_scores(const BaselineSamples& training, std:
       score("logistic_position", [&](const BaselineSamples& run, std::size_t k) { return by_fields.verdict(run.fields[k]); })};
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

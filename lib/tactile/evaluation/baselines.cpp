@@ -7,7 +7,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 constexpr std::size_t inputs = feature_count + 1;
@@ -26,7 +26,7 @@ void check_one_each(std::size_t values, std::size_t samples, const char* baselin
               " training samples; expected at least one sample, and a value for each");
 }
 
-void check_whole(std::span<const std::uint8_t> heatmap, SensorSize size) {
+void check_whole(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
   if (size.width > 0 && size.height > 0 &&
       heatmap.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)) {
     return;
@@ -98,7 +98,7 @@ void standardise_by(std::span<const Features> features, LogisticBaseline& model)
 
 }  // namespace
 
-Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
+Features moments_of(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
   check_whole(heatmap, size);
   double active = 0, sum = 0, squares = 0, largest = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_yy = 0, sum_xy = 0;
   for (int row = 0; row < size.height; ++row) {
@@ -133,7 +133,7 @@ Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size) {
   return moments;
 }
 
-Features shares_of_fields(std::span<const std::uint8_t> heatmap, SensorSize size) {
+Features shares_of_fields(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
   check_whole(heatmap, size);
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
   Features shares{};
@@ -241,4 +241,4 @@ LogisticBaseline fit_logistic(std::span<const Features> features, std::span<cons
   return model;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

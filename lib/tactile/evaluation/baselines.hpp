@@ -8,7 +8,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 inline constexpr std::size_t feature_count = 9;
 using Features = std::array<double, feature_count>;
@@ -18,12 +18,12 @@ using Features = std::array<double, feature_count>;
 /// in y, covariance of x and y.
 /// @param heatmap  [height, width], row by row
 /// @throws Error  if its size is not width * height, or that is 0
-Features moments_of(std::span<const std::uint8_t> heatmap, SensorSize size);
+Features moments_of(std::span<const std::uint8_t> heatmap, events::SensorSize size);
 
 /// Where a heatmap's weight lies, independent of its sum: the share of each of 3 x 3 equal fields of the image, row by row from
 /// the top left. The sensor has one pair of markers in each. 1/9 everywhere where all is 0.
 /// @throws Error  as `moments_of`
-Features shares_of_fields(std::span<const std::uint8_t> heatmap, SensorSize size);
+Features shares_of_fields(std::span<const std::uint8_t> heatmap, events::SensorSize size);
 
 /// Always the touch that is most frequent in training; the earlier one of equals.
 struct MajorityBaseline {
@@ -66,4 +66,4 @@ struct LogisticOptions {
 LogisticBaseline fit_logistic(std::span<const Features> features, std::span<const Touch> truth,
                               const LogisticOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -7,7 +7,7 @@
 
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 Reliability sum_of(std::span<const RunReliability> runs, const RunsByObject& chosen) {
@@ -49,13 +49,13 @@ double calibration_error(const Reliability& reliability) {
   return error / std::max(1.0, static_cast<double>(reliability.samples()));
 }
 
-Calibration calibration_of(std::span<const RunReliability> runs, const BootstrapOptions& options) {
+results::Calibration calibration_of(std::span<const RunReliability> runs, const results::BootstrapOptions& options) {
   const auto objects = runs_by_object(runs, [](const RunReliability& run) { return run.reliability.samples() > 0; });
   const RunsByObject chosen = without_names(objects);
   const Statistic error = [runs](const RunsByObject& drawn) -> std::optional<double> {
     return calibration_error(sum_of(runs, drawn));
   };
-  Calibration calibration;
+  results::Calibration calibration;
   for (const auto& [name, indexes] : objects) calibration.objects[name] = figure_of_object(indexes, error, options);
   calibration.error = figure_over_objects(chosen, error, options);
   const Reliability all = sum_of(runs, chosen);
@@ -80,4 +80,4 @@ Calibration calibration_of(std::span<const RunReliability> runs, const Bootstrap
   return calibration;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

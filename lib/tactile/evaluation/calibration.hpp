@@ -9,7 +9,7 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/results/calibration.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 inline constexpr std::size_t reliability_bins = 15;
 
@@ -40,6 +40,6 @@ struct RunReliability {
   Reliability reliability;
 };
 
-Calibration calibration_of(std::span<const RunReliability> runs, const BootstrapOptions& options = {});
+results::Calibration calibration_of(std::span<const RunReliability> runs, const results::BootstrapOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

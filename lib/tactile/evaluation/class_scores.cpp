@@ -5,14 +5,14 @@
 
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 using CountsOfClass = std::function<std::optional<double>(double right, double predicted, double occurs)>;
 
 std::optional<double> share(double part, double of) { return of > 0 ? std::optional(part / of) : std::nullopt; }
 
-Statistic statistic_of(std::span<const RunConfusion> runs, std::size_t touch, CountsOfClass value) {
+Statistic statistic_of(std::span<const results::RunConfusion> runs, std::size_t touch, CountsOfClass value) {
   return [runs, touch, value = std::move(value)](const RunsByObject& chosen) {
     std::uint64_t right = 0, predicted = 0, occurs = 0;
     for (const auto& object : chosen) {
@@ -30,8 +30,8 @@ Statistic statistic_of(std::span<const RunConfusion> runs, std::size_t touch, Co
 }
 
 template <class MakeFigure>
-std::array<ClassScore, touch_count> scores_of(std::span<const RunConfusion> runs, MakeFigure figure) {
-  std::array<ClassScore, touch_count> scores;
+std::array<results::ClassScore, touch_count> scores_of(std::span<const results::RunConfusion> runs, MakeFigure figure) {
+  std::array<results::ClassScore, touch_count> scores;
   for (std::size_t touch = 0; touch < touch_count; ++touch) {
     const auto of = [&](CountsOfClass value) { return figure(statistic_of(runs, touch, std::move(value))); };
     scores[touch].precision = of([](double right, double predicted, double) { return share(right, predicted); });
@@ -43,9 +43,9 @@ std::array<ClassScore, touch_count> scores_of(std::span<const RunConfusion> runs
 
 }  // namespace
 
-ClassScores class_scores_of(std::span<const RunConfusion> runs, const BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [](const RunConfusion& run) { return run.confusion.samples() > 0; });
-  ClassScores scores;
+results::ClassScores class_scores_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options) {
+  const auto objects = runs_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  results::ClassScores scores;
   for (const auto& [name, indexes] : objects) {
     scores.objects[name] =
         scores_of(runs, [&, &of = indexes](const Statistic& statistic) { return figure_of_object(of, statistic, options); });
@@ -55,4 +55,4 @@ ClassScores class_scores_of(std::span<const RunConfusion> runs, const BootstrapO
   return scores;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -6,8 +6,8 @@
 #include "tactile/results/class_scores.hpp"
 #include "tactile/results/confusion.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
-ClassScores class_scores_of(std::span<const RunConfusion> runs, const BootstrapOptions& options = {});
+results::ClassScores class_scores_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

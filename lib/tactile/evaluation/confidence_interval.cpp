@@ -6,7 +6,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 constexpr std::size_t fewest_to_draw_from = 3;
@@ -17,9 +17,9 @@ std::vector<std::size_t> drawn_from(std::span<const std::size_t> runs, Random& r
   return drawn;
 }
 
-Figure figure_of_draws(std::optional<double> value, std::size_t n, const BootstrapOptions& options,
-                       const std::function<std::optional<double>(Random&)>& draw) {
-  Figure figure;
+results::Figure figure_of_draws(std::optional<double> value, std::size_t n, const results::BootstrapOptions& options,
+                                const std::function<std::optional<double>(Random&)>& draw) {
+  results::Figure figure;
   figure.n = n;
   if (value) figure.value = *value;
   if (!value || n < fewest_to_draw_from) return figure;
@@ -37,13 +37,15 @@ Figure figure_of_draws(std::optional<double> value, std::size_t n, const Bootstr
 
 }  // namespace
 
-Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options) {
+results::Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic,
+                                 const results::BootstrapOptions& options) {
   if (runs.empty()) return {};
   return figure_of_draws(statistic({{runs.begin(), runs.end()}}), runs.size(), options,
                          [&](Random& random) { return statistic({drawn_from(runs, random)}); });
 }
 
-Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic, const BootstrapOptions& options) {
+results::Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic,
+                                    const results::BootstrapOptions& options) {
   RunsByObject filled;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(filled), [](const auto& object) { return !object.empty(); });
   if (filled.empty()) return {};
@@ -88,4 +90,4 @@ double poisson_upper_bound(std::uint64_t count, double confidence) {
   return high;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

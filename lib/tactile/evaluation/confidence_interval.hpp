@@ -9,7 +9,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Runs by their index, one list for each object. A drawn object or run may stand in it several times.
 using RunsByObject = std::vector<std::vector<std::size_t>>;
@@ -21,10 +21,12 @@ using Statistic = std::function<std::optional<double>(const RunsByObject&)>;
 ///
 /// Every figure with the same number of runs is made from the same draws, so figures of the same runs are paired; a difference is
 /// a `statistic` that subtracts. Draws that give nothing are left out; fewer than half left, and there is no interval.
-Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic, const BootstrapOptions& options = {});
+results::Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic,
+                                 const results::BootstrapOptions& options = {});
 
 /// The figure over objects: objects are drawn with replacement first, then as many runs within each as it has.
-Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic, const BootstrapOptions& options = {});
+results::Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic,
+                                    const results::BootstrapOptions& options = {});
 
 /// A statistic that averages over objects what `of_object` gives of each one's runs; objects that give nothing are left out.
 Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object);
@@ -34,4 +36,4 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
 /// Source: F. Garwood, Fiducial limits for the Poisson distribution, Biometrika 28 (1936).
 double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

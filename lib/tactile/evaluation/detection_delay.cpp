@@ -9,7 +9,7 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 /// The index of the first tick with t_c > t; below 0 where that lies before the range.
@@ -19,12 +19,12 @@ std::int64_t first_tick_after(CameraTime t, const TickRange& ticks) {
   return floor + 1;
 }
 
-std::vector<double> delays_ms(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch) {
+std::vector<double> delays_ms(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch) {
   std::vector<double> delays;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
-      for (const Detection& detection : runs[i].detections) {
-        if (detection.interval.touch == touch && detection.outcome == DetectionOutcome::detected)
+      for (const results::Detection& detection : runs[i].detections) {
+        if (detection.interval.touch == touch && detection.outcome == results::DetectionOutcome::detected)
           delays.push_back(in_ms(detection.delay));
       }
     }
@@ -47,23 +47,24 @@ double standard_error_of(std::span<const double> values) {
   return std::sqrt(squares / (n - 1) / n);
 }
 
-std::map<std::string, std::vector<std::size_t>> runs_that_have(Touch touch, std::span<const RunDetections> runs) {
-  return runs_by_object(runs, [touch](const RunDetections& run) {
+std::map<std::string, std::vector<std::size_t>> runs_that_have(Touch touch, std::span<const results::RunDetections> runs) {
+  return runs_by_object(runs, [touch](const results::RunDetections& run) {
     return std::any_of(run.detections.begin(), run.detections.end(),
-                       [touch](const Detection& d) { return d.interval.touch == touch; });
+                       [touch](const results::Detection& d) { return d.interval.touch == touch; });
   });
 }
 
 template <class MakeFigure>
-DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject& chosen, Touch touch, MakeFigure make_figure) {
-  DelaySummary summary;
+results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
+                                 MakeFigure make_figure) {
+  results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
-      for (const Detection& detection : runs[i].detections) {
+      for (const results::Detection& detection : runs[i].detections) {
         if (detection.interval.touch != touch) continue;
         ++summary.intervals;
-        if (detection.outcome == DetectionOutcome::missed) ++summary.misses;
-        if (detection.outcome == DetectionOutcome::early) ++summary.early;
+        if (detection.outcome == results::DetectionOutcome::missed) ++summary.misses;
+        if (detection.outcome == results::DetectionOutcome::early) ++summary.early;
       }
     }
   }
@@ -82,8 +83,8 @@ DelaySummary summary_of(std::span<const RunDetections> runs, const RunsByObject&
 
 }  // namespace
 
-std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
-                                     std::span<const TouchInterval> intervals, const DelayOptions& options) {
+std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
+                                              std::span<const TouchInterval> intervals, const DelayOptions& options) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
     throw Error("detection delay: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
@@ -91,9 +92,9 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
   const auto says = [&](std::int64_t index, Touch touch) {
     return index >= 0 && index < ticks.count && verdicts[static_cast<std::size_t>(index)] == touch;
   };
-  std::vector<Detection> detections;
+  std::vector<results::Detection> detections;
   for (const TouchInterval& interval : intervals) {
-    Detection detection;
+    results::Detection detection;
     detection.interval = interval;
     const std::int64_t k0 = first_tick_after(interval.start, ticks);
     if (says(k0 - 1, interval.touch) && says(k0, interval.touch)) {
@@ -101,7 +102,7 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
       while (says(first - 1, interval.touch)) --first;
       detection.leading_episode = first;
       if (ticks.tick * (k0 - first) > options.head_start) {
-        detection.outcome = DetectionOutcome::early;
+        detection.outcome = results::DetectionOutcome::early;
         detections.push_back(detection);
         continue;
       }
@@ -109,7 +110,7 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
     const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
     for (std::int64_t k = std::max<std::int64_t>(k0, 0); k < ticks.count && ticks.at(k) <= latest; ++k) {
       if (!says(k, interval.touch)) continue;
-      detection.outcome = DetectionOutcome::detected;
+      detection.outcome = results::DetectionOutcome::detected;
       detection.delay = ticks.tick * (k - k0 + 1);
       detection.first_right = ticks.at(k);
       break;
@@ -119,22 +120,24 @@ std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Tou
   return detections;
 }
 
-Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks) {
-  Detection other = detection;
-  if (other.outcome != DetectionOutcome::detected) return other;
+results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks) {
+  results::Detection other = detection;
+  if (other.outcome != results::DetectionOutcome::detected) return other;
   const std::int64_t k = first_tick_after(detection.first_right, ticks) - 1;
   other.delay = ticks.tick * (k - first_tick_after(onset, ticks) + 1);
   return other;
 }
 
-DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {
+results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
+                                    const results::BootstrapOptions& options) {
   const RunsByObject chosen = without_names(runs_that_have(touch, runs));
   return summary_of(runs, chosen, touch,
                     [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
 }
 
-DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options) {
-  DelayTable table;
+results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
+                                const results::BootstrapOptions& options) {
+  results::DelayTable table;
   for (const auto& [name, indexes] : runs_that_have(touch, runs)) {
     table.objects[name] = summary_of(runs, {indexes}, touch, [&, &of = indexes](const Statistic& statistic) {
       return figure_of_object(of, statistic, options);
@@ -144,4 +147,4 @@ DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const B
   return table;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

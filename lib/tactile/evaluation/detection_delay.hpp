@@ -9,7 +9,7 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/detection.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 struct DelayOptions {
   microseconds window{500'000};     ///< how long after its onset an interval can be detected, > 0
@@ -28,15 +28,17 @@ struct DelayOptions {
 /// @param verdicts   one for each tick
 /// @param intervals  presses and slips
 /// @throws Error  if there is not one verdict for each tick
-std::vector<Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
-                                     std::span<const TouchInterval> intervals, const DelayOptions& options = {});
+std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
+                                              std::span<const TouchInterval> intervals, const DelayOptions& options = {});
 
 /// The delay of the same detection from another onset, which may be after the detection: (k - k0 + 1) * tick with k0
 /// the first tick after `onset`, zero or negative where the touch was predicted before it. Missed and early ones stay so.
-Detection counted_from(const Detection& detection, CameraTime onset, const TickRange& ticks);
+results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks);
 
 /// Over all runs only, as `delay_table(...).all`.
-DelaySummary delay_summary(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options = {});
-DelayTable delay_table(std::span<const RunDetections> runs, Touch touch, const BootstrapOptions& options = {});
+results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
+                                    const results::BootstrapOptions& options = {});
+results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
+                                const results::BootstrapOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

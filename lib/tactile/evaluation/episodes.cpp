@@ -1,6 +1,6 @@
 #include "tactile/evaluation/episodes.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 std::vector<Episode> episodes_in(std::span<const Touch> verdicts) {
   std::vector<Episode> episodes;
@@ -16,4 +16,4 @@ std::vector<Episode> episodes_in(std::span<const Touch> verdicts) {
   return episodes;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

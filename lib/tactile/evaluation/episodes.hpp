@@ -6,7 +6,7 @@
 
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// A maximal row of ticks with one verdict other than none.
 struct Episode {
@@ -20,4 +20,4 @@ struct Episode {
 /// Every episode of a run's verdicts, one verdict for each tick, in order.
 std::vector<Episode> episodes_in(std::span<const Touch> verdicts);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -11,14 +11,14 @@
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 /// Runs with their objects, as tables over runs take them.
 struct ScoredRuns {
   std::vector<RunResult> runs;
   std::vector<std::string> objects;  ///< of each run
-  const BootstrapOptions& bootstrap;
+  const results::BootstrapOptions& bootstrap;
 
   /// One value of each run. @param value  a member of RunResult, or a function of one
   template <class Entry, class Value>
@@ -30,22 +30,23 @@ struct ScoredRuns {
 
   /// @param score  a RunScore of RunResult, or a function that gives one
   template <class Score>
-  DetectorScore detector(Score score) const {
-    const auto detections = each<RunDetections>([&](const RunResult& run) { return std::invoke(score, run).detections; });
+  results::DetectorScore detector(Score score) const {
+    const auto detections =
+        each<results::RunDetections>([&](const RunResult& run) { return std::invoke(score, run).detections; });
     const auto alarms = each<RunFalseAlarms>([&](const RunResult& run) { return std::invoke(score, run).false_alarms; });
     return {delay_table(detections, Touch::press, bootstrap), delay_table(detections, Touch::slip, bootstrap),
             false_alarm_table(alarms, bootstrap)};
   }
 };
 
-Confusion sum_of(std::span<const RunConfusion> runs) {
-  Confusion sum;
-  for (const RunConfusion& run : runs) sum += run.confusion;
+results::Confusion sum_of(std::span<const results::RunConfusion> runs) {
+  results::Confusion sum;
+  for (const results::RunConfusion& run : runs) sum += run.confusion;
   return sum;
 }
 
 /// Nothing where no run has a truth.
-std::optional<TruthScore> truth_score(const ScoredRuns& scored, const OverTimeOptions& options) {
+std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const results::OverTimeOptions& options) {
   ScoredRuns with_truth{{}, {}, scored.bootstrap};
   for (std::size_t i = 0; i < scored.runs.size(); ++i) {
     if (!scored.runs[i].has_truth) continue;
@@ -53,15 +54,16 @@ std::optional<TruthScore> truth_score(const ScoredRuns& scored, const OverTimeOp
     with_truth.objects.push_back(scored.objects[i]);
   }
   if (with_truth.runs.empty()) return std::nullopt;
-  const auto confusions = with_truth.each<RunConfusion>(&RunResult::true_confusion);
-  const DetectorScore detector = with_truth.detector(&RunResult::against_truth);
-  return TruthScore{accuracy_of(confusions, scored.bootstrap),
-                    sum_of(confusions),
-                    detector.press,
-                    detector.slip,
-                    delay_table(with_truth.each<RunDetections>(&RunResult::gross), Touch::slip, scored.bootstrap),
-                    detector.false_alarms,
-                    accuracy_over_time(with_truth.each<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
+  const auto confusions = with_truth.each<results::RunConfusion>(&RunResult::true_confusion);
+  const results::DetectorScore detector = with_truth.detector(&RunResult::against_truth);
+  return results::TruthScore{
+      accuracy_of(confusions, scored.bootstrap),
+      sum_of(confusions),
+      detector.press,
+      detector.slip,
+      delay_table(with_truth.each<results::RunDetections>(&RunResult::gross), Touch::slip, scored.bootstrap),
+      detector.false_alarms,
+      accuracy_over_time(with_truth.each<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
 }
 
 std::vector<microseconds> guards_beside(microseconds own) {
@@ -73,10 +75,10 @@ std::vector<microseconds> guards_beside(microseconds own) {
 }
 
 /// What is evaluated, and by which options; no figures yet.
-Evaluation description_of(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
-                          const EvaluationOptions& options) {
-  const ModelDescription& model = classifier.model();
-  Evaluation evaluation;
+results::Evaluation description_of(const windows::Dataset& dataset, const model::Classifier& classifier,
+                                   std::span<const std::uint32_t> test_runs, const EvaluationOptions& options) {
+  const model::ModelDescription& model = classifier.model();
+  results::Evaluation evaluation;
   evaluation.model = {
       {"name", classifier.bundle().filename().string()}, {"settings", model.settings}, {"weights_sha256", model.weights_sha256}};
   evaluation.dataset = dataset.file().string();
@@ -93,52 +95,54 @@ Evaluation description_of(const Dataset& dataset, const Classifier& classifier, 
 }
 
 /// Figures of the balanced samples.
-void add_sample_scores(Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards) {
-  const BootstrapOptions& bootstrap = scored.bootstrap;
-  evaluation.runs = scored.each<RunConfusion>(&RunResult::confusion);
+void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards) {
+  const results::BootstrapOptions& bootstrap = scored.bootstrap;
+  evaluation.runs = scored.each<results::RunConfusion>(&RunResult::confusion);
   evaluation.accuracy = accuracy_of(evaluation.runs, bootstrap);
   evaluation.confusion = sum_of(evaluation.runs);
   evaluation.classes = class_scores_of(evaluation.runs, bootstrap);
   evaluation.calibration = calibration_of(scored.each<RunReliability>(&RunResult::reliability), bootstrap);
   for (std::size_t i = 0; i < guards.size(); ++i) {
-    const auto of_guard = scored.each<RunConfusion>([i](const RunResult& run) { return run.by_guard[i]; });
+    const auto of_guard = scored.each<results::RunConfusion>([i](const RunResult& run) { return run.by_guard[i]; });
     evaluation.guards.push_back({guards[i], accuracy_of(of_guard, bootstrap),
                                  accuracy_difference(evaluation.runs, of_guard, bootstrap), sum_of(of_guard)});
   }
 }
 
 /// Figures of every tick, of the network and of trivial detectors.
-void add_tick_scores(Evaluation& evaluation, const ScoredRuns& scored, const OverTimeOptions& options) {
+void add_tick_scores(results::Evaluation& evaluation, const ScoredRuns& scored, const results::OverTimeOptions& options) {
   for (const RunResult& run : scored.runs) evaluation.ticks += run.ticks, evaluation.close_ticks += run.close_ticks;
-  evaluation.detections = scored.each<RunDetections>([](const RunResult& run) { return run.network.detections; });
+  evaluation.detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.network.detections; });
   evaluation.network = scored.detector(&RunResult::network);
   for (std::size_t i = 0; i < trivial_count; ++i)
     evaluation.trivial[trivial_names[i]] = scored.detector([i](const RunResult& run) { return run.trivial[i]; });
   for (std::size_t i = 0; i < default_thresholds().size(); ++i) {
     evaluation.operating_curve.push_back(operating_point(
-        default_thresholds()[i], scored.each<RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
+        default_thresholds()[i],
+        scored.each<results::RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
         scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap));
   }
   evaluation.over_time = accuracy_over_time(scored.each<RunOverTime>(&RunResult::over_time), options, scored.bootstrap);
 }
 
-GateOff gate_off(const ScoredRuns& scored, std::uint64_t limit) {
-  const auto open = scored.each<RunConfusion>(&RunResult::open_confusion);
-  GateOff off{.limit = limit,
-              .accuracy = accuracy_of(open, scored.bootstrap),
-              .confusion = sum_of(open),
-              .network = scored.detector(&RunResult::open)};
+results::GateOff gate_off(const ScoredRuns& scored, std::uint64_t limit) {
+  const auto open = scored.each<results::RunConfusion>(&RunResult::open_confusion);
+  results::GateOff off{.limit = limit,
+                       .accuracy = accuracy_of(open, scored.bootstrap),
+                       .confusion = sum_of(open),
+                       .network = scored.detector(&RunResult::open)};
   for (const RunResult& run : scored.runs) off.ticks += run.ticks, off.gated += run.gated;
   return off;
 }
 
 }  // namespace
 
-Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
-                    const EvaluationOptions& options, const ProgressCallback& progress) {
+results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
+                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options,
+                             const ProgressCallback& progress) {
   check_fits(dataset, classifier, options);
   const unsigned threads = threads_or_all(options.threads);
-  Evaluation evaluation = description_of(dataset, classifier, test_runs, options);
+  results::Evaluation evaluation = description_of(dataset, classifier, test_runs, options);
   ScoredRuns scored{std::vector<RunResult>(test_runs.size()), {}, options.bootstrap};
   for (const std::uint32_t run : test_runs) scored.objects.push_back(dataset.runs()[run].object);
 
@@ -161,4 +165,4 @@ Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::s
   return evaluation;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -14,7 +14,7 @@
 #include "tactile/results/unseen_comparison.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 struct EvaluationOptions {
   std::optional<microseconds> guard =
@@ -22,8 +22,8 @@ struct EvaluationOptions {
   Confirmation confirmation{};
   bool gate = false;  ///< the verdict is none below the model's limit of events
   DelayOptions delay{};
-  OverTimeOptions over_time{};
-  BootstrapOptions bootstrap{};
+  results::OverTimeOptions over_time{};
+  results::BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it
 
   /// Whether the model may be of another dataset, such as one with corrected labels or more runs.
@@ -37,23 +37,24 @@ struct EvaluationOptions {
 /// @throws Error  if the model is of another dataset and must not be, or takes heatmaps of another size; if events or labels of a
 ///                run have changed since the dataset was made; if a sample is at no tick of the model; or if a recording
 ///                cannot be read
-Evaluation evaluate(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> test_runs,
-                    const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
+results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
+                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options = {},
+                             const ProgressCallback& progress = {});
 
 /// The network's predictions on the balanced samples of these runs, one entry for each run: from the dataset's heatmaps, or from
 /// every tick of the run folders where verdicts are confirmed or gated.
 /// @throws Error as `evaluate`
-std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
-                                            std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
-                                            const ProgressCallback& progress = {});
+std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dataset, const model::Classifier& classifier,
+                                                     std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
+                                                     const ProgressCallback& progress = {});
 
 /// Compares on `runs`, which neither model was trained on. @throws Error as `evaluate`
-UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,
-                                std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
-                                const ProgressCallback& progress = {});
+results::UnseenComparison compare_unseen(const windows::Dataset& dataset, const model::Classifier& seen,
+                                         const model::Classifier& held_out, std::span<const std::uint32_t> runs,
+                                         const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
 /// The runs of the objects held out that neither model was trained on. @throws Error  if none has samples
-std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelDescription& seen,
-                                            const ModelDescription& held_out);
+std::vector<std::uint32_t> runs_neither_saw(const windows::Dataset& dataset, const model::ModelDescription& seen,
+                                            const model::ModelDescription& held_out);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 std::int64_t in_whole_ms(microseconds us) { return us.count() / 1000; }
@@ -15,7 +15,7 @@ std::int64_t in_whole_ms(microseconds us) { return us.count() / 1000; }
 class Table {
  public:
   void figure(std::string_view group, std::string_view object, std::string_view touch, std::string_view metric,
-              const Figure& figure) {
+              const results::Figure& figure) {
     fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{},{}\n", group, object, touch, metric, text_of(figure.value),
                    figure.low ? text_of(*figure.low) : "", figure.high ? text_of(*figure.high) : "", figure.n);
   }
@@ -29,12 +29,12 @@ class Table {
     fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},,,\n", group, object, touch, metric, count);
   }
 
-  void accuracy(std::string_view group, const Accuracy& accuracy, std::string_view metric = "accuracy") {
+  void accuracy(std::string_view group, const results::Accuracy& accuracy, std::string_view metric = "accuracy") {
     figure(group, "all", "", metric, accuracy.mean);
     for (const auto& [name, of_object] : accuracy.objects) figure(group, name, "", metric, of_object);
   }
 
-  void confusion(std::string_view group, const Confusion& confusion) {
+  void confusion(std::string_view group, const results::Confusion& confusion) {
     for (const Touch is : all_touches) {
       for (const Touch said : all_touches) {
         count(group, "all", name_of(is), fmt::format("said_{}", name_of(said)),
@@ -43,7 +43,7 @@ class Table {
     }
   }
 
-  void delay(std::string_view group, std::string_view object, std::string_view touch, const DelaySummary& delay) {
+  void delay(std::string_view group, std::string_view object, std::string_view touch, const results::DelaySummary& delay) {
     figure(group, object, touch, "mean", delay.mean_ms);
     figure(group, object, touch, "median", delay.median_ms);
     number(group, object, touch, "sem", delay.sem_ms);
@@ -52,29 +52,29 @@ class Table {
     count(group, object, touch, "early", delay.early);
   }
 
-  void delays(std::string_view group, std::string_view touch, const DelayTable& table) {
+  void delays(std::string_view group, std::string_view touch, const results::DelayTable& table) {
     delay(group, "all", touch, table.all);
     for (const auto& [name, of_object] : table.objects) delay(group, name, touch, of_object);
   }
 
-  void false_alarms(std::string_view group, const FalseAlarmTable& table) {
+  void false_alarms(std::string_view group, const results::FalseAlarmTable& table) {
     figure(group, "all", "", "per_min", table.per_min);
     for (const auto& [name, per_min] : table.objects) figure(group, name, "", "per_min", per_min);
     count(group, "all", "", "count", table.total.alarms);
-    number(group, "all", "", "none_min", in_minutes(table.total.none_time));
+    number(group, "all", "", "none_min", results::in_minutes(table.total.none_time));
     count(group, "all", "", "after_intervals", table.total.after_intervals);
-    number(group, "all", "", "after_intervals_min", in_minutes(table.total.after_intervals_time));
+    number(group, "all", "", "after_intervals_min", results::in_minutes(table.total.after_intervals_time));
     count(group, "all", "", "unlabelled", table.total.unlabelled);
-    number(group, "all", "", "unlabelled_min", in_minutes(table.total.unlabelled_time));
+    number(group, "all", "", "unlabelled_min", results::in_minutes(table.total.unlabelled_time));
   }
 
-  void over_time(std::string_view group, std::string_view touch, const AccuracyOverTime& accuracy) {
+  void over_time(std::string_view group, std::string_view touch, const results::AccuracyOverTime& accuracy) {
     share(group, "all", touch, accuracy.all);
     for (const auto& [name, of_object] : accuracy.objects) share(group, name, touch, of_object);
-    for (const OverTimeBin& bin : accuracy.since_onset)
+    for (const results::OverTimeBin& bin : accuracy.since_onset)
       figure(group, "all", touch, fmt::format("{}_to_{}_ms_since_onset", in_whole_ms(bin.from), in_whole_ms(bin.to)),
              bin.accuracy);
-    for (const OverTimeBin& bin : accuracy.before_end)
+    for (const results::OverTimeBin& bin : accuracy.before_end)
       figure(group, "all", touch, fmt::format("{}_to_{}_ms_before_end", in_whole_ms(bin.from), in_whole_ms(bin.to)),
              bin.accuracy);
   }
@@ -84,7 +84,7 @@ class Table {
  private:
   static std::string text_of(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : ""; }
 
-  void share(std::string_view group, std::string_view object, std::string_view touch, const ShareOverTime& share) {
+  void share(std::string_view group, std::string_view object, std::string_view touch, const results::ShareOverTime& share) {
     figure(group, object, touch, "first", share.first);
     figure(group, object, touch, "later", share.later);
     figure(group, object, touch, "last", share.last);
@@ -98,16 +98,16 @@ class Table {
   std::string text_ = "group,object,class,metric,value,low,high,n\n";
 };
 
-void add_over_time(Table& table, std::string_view group, const OverTime& over_time) {
+void add_over_time(Table& table, std::string_view group, const results::OverTime& over_time) {
   table.over_time(group, "press", over_time.press);
   table.over_time(group, "slip", over_time.slip);
   table.over_time(group, "", over_time.both);
 }
 
-void add_classes(Table& table, const ClassScores& scores) {
-  const auto add = [&](std::string_view object, const std::array<ClassScore, touch_count>& of_object) {
+void add_classes(Table& table, const results::ClassScores& scores) {
+  const auto add = [&](std::string_view object, const std::array<results::ClassScore, touch_count>& of_object) {
     for (const Touch touch : all_touches) {
-      const ClassScore& score = of_object[static_cast<std::size_t>(touch)];
+      const results::ClassScore& score = of_object[static_cast<std::size_t>(touch)];
       table.figure("per_class", object, name_of(touch), "precision", score.precision);
       table.figure("per_class", object, name_of(touch), "recall", score.recall);
       table.figure("per_class", object, name_of(touch), "f1", score.f1);
@@ -117,10 +117,10 @@ void add_classes(Table& table, const ClassScores& scores) {
   for (const auto& [name, of_object] : scores.objects) add(name, of_object);
 }
 
-void add_calibration(Table& table, const Calibration& calibration) {
+void add_calibration(Table& table, const results::Calibration& calibration) {
   table.figure("calibration", "all", "", "ece", calibration.error);
   for (const auto& [name, error] : calibration.objects) table.figure("calibration", name, "", "ece", error);
-  for (const ReliabilityBin& bin : calibration.bins) {
+  for (const results::ReliabilityBin& bin : calibration.bins) {
     const std::string group = fmt::format("reliability:{:.4f}-{:.4f}", bin.from, bin.to);
     table.count(group, "all", "", "samples", bin.samples);
     table.number(group, "all", "", "confidence", bin.confidence);
@@ -128,7 +128,7 @@ void add_calibration(Table& table, const Calibration& calibration) {
   }
 }
 
-void add_detector(Table& table, const std::string& suffix, const DetectorScore& score) {
+void add_detector(Table& table, const std::string& suffix, const results::DetectorScore& score) {
   table.delays("delay_ms" + suffix, "press", score.press);
   table.delays("delay_ms" + suffix, "slip", score.slip);
   table.false_alarms("false_alarms" + suffix, score.false_alarms);
@@ -136,23 +136,24 @@ void add_detector(Table& table, const std::string& suffix, const DetectorScore& 
 
 }  // namespace
 
-std::string table_of(const Evaluation& evaluation) {
+std::string table_of(const results::Evaluation& evaluation) {
   Table table;
   table.accuracy("accuracy", evaluation.accuracy);
   table.confusion("confusion", evaluation.confusion);
   add_classes(table, evaluation.classes);
   add_calibration(table, evaluation.calibration);
-  for (const GuardScore& score : evaluation.guards) {
+  for (const results::GuardScore& score : evaluation.guards) {
     const std::string group = fmt::format("guard:{}", static_cast<double>(score.guard.count()) / 1000);
     table.accuracy(group, score.accuracy);
     table.accuracy(group, score.difference, "difference");
     table.confusion(group, score.confusion);
   }
-  for (const BaselineScore& baseline : evaluation.baselines) table.accuracy("baseline:" + baseline.name, baseline.accuracy);
+  for (const results::BaselineScore& baseline : evaluation.baselines)
+    table.accuracy("baseline:" + baseline.name, baseline.accuracy);
   add_detector(table, "", evaluation.network);
   for (const auto& [name, score] : evaluation.trivial) add_detector(table, ":" + name, score);
   if (evaluation.gate_off) {
-    const GateOff& off = *evaluation.gate_off;
+    const results::GateOff& off = *evaluation.gate_off;
     table.count("gate", "all", "", "limit_events", off.limit);
     table.count("gate", "all", "", "ticks", off.ticks);
     table.count("gate", "all", "", "gated", off.gated);
@@ -161,7 +162,7 @@ std::string table_of(const Evaluation& evaluation) {
     add_detector(table, ":gate_off", off.network);
   }
   add_over_time(table, "over_time", evaluation.over_time);
-  for (const OperatingPoint& point : evaluation.operating_curve) {
+  for (const results::OperatingPoint& point : evaluation.operating_curve) {
     const std::string group = fmt::format("threshold:{}", point.threshold);
     table.delay(group, "all", "press", point.press);
     table.delay(group, "all", "slip", point.slip);
@@ -169,7 +170,7 @@ std::string table_of(const Evaluation& evaluation) {
     table.count(group, "all", "", "false_alarms", point.false_alarms);
   }
   if (!evaluation.truth) return std::move(table).text();
-  const TruthScore& truth = *evaluation.truth;
+  const results::TruthScore& truth = *evaluation.truth;
   table.accuracy("accuracy_true", truth.accuracy);
   table.confusion("confusion_true", truth.confusion);
   table.delays("delay_true_ms", "press", truth.press);
@@ -180,4 +181,4 @@ std::string table_of(const Evaluation& evaluation) {
   return std::move(table).text();
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -7,7 +7,7 @@
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/episodes.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 enum class Zone : std::uint8_t { in_interval, after_interval, unlabelled, none };
@@ -25,15 +25,15 @@ Zone zone_of(CameraTime tick, std::span<const TouchInterval> intervals, std::spa
 
 }  // namespace
 
-FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                            std::span<const TouchInterval> unlabelled, std::span<const Detection> detections,
-                            microseconds guard) {
+results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts,
+                                     std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
+                                     std::span<const results::Detection> detections, microseconds guard) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
     throw Error("false alarms: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
   }
   const auto zone_at = [&](std::int64_t index) { return zone_of(ticks.at(index), intervals, unlabelled, guard); };
-  FalseAlarms found;
+  results::FalseAlarms found;
   for (std::int64_t i = 0; i < ticks.count; ++i) {
     const Zone zone = zone_at(i);
     if (zone == Zone::none) found.none_time += ticks.tick;
@@ -41,13 +41,13 @@ FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdi
     if (zone == Zone::unlabelled) found.unlabelled_time += ticks.tick;
   }
   for (const Episode& episode : episodes_in(verdicts)) {
-    const auto led_to = [&](DetectionOutcome outcome) {
-      return std::any_of(detections.begin(), detections.end(), [&](const Detection& detection) {
+    const auto led_to = [&](results::DetectionOutcome outcome) {
+      return std::any_of(detections.begin(), detections.end(), [&](const results::Detection& detection) {
         return detection.leading_episode == episode.first && detection.outcome == outcome;
       });
     };
-    const bool spoilt_an_interval = led_to(DetectionOutcome::early);
-    if (!spoilt_an_interval && led_to(DetectionOutcome::detected)) continue;
+    const bool spoilt_an_interval = led_to(results::DetectionOutcome::early);
+    if (!spoilt_an_interval && led_to(results::DetectionOutcome::detected)) continue;
     switch (zone_at(episode.first)) {
       case Zone::in_interval:
         found.alarms += spoilt_an_interval ? 1 : 0;
@@ -66,25 +66,26 @@ FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdi
   return found;
 }
 
-void widen_by_few_alarms(Figure& per_min, const FalseAlarms& counted, double confidence, unsigned seeds) {
+void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& counted, double confidence, unsigned seeds) {
   if (!per_min.high || counted.none_time <= microseconds{0}) return;
   const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(counted.alarms) / seeds));
-  per_min.high = std::max(*per_min.high, poisson_upper_bound(of_a_seed, confidence) / (in_minutes(counted.none_time) / seeds));
+  per_min.high =
+      std::max(*per_min.high, poisson_upper_bound(of_a_seed, confidence) / (results::in_minutes(counted.none_time) / seeds));
 }
 
-FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const BootstrapOptions& options) {
+results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options) {
   const auto objects = runs_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
   const auto sum_of = [runs](const RunsByObject& chosen) {
-    FalseAlarms sum;
+    results::FalseAlarms sum;
     for (const auto& object : chosen) {
       for (const std::size_t i : object) sum += runs[i].counts;
     }
     return sum;
   };
   const Statistic per_min = [sum_of](const RunsByObject& chosen) { return sum_of(chosen).per_min(); };
-  FalseAlarmTable table;
+  results::FalseAlarmTable table;
   for (const auto& [name, indexes] : objects) {
-    Figure& of_object = table.objects[name];
+    results::Figure& of_object = table.objects[name];
     of_object = figure_of_object(indexes, per_min, options);
     widen_by_few_alarms(of_object, sum_of({indexes}), options.confidence);
   }
@@ -94,4 +95,4 @@ FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const Bo
   return table;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -9,7 +9,7 @@
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/false_alarm_table.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Counts the episodes whose first tick is in no interval. One that ran into an onset at most the head start before it is that
 /// onset's detection and counts nowhere; one that made an interval early is a false alarm wherever it began. Those that begin
@@ -21,13 +21,14 @@ namespace tactile {
 /// @param unlabelled  true intervals without labels; empty for a real run
 /// @param detections  of the same verdicts, by `detections_of`
 /// @throws Error  if there is not one verdict for each tick
-FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> intervals,
-                            std::span<const TouchInterval> unlabelled, std::span<const Detection> detections, microseconds guard);
+results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts,
+                                     std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
+                                     std::span<const results::Detection> detections, microseconds guard);
 
 /// The false alarms of one run.
 struct RunFalseAlarms {
   std::string object;
-  FalseAlarms counts;
+  results::FalseAlarms counts;
 };
 
 /// Widens the interval of false alarms per minute to where it ends no lower than that of the alarms counted, over the none time
@@ -42,8 +43,9 @@ struct RunFalseAlarms {
 /// @param counted  of all that was drawn from
 /// @param seeds    > 0; networks that `counted` holds the same runs of: the time is that of one, and so are the alarms, rounded
 /// up
-void widen_by_few_alarms(Figure& per_min, const FalseAlarms& counted, double confidence = 0.95, unsigned seeds = 1);
+void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& counted, double confidence = 0.95,
+                         unsigned seeds = 1);
 
-FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const BootstrapOptions& options = {});
+results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -8,33 +8,33 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 constexpr std::size_t batch = 256;  // heatmaps rendered before they are classified together
 
 }  // namespace
 
-FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t)>& advance, const TickCallback& see,
-                          std::optional<microseconds> tick) {
-  HeatmapOptions rendering = classifier.rendering();
+results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier, unsigned threads,
+                                   const std::function<void(std::size_t)>& advance, const heatmaps::TickCallback& see,
+                                   std::optional<microseconds> tick) {
+  heatmaps::HeatmapOptions rendering = classifier.rendering();
   rendering.tick = tick.value_or(rendering.tick);
-  RecordingReader reader(recording);
-  const Stream& stream = event_stream(reader);
-  const SensorSize size = stream.size ? heatmap_size(*stream.size, rendering.factor) : SensorSize{};
-  const SensorSize expected = classifier.input_size();
+  events::RecordingReader reader(recording);
+  const events::Stream& stream = events::event_stream(reader);
+  const events::SensorSize size = stream.size ? heatmaps::heatmap_size(*stream.size, rendering.factor) : events::SensorSize{};
+  const events::SensorSize expected = classifier.input_size();
   if (size != expected) {
     throw Error(fmt::format("{}: its heatmaps are {} x {} cells; expected the {} x {} that {} was trained on", recording.string(),
                             size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
   }
-  FullRun run;
+  results::FullRun run;
   std::vector<std::uint8_t> waiting;
   const auto classify_waiting = [&] {
     const auto logits = classifier.classify(waiting, threads);
-    std::transform(logits.begin(), logits.end(), std::back_inserter(run.verdicts), verdict_of);
-    std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities), probabilities_of);
-    run.close += static_cast<std::size_t>(std::count_if(logits.begin(), logits.end(), is_close));
+    std::transform(logits.begin(), logits.end(), std::back_inserter(run.verdicts), model::verdict_of);
+    std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities), model::probabilities_of);
+    run.close += static_cast<std::size_t>(std::count_if(logits.begin(), logits.end(), model::is_close));
     waiting.clear();
     if (advance) advance(logits.size());
   };
@@ -44,12 +44,12 @@ FullRun classify_full_run(const std::filesystem::path& recording, const Classifi
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };
-  run.ticks = for_every_tick(reader, stream.id, rendering, use);
+  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use);
   if (!waiting.empty()) classify_waiting();
   return run;
 }
 
-std::uint64_t apply_gate(FullRun& run, std::uint64_t limit) {
+std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit) {
   std::uint64_t gated = 0;
   for (std::size_t k = 0; k < run.events.size(); ++k) {
     if (run.events[k] >= limit) continue;
@@ -60,9 +60,9 @@ std::uint64_t apply_gate(FullRun& run, std::uint64_t limit) {
   return gated;
 }
 
-std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options) {
-  const RecordingReader reader(recording);
-  return static_cast<std::size_t>(listed_ticks(reader, event_stream(reader).id, options).count);
+std::size_t expected_ticks(const std::filesystem::path& recording, const heatmaps::HeatmapOptions& options) {
+  const events::RecordingReader reader(recording);
+  return static_cast<std::size_t>(heatmaps::listed_ticks(reader, events::event_stream(reader).id, options).count);
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

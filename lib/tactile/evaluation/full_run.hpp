@@ -10,7 +10,7 @@
 #include "tactile/model/inference/classifier.hpp"
 #include "tactile/results/full_run.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Renders every full tick of a recording with the model's own settings and classifies it, batch by batch: memory follows the
 /// batch, and the ticks.
@@ -20,15 +20,15 @@ namespace tactile {
 /// @param see      called with each rendered tick; may be empty
 /// @param tick     instead of the model's own
 /// @throws Error   if the recording cannot be read, or its sensor gives heatmaps of another size than the model's
-FullRun classify_full_run(const std::filesystem::path& recording, const Classifier& classifier, unsigned threads,
-                          const std::function<void(std::size_t ticks)>& advance = {}, const TickCallback& see = {},
-                          std::optional<microseconds> tick = {});
+results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier, unsigned threads,
+                                   const std::function<void(std::size_t ticks)>& advance = {},
+                                   const heatmaps::TickCallback& see = {}, std::optional<microseconds> tick = {});
 
 /// Sets the ticks with fewer than `limit` events to none, with the probabilities {1, 0, 0}, as if the network had not run.
 /// @return  the number of these ticks
-std::uint64_t apply_gate(FullRun& run, std::uint64_t limit);
+std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit);
 
 /// About how many full ticks a recording holds, from its list of packets.
-std::size_t expected_ticks(const std::filesystem::path& recording, const HeatmapOptions& options);
+std::size_t expected_ticks(const std::filesystem::path& recording, const heatmaps::HeatmapOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

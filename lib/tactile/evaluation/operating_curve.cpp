@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::evaluation {
 
 const std::vector<double>& default_thresholds() {
   static const std::vector<double> thresholds{0.01, 0.02, 0.05, 0.1,  0.2,  0.3,   0.4,   0.5,   0.6,    0.7,
@@ -10,9 +10,9 @@ const std::vector<double>& default_thresholds() {
   return thresholds;
 }
 
-std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, double threshold) {
+std::vector<Touch> verdicts_above(std::span<const model::Probabilities> probabilities, double threshold) {
   std::vector<Touch> verdicts(probabilities.size());
-  std::transform(probabilities.begin(), probabilities.end(), verdicts.begin(), [threshold](const Probabilities& of) {
+  std::transform(probabilities.begin(), probabilities.end(), verdicts.begin(), [threshold](const model::Probabilities& of) {
     const Touch likelier =
         of[static_cast<std::size_t>(Touch::slip)] > of[static_cast<std::size_t>(Touch::press)] ? Touch::slip : Touch::press;
     return static_cast<double>(of[static_cast<std::size_t>(likelier)]) >= threshold ? likelier : Touch::none;
@@ -20,11 +20,11 @@ std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, 
   return verdicts;
 }
 
-OperatingPoint operating_point(double threshold, std::span<const RunDetections> detections,
-                               std::span<const RunFalseAlarms> alarms, const BootstrapOptions& options) {
-  const FalseAlarmTable table = false_alarm_table(alarms, options);
+results::OperatingPoint operating_point(double threshold, std::span<const results::RunDetections> detections,
+                                        std::span<const RunFalseAlarms> alarms, const results::BootstrapOptions& options) {
+  const results::FalseAlarmTable table = false_alarm_table(alarms, options);
   return {threshold, delay_summary(detections, Touch::press, options), delay_summary(detections, Touch::slip, options),
           table.per_min, table.total.alarms};
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -9,16 +9,16 @@
 #include "tactile/model/inference/logits.hpp"
 #include "tactile/results/operating_point.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// Thresholds from 0.01 to 0.9999, close together at both ends, where a network's probabilities lie.
 const std::vector<double>& default_thresholds();
 
 /// The likelier of press and slip where its probability is at least `threshold`, else none; press where they are alike.
-std::vector<Touch> verdicts_above(std::span<const Probabilities> probabilities, double threshold);
+std::vector<Touch> verdicts_above(std::span<const model::Probabilities> probabilities, double threshold);
 
 /// @param detections, alarms  at this threshold, one entry a run
-OperatingPoint operating_point(double threshold, std::span<const RunDetections> detections,
-                               std::span<const RunFalseAlarms> alarms, const BootstrapOptions& options = {});
+results::OperatingPoint operating_point(double threshold, std::span<const results::RunDetections> detections,
+                                        std::span<const RunFalseAlarms> alarms, const results::BootstrapOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -10,7 +10,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 std::string_view truth_name(CameraTime tick, const RunTruth& truth) {
@@ -20,11 +20,11 @@ std::string_view truth_name(CameraTime tick, const RunTruth& truth) {
 
 }  // namespace
 
-RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options,
+RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options,
                           const std::function<void(std::size_t)>& advance) {
   RunPrediction prediction;
   prediction.run = run.name();
-  prediction.simulated = is_simulated(run);
+  prediction.simulated = events::is_simulated(run);
   prediction.truth = read_run_truth(run, options.include_flagged);
   prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
   prediction.confirmation = options.confirmation;
@@ -46,7 +46,7 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                       {"intervals", nlohmann::json::array()},
                       {"false_alarms", nullptr}};
   std::size_t next = 0;  // detections are of the labels in use, in their order
-  for (const SampledInterval& label : prediction.truth.labels) {
+  for (const windows::SampledInterval& label : prediction.truth.labels) {
     if (label.used && next < prediction.detections.size()) {
       json["intervals"].push_back(prediction.detections[next++]);
       continue;
@@ -74,7 +74,7 @@ void write_prediction(const std::filesystem::path& file, const RunPrediction& pr
   std::string line;
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const CameraTime t = prediction.full.ticks.at(static_cast<std::int64_t>(k));
-    const Probabilities& p = prediction.full.probabilities[k];
+    const model::Probabilities& p = prediction.full.probabilities[k];
     const auto sample = samples.find(t);
     line.clear();
     // 9 digits name a float32.
@@ -89,4 +89,4 @@ void write_prediction(const std::filesystem::path& file, const RunPrediction& pr
   whole.commit();
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

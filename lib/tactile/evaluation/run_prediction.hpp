@@ -15,17 +15,17 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// The predictions of a model over one whole run, with or without labels.
 struct RunPrediction {
   std::string run;  ///< "fan/03"
   bool simulated = false;
-  FullRun full;
+  results::FullRun full;
   std::vector<Touch> verdicts;  ///< confirmed, one for each tick
   RunTruth truth;
-  std::vector<Detection> detections;  ///< of the labelled intervals that are not in doubt
-  FalseAlarms false_alarms;           ///< where the run has labels
+  std::vector<results::Detection> detections;  ///< of the labelled intervals that are not in doubt
+  results::FalseAlarms false_alarms;           ///< where the run has labels
   Confirmation confirmation;
 };
 
@@ -39,7 +39,7 @@ struct PredictionOptions {
 };
 
 /// @throws Error  as `classify_full_run` and `read_run_truth`
-RunPrediction predict_run(const RunFolder& run, const Classifier& classifier, const PredictionOptions& options = {},
+RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
 /// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class",
@@ -55,4 +55,4 @@ nlohmann::json outcome_json(const RunPrediction& prediction);
 void write_prediction(const std::filesystem::path& file, const RunPrediction& prediction,
                       const std::map<CameraTime, Touch>& samples = {});
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

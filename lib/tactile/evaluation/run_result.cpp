@@ -16,7 +16,7 @@
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 namespace {
 
 std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std::uint64_t seed, const std::string& run) {
@@ -28,15 +28,15 @@ std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std
 }
 
 /// The samples that the dataset would have of this run by another guard; by its own, those that it has.
-std::vector<Sample> samples_by_guard(const Dataset& dataset, std::uint32_t run, const RunTruth& truth, const TickRange& ticks,
-                                     microseconds history, microseconds guard) {
+std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, std::uint32_t run, const RunTruth& truth,
+                                              const TickRange& ticks, microseconds history, microseconds guard) {
   if (guard == dataset.sampling().guard) return samples_in(dataset, run);
   if (ticks.count == 0) return {};
-  SamplingOptions options = dataset.sampling();
+  windows::SamplingOptions options = dataset.sampling();
   options.guard = guard;
-  const DatasetRun& names = dataset.runs()[run];
-  return balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
-                          seed_for(options.seed, {"windows", names.object, names.run}), options);
+  const windows::DatasetRun& names = dataset.runs()[run];
+  return windows::balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
+                                   seed_for(options.seed, {"windows", names.object, names.run}), options);
 }
 
 RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
@@ -52,17 +52,17 @@ RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::
 struct ClassifiedRun {
   std::uint32_t index = 0;  ///< in the dataset
   std::string name;
-  std::vector<Sample> samples;         ///< balanced, ascending in time
-  FullRun full{};                      ///< none where the gate is closed
-  std::vector<Touch> verdicts{};       ///< confirmed
-  std::vector<Touch> open_verdicts{};  ///< without the gate, where it is on
+  std::vector<windows::Sample> samples;  ///< balanced, ascending in time
+  results::FullRun full{};               ///< none where the gate is closed
+  std::vector<Touch> verdicts{};         ///< confirmed
+  std::vector<Touch> open_verdicts{};    ///< without the gate, where it is on
   RunTruth truth{};
 
-  std::size_t tick_of(const Sample& sample) const { return place_of(sample, full.ticks, name); }
+  std::size_t tick_of(const windows::Sample& sample) const { return place_of(sample, full.ticks, name); }
 };
 
 void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
-  for (const Sample& sample : run.samples) {
+  for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     result.confusion.add(sample.touch, run.verdicts[k]);
     if (scoring.gate) result.open_confusion.add(sample.touch, run.open_verdicts[k]);
@@ -70,8 +70,8 @@ void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring
   }
   const microseconds history = scoring.classifier.rendering().history;
   for (const microseconds guard : scoring.sampling_guards) {
-    Confusion confusion;
-    for (const Sample& sample : samples_by_guard(scoring.dataset, run.index, run.truth, run.full.ticks, history, guard))
+    results::Confusion confusion;
+    for (const windows::Sample& sample : samples_by_guard(scoring.dataset, run.index, run.truth, run.full.ticks, history, guard))
       confusion.add(sample.touch, run.verdicts[run.tick_of(sample)]);
     result.by_guard.push_back(confusion);
   }
@@ -109,37 +109,38 @@ void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunS
 
 unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
 
-void check_fits(const Dataset& dataset, const Classifier& classifier, const EvaluationOptions& options) {
+void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options) {
   const std::string& trained_on = classifier.model().manifest_hash;
   if (trained_on != dataset.manifest_hash() && !options.of_another_dataset) {
     throw Error(fmt::format(
         "{}: trained on dataset {}, but {} is {}; expected a model of this dataset, as 'tactile train' makes it",
         classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
   }
-  if (const SensorSize size = heatmap_size(dataset.sensor(), classifier.rendering().factor); size != classifier.input_size()) {
+  if (const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), classifier.rendering().factor);
+      size != classifier.input_size()) {
     throw Error(fmt::format("{}: takes heatmaps of {} x {}; expected the {} x {} of {}", classifier.bundle().string(),
                             classifier.input_size().width, classifier.input_size().height, size.width, size.height,
                             dataset.file().string()));
   }
 }
 
-std::optional<std::uint64_t> gate_of(const Classifier& classifier, const EvaluationOptions& options) {
+std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const EvaluationOptions& options) {
   if (!options.gate) return std::nullopt;
-  return gate_limit({classifier.bundle()}, classifier.model());
+  return model::gate_limit({classifier.bundle()}, classifier.model());
 }
 
-RunFolder folder_of(const Dataset& dataset, std::uint32_t run) {
-  const DatasetRun& names = dataset.runs()[run];
+RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run) {
+  const windows::DatasetRun& names = dataset.runs()[run];
   return {dataset.run_folder(run), names.object, names.run};
 }
 
-std::vector<Sample> samples_in(const Dataset& dataset, std::uint32_t run) {
-  std::vector<Sample> samples;
-  for (const std::uint32_t index : samples_of_runs(dataset, {&run, 1})) samples.push_back(dataset.samples()[index]);
+std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::uint32_t run) {
+  std::vector<windows::Sample> samples;
+  for (const std::uint32_t index : model::samples_of_runs(dataset, {&run, 1})) samples.push_back(dataset.samples()[index]);
   return samples;
 }
 
-std::size_t place_of(const Sample& sample, const TickRange& ticks, const std::string& run) {
+std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, const std::string& run) {
   const microseconds since = between(ticks.first, sample.t);
   if (since < microseconds{0} || since % ticks.tick != microseconds{0} || since / ticks.tick >= ticks.count) {
     throw Error(
@@ -152,7 +153,7 @@ std::size_t place_of(const Sample& sample, const TickRange& ticks, const std::st
 
 RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
                     const std::function<void(std::size_t)>& advance) {
-  const Dataset& dataset = scoring.dataset;
+  const windows::Dataset& dataset = scoring.dataset;
   const RunFolder folder = folder_of(dataset, run_index);
   ClassifiedRun run{.index = run_index, .name = name_of(dataset.runs()[run_index]), .samples = samples_in(dataset, run_index)};
   RunResult result;
@@ -163,7 +164,7 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     ++next;
   };
   run.full = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
-  for (const Sample& sample : run.samples) {
+  for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];
     result.reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
@@ -184,12 +185,12 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
   return result;
 }
 
-void for_full_runs(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> runs, unsigned threads,
-                   const ProgressCallback& progress,
+void for_full_runs(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> runs,
+                   unsigned threads, const ProgressCallback& progress,
                    const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
   std::vector<std::size_t> expected(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
-    check_unchanged(dataset, runs[i]);
+    windows::check_unchanged(dataset, runs[i]);
     expected[i] = expected_ticks(folder_of(dataset, runs[i]).events(), classifier.rendering());
   });
   std::uint64_t total = 0, done = 0;
@@ -206,4 +207,4 @@ void for_full_runs(const Dataset& dataset, const Classifier& classifier, std::sp
   });
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

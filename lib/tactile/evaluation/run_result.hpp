@@ -15,12 +15,12 @@
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// The detections and false alarms of one detector in one run.
 struct RunScore {
-  std::vector<Detection> detections;
-  FalseAlarms false_alarms;
+  std::vector<results::Detection> detections;
+  results::FalseAlarms false_alarms;
 };
 
 /// Detectors that ignore their input.
@@ -30,9 +30,9 @@ inline constexpr std::array<const char*, trivial_count> trivial_names{"always_pr
 /// The counts of one run.
 struct RunResult {
   std::size_t ticks = 0, close_ticks = 0;
-  Confusion confusion;
+  results::Confusion confusion;
   Reliability reliability;
-  std::vector<Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
+  std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
   BaselineSamples samples;
   RunScore network;
   std::array<RunScore, trivial_count> trivial;
@@ -40,20 +40,20 @@ struct RunResult {
   OverTimeOfRun over_time;
 
   bool has_truth = false;  ///< of a simulated run; the next four are empty without
-  Confusion true_confusion;
+  results::Confusion true_confusion;
   RunScore against_truth;
-  std::vector<Detection> gross;  ///< delays from gross slip
+  std::vector<results::Detection> gross;  ///< delays from gross slip
   OverTimeOfRun true_over_time;
 
   std::uint64_t gated = 0;  ///< ticks; the next two are without the gate
-  Confusion open_confusion;
+  results::Confusion open_confusion;
   RunScore open;
 };
 
 /// How every run is scored.
 struct RunScoring {
-  const Dataset& dataset;
-  const Classifier& classifier;
+  const windows::Dataset& dataset;
+  const model::Classifier& classifier;
   const EvaluationOptions& options;
   microseconds guard;                         ///< of false alarms
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
@@ -66,24 +66,24 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
                     const std::function<void(std::size_t)>& advance);
 
 /// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size
-void check_fits(const Dataset& dataset, const Classifier& classifier, const EvaluationOptions& options);
+void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options);
 
 /// The limit of the model's gate, where it is to be used.
-std::optional<std::uint64_t> gate_of(const Classifier& classifier, const EvaluationOptions& options);
+std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const EvaluationOptions& options);
 
 unsigned threads_or_all(unsigned threads);
 
-RunFolder folder_of(const Dataset& dataset, std::uint32_t run);
+RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run);
 
 /// The dataset's samples of a run, ascending in time.
-std::vector<Sample> samples_in(const Dataset& dataset, std::uint32_t run);
+std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::uint32_t run);
 
 /// The index of a sample's tick in a full run. @throws Error  if it is at none
-std::size_t place_of(const Sample& sample, const TickRange& ticks, const std::string& run);
+std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, const std::string& run);
 
 /// Calls `work` for each run with the number of threads it may use, and reports how many ticks are done.
-void for_full_runs(const Dataset& dataset, const Classifier& classifier, std::span<const std::uint32_t> runs, unsigned threads,
-                   const ProgressCallback& progress,
+void for_full_runs(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> runs,
+                   unsigned threads, const ProgressCallback& progress,
                    const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -6,17 +6,17 @@
 #include "tactile/core/truth.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 std::vector<TouchInterval> RunTruth::all_labelled() const {
   std::vector<TouchInterval> all;
-  for (const SampledInterval& label : labels) all.push_back(label.interval);
+  for (const windows::SampledInterval& label : labels) all.push_back(label.interval);
   return all;
 }
 
 std::vector<TouchInterval> RunTruth::used() const {
   std::vector<TouchInterval> ones;
-  for (const SampledInterval& label : labels) {
+  for (const windows::SampledInterval& label : labels) {
     if (label.used) ones.push_back(label.interval);
   }
   return ones;
@@ -25,7 +25,7 @@ std::vector<TouchInterval> RunTruth::used() const {
 RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
   RunTruth truth;
   if (std::filesystem::exists(run.labels())) {
-    const Labels labels = read_labels(run.labels());
+    const labels::Labels labels = labels::read_labels(run.labels());
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
       truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
     }
@@ -45,4 +45,4 @@ Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals) {
   return found == intervals.end() ? Touch::none : found->touch;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -11,11 +11,11 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/windows/sample.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
 /// The touches of a run: its labels and, of a simulated run, its truth.
 struct RunTruth {
-  std::vector<SampledInterval> labels;           ///< by start; those whose labels are in doubt are not `used`
+  std::vector<windows::SampledInterval> labels;  ///< by start; those whose labels are in doubt are not `used`
   bool has_truth = false;                        ///< the rest is empty without
   std::vector<TouchInterval> true_ones;          ///< that labels should have
   std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other
@@ -33,4 +33,4 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged = false);
 /// The class of the interval that contains the tick; none where there is no such interval.
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals);
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

@@ -8,15 +8,15 @@
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::evaluation {
 
-std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classifier& classifier,
-                                            std::span<const std::uint32_t> runs, const EvaluationOptions& options,
-                                            const ProgressCallback& progress) {
+std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dataset, const model::Classifier& classifier,
+                                                     std::span<const std::uint32_t> runs, const EvaluationOptions& options,
+                                                     const ProgressCallback& progress) {
   check_fits(dataset, classifier, options);
   const unsigned threads = threads_or_all(options.threads);
-  std::vector<RunConfusion> confusions(runs.size());
-  const auto add = [&](std::size_t i, std::span<const Sample> samples, auto predicted_of) {
+  std::vector<results::RunConfusion> confusions(runs.size());
+  const auto add = [&](std::size_t i, std::span<const windows::Sample> samples, auto predicted_of) {
     confusions[i].object = dataset.runs()[runs[i]].object;
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, predicted_of(k));
   };
@@ -24,15 +24,17 @@ std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classi
   if (options.confirmation.of == 1 && !gate) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       tell(progress, i, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
-      const auto indexes = samples_of_runs(dataset, {&runs[i], 1});
-      const auto predicted = classifier.verdicts(sample_heatmaps(dataset, classifier.rendering(), indexes, threads), threads);
+      const auto indexes = model::samples_of_runs(dataset, {&runs[i], 1});
+      const auto predicted =
+          classifier.verdicts(model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads), threads);
       add(i, samples_in(dataset, runs[i]), [&](std::size_t k) { return predicted[k]; });
     }
     return confusions;
   }
   for_full_runs(dataset, classifier, runs, threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-                  FullRun run = classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
+                  results::FullRun run =
+                      classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
                   if (gate) apply_gate(run, *gate);
                   const auto verdicts = confirmed(run.verdicts, options.confirmation);
                   const auto samples = samples_in(dataset, runs[i]);
@@ -42,22 +44,22 @@ std::vector<RunConfusion> sample_confusions(const Dataset& dataset, const Classi
   return confusions;
 }
 
-UnseenComparison compare_unseen(const Dataset& dataset, const Classifier& seen, const Classifier& held_out,
-                                std::span<const std::uint32_t> runs, const EvaluationOptions& options,
-                                const ProgressCallback& progress) {
+results::UnseenComparison compare_unseen(const windows::Dataset& dataset, const model::Classifier& seen,
+                                         const model::Classifier& held_out, std::span<const std::uint32_t> runs,
+                                         const EvaluationOptions& options, const ProgressCallback& progress) {
   const auto by_seen = sample_confusions(dataset, seen, runs, options, progress);
-  UnseenComparison comparison =
+  results::UnseenComparison comparison =
       unseen_comparison(by_seen, sample_confusions(dataset, held_out, runs, options, progress), options.bootstrap);
   comparison.models = {seen.bundle().filename().string(), held_out.bundle().filename().string()};
   for (const std::uint32_t run : runs) comparison.runs.push_back(name_of(dataset.runs()[run]));
   return comparison;
 }
 
-std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelDescription& seen,
-                                            const ModelDescription& held_out) {
-  std::vector<std::uint32_t> runs = test_runs_of(dataset, held_out);
-  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(seen, dataset.runs()[run].events_sha256); });
-  if (samples_of_runs(dataset, runs).empty()) {
+std::vector<std::uint32_t> runs_neither_saw(const windows::Dataset& dataset, const model::ModelDescription& seen,
+                                            const model::ModelDescription& held_out) {
+  std::vector<std::uint32_t> runs = model::test_runs_of(dataset, held_out);
+  std::erase_if(runs, [&](std::uint32_t run) { return model::learned_from(seen, dataset.runs()[run].events_sha256); });
+  if (model::samples_of_runs(dataset, runs).empty()) {
     throw Error(
         fmt::format("{}: every run of the held-out objects with samples was used to train one of the models; expected "
                     "another run of one of them",
@@ -66,4 +68,4 @@ std::vector<std::uint32_t> runs_neither_saw(const Dataset& dataset, const ModelD
   return runs;
 }
 
-}  // namespace tactile
+}  // namespace tactile::evaluation

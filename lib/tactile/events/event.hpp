@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// One change of brightness at one pixel, laid out as AEDAT4 stores it, so that a packet is read in place.
 struct Event {
@@ -26,4 +26,4 @@ struct SensorSize {
   friend bool operator==(const SensorSize&, const SensorSize&) = default;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

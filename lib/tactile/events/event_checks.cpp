@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #endif
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 EventsCheck check_one_by_one(std::span<const Event> events, SensorSize size) {
@@ -78,4 +78,4 @@ std::span<Event> without_outside(std::span<Event> events, SensorSize size) {
   return events.first(static_cast<std::size_t>(kept_end - events.begin()));
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -5,7 +5,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// Whether an event lies outside the sensor, or has a polarity that is neither 0 nor 1.
 constexpr bool is_outside(const Event& e, SensorSize size) {
@@ -27,4 +27,4 @@ EventsCheck check_events(std::span<const Event> events, SensorSize size);
 /// Removes events outside the sensor, in place. @return  the others
 std::span<Event> without_outside(std::span<Event> events, SensorSize size);
 
-}  // namespace tactile
+}  // namespace tactile::events

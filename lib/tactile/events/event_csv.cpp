@@ -15,7 +15,7 @@
 #include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
@@ -234,4 +234,4 @@ std::span<const Event> EventCsvReader::next() {
 std::uint64_t EventCsvReader::bytes_read() const { return state_->bytes; }
 std::uint64_t EventCsvReader::file_size() const { return state_->size_bytes; }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// Events as text: this header line, then one event per line, four whole numbers without spaces: camera time [us], pixel from the
 /// left, pixel from the top, 1 brighter or 0 darker. Lines end in LF (CR LF can be read too). Steps back in time are written, but
@@ -54,4 +54,4 @@ class EventCsvReader {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

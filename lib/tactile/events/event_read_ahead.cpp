@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/event_checks.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 /// The batches of a thread should fit its second-level cache of 1 MiB or 512 KiB. With fewer batches it would often wait for the
@@ -254,4 +254,4 @@ std::optional<DecodedEvents> EventReadAhead::take(const PacketRecord& packet) {
   return std::exchange(batch.decoded[state.cursor], std::nullopt);
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -13,7 +13,7 @@
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_file.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The events of one packet, and their state.
 struct DecodedEvents {
@@ -74,4 +74,4 @@ class EventReadAhead {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

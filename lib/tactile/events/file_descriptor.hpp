@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-namespace tactile {
+namespace tactile::events {
 
 /// An open file, closed when it goes.
 class FileDescriptor {
@@ -60,4 +60,4 @@ class FileDescriptor {
   int number_ = -1;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

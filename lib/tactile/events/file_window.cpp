@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <csignal>
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 /// Parts begin at multiples of this, so that threads at near packets share one. Each is longer by the size of a packet. Only
@@ -70,4 +70,4 @@ bool FileWindow::open(int file, std::uint64_t offset, std::size_t size, std::uin
   return part_ != nullptr;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace tactile {
+namespace tactile::events {
 
 /// The parts of a file that are mapped into memory. Threads that use the same part share it, and the last one unmaps it. So its
 /// pages are loaded only once.
@@ -70,4 +70,4 @@ class FileWindow {
   std::shared_ptr<const FileParts::Part> part_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr unsigned long_length = 15;       ///< of literals or of a match: further bytes follow
@@ -172,4 +172,4 @@ std::optional<std::array<std::size_t, 2>> decode_lz4_blocks(const Lz4Block& firs
   return std::array{made(progress, first), made(other, second)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

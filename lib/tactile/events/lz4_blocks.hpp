@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-namespace tactile {
+namespace tactile::events {
 
 /// A block of an LZ4 frame, and the memory for its contents.
 struct Lz4Block {
@@ -30,4 +30,4 @@ std::optional<std::size_t> decode_lz4_block(const Lz4Block& block);
 /// meanwhile. Neither may overlap the other's room or, by `before`, need its contents.
 std::optional<std::array<std::size_t, 2>> decode_lz4_blocks(const Lz4Block& first, const Lz4Block& second);
 
-}  // namespace tactile
+}  // namespace tactile::events

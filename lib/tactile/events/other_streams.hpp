@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// A sample of the inertial sensor. Source: AEDAT4's IMU table.
 struct ImuSample {
@@ -31,4 +31,4 @@ struct Frame {
   std::vector<std::uint8_t> pixels;  ///< row by row from the top
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

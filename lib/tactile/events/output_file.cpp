@@ -5,7 +5,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 
 void check_target(const fs::path& target, const fs::path& input, bool replace) {
@@ -20,4 +20,4 @@ void check_target(const fs::path& target, const fs::path& input, bool replace) {
   if (!replace) throw Error(target.string() + ": the output exists already; expected a new name, or --force to replace it");
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

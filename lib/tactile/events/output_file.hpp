@@ -2,10 +2,10 @@
 
 #include <filesystem>
 
-namespace tactile {
+namespace tactile::events {
 
 /// Protects the input, whatever path or hard link leads to it.
 /// @throws Error  if `target` is `input` or a folder, or exists and must not be replaced
 void check_target(const std::filesystem::path& target, const std::filesystem::path& input, bool replace);
 
-}  // namespace tactile
+}  // namespace tactile::events

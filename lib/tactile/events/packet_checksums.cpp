@@ -12,7 +12,7 @@
 
 #include "tactile/events/recording_file.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -147,4 +147,4 @@ PacketCheck PacketChecksums::check(const PacketRecord& packet, std::span<const s
   return same ? PacketCheck::whole : PacketCheck::damaged;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// A recording that is being written has no hash yet. A file beside it has a checksum of its header and of each packet:
 ///
@@ -72,4 +72,4 @@ class PacketChecksums {
   bool header_damaged_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -15,7 +15,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/lz4_blocks.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 /// LZ4 decodes a block in place only if a whole block fits. This is the vendor's block size.
@@ -369,4 +369,4 @@ void PacketCompressor::compress_pieces(Compression compression, std::uint64_t si
   is_lz4(compression) ? state_->lz4_pieces(level, make, sink) : state_->zstd_pieces(level, size, make, sink);
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

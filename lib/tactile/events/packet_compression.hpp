@@ -8,7 +8,7 @@
 
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The largest decompressed packet [B]; a packet that claims more is damaged or malicious.
 inline constexpr std::size_t packet_limit = std::size_t{256} << 20;
@@ -82,4 +82,4 @@ class PacketCompressor {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

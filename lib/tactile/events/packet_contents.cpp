@@ -12,7 +12,7 @@
 #include "imu_packet_generated.h"
 #include "trigger_packet_generated.h"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 static_assert(sizeof(aedat4::EventStruct) == sizeof(Event) && alignof(aedat4::EventStruct) == alignof(Event));
@@ -209,4 +209,4 @@ std::size_t bytes_per_pixel(std::int8_t format) {
   return depths[bits % 8] * (bits / 8 + 1);
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -10,7 +10,7 @@
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The state of a packet's contents.
 enum class Contents : std::uint8_t { whole, mismatched, broken };
@@ -42,4 +42,4 @@ std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t r
 /// The bytes per pixel of a format; 0 for an unknown one.
 std::size_t bytes_per_pixel(std::int8_t format);
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 
 #include "tactile/events/packet_contents.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::uint32_t lz4_magic = 0x184D2204;
@@ -193,4 +193,4 @@ std::optional<std::uint64_t> PacketProbe::search(std::uint64_t from, std::uint64
   return std::nullopt;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

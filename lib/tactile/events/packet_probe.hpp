@@ -12,7 +12,7 @@
 #include "tactile/events/recording_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// Looks at single places of a recording that may be damaged: is this a packet, is this the data table? `end` is where the
 /// packets' part of the file ends at the latest [B].
@@ -63,4 +63,4 @@ class PacketProbe {
   std::uint64_t proved_bytes_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/events/recording_header.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::size_t piece_size = std::size_t{64} << 10;
@@ -136,4 +136,4 @@ void PacketTable::write_contents(const ByteSink& sink) const {
   out.flush();
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

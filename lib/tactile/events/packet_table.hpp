@@ -8,7 +8,7 @@
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The data table of a recording that is being written. A packet takes a few bytes, because only the differences to the packet
 /// before it in its stream are stored: about 25 MB for an hour of packets of 1 ms. The memory is never copied to grow.
@@ -42,4 +42,4 @@ class PacketTable {
   std::deque<std::uint8_t> bytes_;  ///< five numbers per packet, seven bits per byte
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

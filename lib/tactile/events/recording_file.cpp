@@ -13,7 +13,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/packet_compression.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -80,4 +80,4 @@ RecordingStart read_start(const RecordingFile& file) {
   return {.header = read_header(bytes, file.name()), .data_begin = header_at + header_size};
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

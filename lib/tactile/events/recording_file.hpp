@@ -11,7 +11,7 @@
 #include "tactile/events/file_window.hpp"
 #include "tactile/events/recording_header.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// A recording's file, open for reading. Its size is the size when it was opened.
 class RecordingFile {
@@ -49,4 +49,4 @@ struct RecordingStart {
 /// @throws Error  if the file is not AEDAT4, or declares no stream
 RecordingStart read_start(const RecordingFile& file);
 
-}  // namespace tactile
+}  // namespace tactile::events

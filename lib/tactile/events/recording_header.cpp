@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::string_view compression_attributes[] = {"NONE", "LZ4", "LZ4_HIGH", "ZSTD", "ZSTD_HIGH"};
@@ -243,4 +243,4 @@ HeaderImage header_image(Compression compression, std::span<const Stream> stream
           .table_position = static_cast<std::size_t>(position - data)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -9,7 +9,7 @@
 
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The header of a recording, after the magic line: a size-prefixed IOHE buffer.
 struct RecordingHeader {
@@ -44,4 +44,4 @@ void check_readable_by_vendor(const Stream& stream, std::string_view where);
 StreamType type_identified(std::string_view identifier);
 std::string_view identifier_of(StreamType type);  ///< empty for `other`
 
-}  // namespace tactile
+}  // namespace tactile::events

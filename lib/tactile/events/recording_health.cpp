@@ -15,7 +15,7 @@
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/stream_time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::size_t longest_difference_us = 20'000;
@@ -432,4 +432,4 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
   return health;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

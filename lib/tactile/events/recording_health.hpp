@@ -13,7 +13,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// When a pixel is hot: it fires by itself, whatever the scene does. An absolute rate does not decide: a read-out of 200 us
 /// allows at most 5000 events/s, and a trembling edge reaches hundreds. A pixel with n events in a recording of length T is hot
@@ -195,4 +195,4 @@ struct RecordingHealth {
 RecordingHealth examine_recording(const std::filesystem::path& file, const HealthOptions& options = {},
                                   const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::events

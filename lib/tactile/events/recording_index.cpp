@@ -11,7 +11,7 @@
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_probe.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 constexpr std::uint64_t zero_sector = 512;  // so many zeros in a row are lost bytes, not packets without contents [B]
@@ -317,4 +317,4 @@ void PacketFinder::take_table(const std::vector<PacketRecord>& entries) {
 
 PacketList find_packets(const RecordingFile& file, const RecordingStart& start) { return PacketFinder(file, start).find(); }
 
-}  // namespace tactile
+}  // namespace tactile::events

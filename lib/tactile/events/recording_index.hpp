@@ -5,7 +5,7 @@
 #include "tactile/events/recording_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// The packets that a recording has.
 struct PacketList {
@@ -26,4 +26,4 @@ struct PacketList {
 /// @throws Error  if the file cannot be read
 PacketList find_packets(const RecordingFile& file, const RecordingStart& start);
 
-}  // namespace tactile
+}  // namespace tactile::events

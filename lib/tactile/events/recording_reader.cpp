@@ -17,7 +17,7 @@
 #include "tactile/events/recording_index.hpp"
 #include "tactile/events/stream_time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -401,4 +401,4 @@ void for_all_events(RecordingReader& recording, std::int32_t stream_id, const st
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -14,7 +14,7 @@
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// One packet of a recording. `elements`, `first` and `last` come from the data table, before anything is dropped. After a scan
 /// they are the number of sound elements and their earliest and latest time; 0 elements if the packet cannot be read.
@@ -112,4 +112,4 @@ void for_events_between(RecordingReader& recording, std::int32_t stream_id, Came
 /// The same for all events of the stream.
 void for_all_events(RecordingReader& recording, std::int32_t stream_id, const std::function<void(std::span<const Event>)>& use);
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -22,7 +22,7 @@
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -153,7 +153,7 @@ void RecordingWriter::State::check_times(const Waiting& stream, std::span<const 
 
 void RecordingWriter::State::check_events(const Waiting& stream, std::span<const Event> events) const {
   const SensorSize size = *stream.stream.size;
-  const EventsCheck check = tactile::check_events(events, size);
+  const EventsCheck check = tactile::events::check_events(events, size);
   const bool continues = events.empty() || !stream.begun || events.front().t >= stream.newest;
   if (check.inside && check.ascending && continues) return;
   check_times(stream, events);  // this or the loop finds the error
@@ -403,4 +403,4 @@ Stream event_stream_declaration(SensorSize size, std::string source) {
           .info = {}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

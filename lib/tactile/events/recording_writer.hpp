@@ -11,7 +11,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
@@ -62,4 +62,4 @@ class RecordingWriter {
 /// A stream of events as a DVXplorer Mini declares it: id 0, "events".
 Stream event_stream_declaration(SensorSize size, std::string source);
 
-}  // namespace tactile
+}  // namespace tactile::events

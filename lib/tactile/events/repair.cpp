@@ -21,7 +21,7 @@
 #include "tactile/events/recording_health.hpp"
 #include "tactile/events/stream_time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -230,4 +230,4 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
   return summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -10,7 +10,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 struct RepairedStream {
   Stream stream;
@@ -45,4 +45,4 @@ struct RepairSummary {
 RepairSummary repair_recording(const std::filesystem::path& in, const std::filesystem::path& out, bool replace = false,
                                unsigned threads = 1, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::events

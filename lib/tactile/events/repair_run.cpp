@@ -11,7 +11,7 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
 
@@ -82,4 +82,4 @@ RepairSummary repair_run(const RunFolder& in, const fs::path& out, unsigned thre
   return summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

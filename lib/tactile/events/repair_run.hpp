@@ -6,7 +6,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/repair.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 /// Makes a complete run of a damaged one. The recording is repaired. Logs are copied up to the first zero byte, which a power cut
 /// leaves. The other files are copied as they are. run.json has `complete: true`, the hashes of the files and, under `repaired`,
@@ -17,4 +17,4 @@ namespace tactile {
 RepairSummary repair_run(const RunFolder& in, const std::filesystem::path& out, unsigned threads = 1,
                          const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -7,7 +7,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_file.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -40,4 +40,4 @@ bool is_simulated(const RunFolder& run) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

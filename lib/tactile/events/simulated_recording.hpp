@@ -6,7 +6,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/stream.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 inline constexpr std::string_view simulated_attribute = "simulated";  ///< in a stream's `info`: "true" if it was simulated
 
@@ -17,4 +17,4 @@ bool is_simulated(std::span<const Stream> streams);
 /// the simulator's. Reads only the recording's header. @throws Error  if run.json cannot be read
 bool is_simulated(const RunFolder& run);
 
-}  // namespace tactile
+}  // namespace tactile::events

@@ -4,7 +4,7 @@
 
 #include "tactile/core/enum_names.hpp"
 
-namespace tactile {
+namespace tactile::events {
 namespace {
 constexpr std::array<std::string_view, 5> type_names{"events", "frames", "imu", "triggers", "other"};
 constexpr std::array<std::string_view, 5> compression_names{"none", "lz4", "lz4-high", "zstd", "zstd-high"};
@@ -23,4 +23,4 @@ Stream completed(Stream stream, std::string_view source) {
   return stream;
 }
 
-}  // namespace tactile
+}  // namespace tactile::events

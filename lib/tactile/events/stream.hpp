@@ -9,7 +9,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 enum class StreamType : std::uint8_t { events, frames, imu, triggers, other };
 enum class Compression : std::uint8_t { none = 0, lz4 = 1, lz4_high = 2, zstd = 3, zstd_high = 4 };
@@ -33,4 +33,4 @@ struct Stream {
 /// not.
 Stream completed(Stream stream, std::string_view source = "unknown");
 
-}  // namespace tactile
+}  // namespace tactile::events

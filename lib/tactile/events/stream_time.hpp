@@ -7,7 +7,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::events {
 
 struct TimeExtent {
   CameraTime first{}, last{};
@@ -90,4 +90,4 @@ class StreamTime {
   bool leapt_ = false;        ///< in this packet
 };
 
-}  // namespace tactile
+}  // namespace tactile::events

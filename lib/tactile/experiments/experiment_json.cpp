@@ -6,10 +6,10 @@
 #include "tactile/core/version.hpp"
 #include "tactile/model/training/torch_version.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 nlohmann::json software_json() {
-  return {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", torch_version()}};
+  return {{"name", "tactile"}, {"version", version()}, {"revision", revision()}, {"libtorch", model::torch_version()}};
 }
 
 nlohmann::json machine_json(unsigned threads) {
@@ -39,4 +39,4 @@ std::string from_folder(const std::filesystem::path& path, const std::filesystem
   return whole(path).lexically_relative(whole(folder)).generic_string();
 }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

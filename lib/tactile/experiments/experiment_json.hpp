@@ -7,7 +7,7 @@
 
 #include "tactile/experiments/step_runner.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// {"name", "version", "revision", "libtorch"} of this program.
 nlohmann::json software_json();
@@ -21,4 +21,4 @@ nlohmann::json steps_json(std::span<const StepRecord> steps);
 /// `path` relative to the folder of an experiment. Neither has to exist.
 std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -10,13 +10,13 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// SHA-256 of a file; null if it is missing.
 nlohmann::json hash_of_file(const std::filesystem::path& file);
 
 /// SHA-256 of the truth.json of each run, in order; null where there is none. Detection delays depend on them.
-nlohmann::json truth_hashes(const Dataset& dataset, std::span<const std::uint32_t> runs);
+nlohmann::json truth_hashes(const windows::Dataset& dataset, std::span<const std::uint32_t> runs);
 
 /// A step without a command, whose only output is `file`.
 /// @param work         writes `file`
@@ -24,4 +24,4 @@ nlohmann::json truth_hashes(const Dataset& dataset, std::span<const std::uint32_
 Step file_step(std::string name, nlohmann::json inputs, const std::filesystem::path& file,
                std::function<void(const ProgressCallback&)> work, std::string description = {});
 
-}  // namespace tactile
+}  // namespace tactile::experiments

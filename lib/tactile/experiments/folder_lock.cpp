@@ -7,7 +7,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& command) {
   std::error_code failed;
@@ -23,4 +23,4 @@ FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& c
 
 FolderLock::~FolderLock() { ::close(file_); }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

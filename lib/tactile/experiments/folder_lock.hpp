@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// Locks a folder while it exists, so that two experiments never write to the same one.
 class FolderLock {
@@ -20,4 +20,4 @@ class FolderLock {
   int file_ = -1;
 };
 
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -7,9 +7,9 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// "2", "2.5"
 inline std::string ms_text(microseconds us) { return fmt::format("{}", in_ms(us)); }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

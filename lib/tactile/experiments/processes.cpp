@@ -18,7 +18,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/process.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 namespace {
 
 namespace fs = std::filesystem;
@@ -114,4 +114,4 @@ void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// A command that runs as a process of its own.
 struct ProcessPlan {
@@ -27,4 +27,4 @@ struct ProcessesOptions {
 /// @throws Error  that names the process that failed and its last message; whatever `while_waiting` or `ended` throws
 void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::experiments

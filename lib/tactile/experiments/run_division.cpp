@@ -8,13 +8,13 @@
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
-RunDivision divide_runs(const Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs) {
+RunDivision divide_runs(const windows::Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs) {
   RunDivision runs;
-  runs.train = split_of(dataset, {.kind = SplitKind::single_run, .train_run = train_run}).train_runs;
+  runs.train = model::split_of(dataset, {.kind = windows::SplitKind::single_run, .train_run = train_run}).train_runs;
   std::set<std::uint32_t> others;
-  for (const Sample& sample : dataset.samples()) others.insert(sample.run_index);
+  for (const windows::Sample& sample : dataset.samples()) others.insert(sample.run_index);
   for (const std::uint32_t run : runs.train) others.erase(run);
   for (const std::uint32_t run : others) {
     runs.all_test.push_back(run);
@@ -25,13 +25,13 @@ RunDivision divide_runs(const Dataset& dataset, const std::string& train_run, st
   return runs;
 }
 
-std::vector<std::string> remarks_on(const Dataset& dataset, const RunDivision& runs) {
-  const std::vector<std::string> untested = objects_only_in(dataset, runs.train, runs.all_test),
-                                 unreported = objects_only_in(dataset, runs.all_test, runs.reported),
-                                 unchosen = objects_only_in(dataset, runs.reported, runs.choice);
+std::vector<std::string> remarks_on(const windows::Dataset& dataset, const RunDivision& runs) {
+  const std::vector<std::string> untested = model::objects_only_in(dataset, runs.train, runs.all_test),
+                                 unreported = model::objects_only_in(dataset, runs.all_test, runs.reported),
+                                 unchosen = model::objects_only_in(dataset, runs.reported, runs.choice);
   std::vector<std::string> remarks;
   for (const std::uint32_t run : runs.train) {
-    const DatasetRun& trained_on = dataset.runs()[run];
+    const windows::DatasetRun& trained_on = dataset.runs()[run];
     const auto is_in = [&](const std::vector<std::string>& objects) {
       return std::find(objects.begin(), objects.end(), trained_on.object) != objects.end();
     };
@@ -47,10 +47,4 @@ std::vector<std::string> remarks_on(const Dataset& dataset, const RunDivision& r
   return remarks;
 }
 
-std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs) {
-  std::vector<std::string> names;
-  for (const std::uint32_t run : runs) names.push_back(name_of(dataset.runs()[run]));
-  return names;
-}
-
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -7,7 +7,7 @@
 
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// The runs that an experiment trains on, chooses its settings on, and reports on: by their index in the dataset, ascending.
 struct RunDivision {
@@ -21,13 +21,10 @@ struct RunDivision {
 /// @param train_run    id of each object's training run; the next one if that has no samples
 /// @param choice_runs  ids of the runs to choose settings on; may be empty
 /// @throws Error  as `split_of`
-RunDivision divide_runs(const Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs);
+RunDivision divide_runs(const windows::Dataset& dataset, const std::string& train_run, std::span<const std::string> choice_runs);
 
 /// A sentence for each object that is trained on and has no run in another set: "mug: not tested, none of its runs but 02 has
 /// samples".
-std::vector<std::string> remarks_on(const Dataset& dataset, const RunDivision& runs);
+std::vector<std::string> remarks_on(const windows::Dataset& dataset, const RunDivision& runs);
 
-/// "fan/03" of each, in the given order.
-std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs);
-
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -11,7 +11,7 @@
 #include "tactile/core/version.hpp"
 #include "tactile/experiments/processes.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
@@ -179,4 +179,4 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
                   }});
 }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

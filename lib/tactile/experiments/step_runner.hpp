@@ -9,7 +9,7 @@
 
 #include "tactile/core/progress.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// What is known of a step that is due.
 struct StepPast {
@@ -94,4 +94,4 @@ class StepRunner {
 /// Identifies a step of this name with these inputs, made by this version.
 std::string key_of(const Step& step);
 
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -8,7 +8,7 @@
 #include "tactile/model/training/checkpoint.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 std::string command_of(const std::vector<std::string>& words) {
   std::string command = "tactile";
@@ -16,9 +16,9 @@ std::string command_of(const std::vector<std::string>& words) {
   return command;
 }
 
-Step training_step(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+Step training_step(const windows::Dataset& dataset, const model::ModelSettings& settings, const model::ModelBundle& bundle,
                    const TrainingPlaces& places) {
-  const HeatmapOptions &rendering = settings.rendering, defaults;
+  const heatmaps::HeatmapOptions &rendering = settings.rendering, defaults;
   std::vector<std::string> words{"train",     places.data.string(),
                                  "--th",      ms_text(rendering.history),
                                  "--seed",    std::to_string(settings.training.seed),
@@ -30,24 +30,25 @@ Step training_step(const Dataset& dataset, const ModelSettings& settings, const 
   if (rendering.factor != defaults.factor) words.insert(words.end(), {"--factor", fmt::format("{}", rendering.factor)});
   if (rendering.resize != defaults.resize) words.insert(words.end(), {"--resize", rendered.at("resize")});
   if (rendering.denoise != defaults.denoise) words.insert(words.end(), {"--denoise", rendered.at("denoise")});
-  if (settings.training.engine != EngineKind::fast)
+  if (settings.training.engine != model::EngineKind::fast)
     words.insert(words.end(), {"--engine", std::string(name_of(settings.training.engine))});
   if (settings.split.train_run != "01") words.insert(words.end(), {"--train-run", settings.split.train_run});
-  if (settings.split.kind == SplitKind::unseen)
+  if (settings.split.kind == windows::SplitKind::unseen)
     words.insert(words.end(), {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ","))});
   return {.name = "train-" + bundle.name(),
           .command = command_of(words),
           .inputs = {{"manifest", dataset.manifest_hash()}, {"settings", settings}, {"models", places.models_from_study}},
           .outputs =
               [&dataset, settings, bundle] {
-                return state_of(bundle, dataset, settings) == BundleState::unchanged
-                           ? nlohmann::json(read_description(bundle).weights_sha256)
+                return model::state_of(bundle, dataset, settings) == model::BundleState::unchanged
+                           ? nlohmann::json(model::read_description(bundle).weights_sha256)
                            : nlohmann::json();
               },
           .arguments =
               [words, bundle](const StepPast& past) {
                 std::error_code ignored;
-                if (past.begun_with_other_inputs) std::filesystem::remove_all(CheckpointFolder::beside(bundle.folder), ignored);
+                if (past.begun_with_other_inputs)
+                  std::filesystem::remove_all(model::CheckpointFolder::beside(bundle.folder), ignored);
                 std::vector<std::string> all = words;
                 all.insert(all.end(), {"--quiet", "--resume"});
                 if (past.made_outputs) all.emplace_back("--force");
@@ -55,4 +56,4 @@ Step training_step(const Dataset& dataset, const ModelSettings& settings, const 
               }};
 }
 
-}  // namespace tactile
+}  // namespace tactile::experiments

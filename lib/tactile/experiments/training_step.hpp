@@ -9,7 +9,7 @@
 #include "tactile/model/definition/model_settings.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::experiments {
 
 /// Where trainings read their data and write their models.
 struct TrainingPlaces {
@@ -24,7 +24,7 @@ std::string command_of(const std::vector<std::string>& words);
 /// such step made is never replaced.
 /// @param settings  as `tactile train` makes them from --th, --seed, --epochs, --train-run, the split and the rendering
 /// @param dataset   must outlive the step
-Step training_step(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+Step training_step(const windows::Dataset& dataset, const model::ModelSettings& settings, const model::ModelBundle& bundle,
                    const TrainingPlaces& places);
 
-}  // namespace tactile
+}  // namespace tactile::experiments

@@ -10,7 +10,7 @@
 #include <immintrin.h>
 #endif
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 constexpr std::uint32_t many = CellCounts<std::uint8_t>::many;
@@ -177,4 +177,4 @@ template std::size_t byte_blocks_plainly(CellCounts<std::uint8_t>&, const ByteSc
 template std::size_t byte_blocks_plainly(CellCounts<std::uint32_t>&, const ByteScales&, int, std::span<std::uint8_t>,
                                          std::span<std::uint32_t>);
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

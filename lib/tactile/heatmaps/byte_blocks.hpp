@@ -7,7 +7,7 @@
 
 #include "tactile/heatmaps/cell_counts.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// The weight of each class of counts, as a whole number of parts of the largest weight; 0 for the classes 0 and `many`. Sums are
 /// therefore exact in any order. The rounding changes a byte's value by at most 1.2e-4, float32 by at most 7e-5 more.
@@ -44,4 +44,4 @@ template <class Number>
 std::size_t byte_blocks_plainly(CellCounts<Number>& cells, const ByteScales& scales, int width, std::span<std::uint8_t> heatmap,
                                 std::span<std::uint32_t> with_many);
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -11,13 +11,13 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// The pixels of each cell of a heatmap: of the `step` x `step` pixels that it covers, `read` x `read` from `first` on, as far as
 /// the sensor has them.
 struct CellGrid {
-  SensorSize sensor;
-  SensorSize cells;
+  events::SensorSize sensor;
+  events::SensorSize cells;
   int step = 1;
   int first = 0;
   int read = 1;
@@ -159,4 +159,4 @@ class CellCounts {
   std::vector<std::uint32_t> place_of_x_, place_of_y_;  // their sum is the place of a cell's numbers
 };
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// The number of pixels with each count. It gives the counts that occur without access to the pixels: with N events there are at
 /// most sqrt(2 N) different counts.
@@ -57,4 +57,4 @@ class CountHistogram {
   std::uint32_t largest_ = 0;               // count that occurs
 };
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

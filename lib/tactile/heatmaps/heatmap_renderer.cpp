@@ -13,7 +13,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/heatmaps/byte_blocks.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 constexpr std::array<std::string_view, 3> denoise_names{"mean", "literal", "none"};
@@ -21,9 +21,9 @@ constexpr std::array<std::string_view, 2> resize_names{"area", "linear"};
 
 int step_of(double factor) { return static_cast<int>(std::lround(1.0 / factor)); }
 
-SensorSize checked_size(SensorSize sensor, const HeatmapOptions& options) {
+events::SensorSize checked_size(events::SensorSize sensor, const HeatmapOptions& options) {
   check(options);
-  const SensorSize size = heatmap_size(sensor, options.factor);
+  const events::SensorSize size = heatmap_size(sensor, options.factor);
   if (size.width <= 0 || size.height <= 0) {
     throw Error("a sensor of " + std::to_string(sensor.width) + "x" + std::to_string(sensor.height) +
                 " px gives no heatmap of one pixel; expected a larger factor");
@@ -33,7 +33,7 @@ SensorSize checked_size(SensorSize sensor, const HeatmapOptions& options) {
 
 /// The pixels that cv::resize reads. `area`: all of a cell. `linear`: those around its centre, one if the step is odd and four if
 /// it is even. Outside the image it repeats the last pixel, so the result is the mean of the existing pixels.
-CellGrid grid_of(SensorSize sensor, SensorSize cells, const HeatmapOptions& options) {
+CellGrid grid_of(events::SensorSize sensor, events::SensorSize cells, const HeatmapOptions& options) {
   const int step = step_of(options.factor);
   const bool all = options.resize == Resize::area;
   return {.sensor = sensor, .cells = cells, .step = step, .first = all ? 0 : (step - 1) / 2, .read = all ? step : 2 - step % 2};
@@ -44,7 +44,7 @@ int pixels_read(int pixels, int cell, const CellGrid& grid) {
   return std::min(grid.read, pixels - cell * grid.step - grid.first);
 }
 
-[[maybe_unused]] std::size_t cells_of(SensorSize size) {
+[[maybe_unused]] std::size_t cells_of(events::SensorSize size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
 }
 
@@ -95,12 +95,12 @@ std::string stored_name(const HeatmapOptions& options) {
   return options == plain ? "th_" + digits : "th_" + digits + "-" + hash_of(nlohmann::json(options)).substr(0, 8);
 }
 
-SensorSize heatmap_size(SensorSize sensor, double factor) {
+events::SensorSize heatmap_size(events::SensorSize sensor, double factor) {
   // OpenCV rounds halves to the even number, as lrint does.
   return {static_cast<int>(std::lrint(sensor.width * factor)), static_cast<int>(std::lrint(sensor.height * factor))};
 }
 
-HeatmapRenderer::HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options)
+HeatmapRenderer::HeatmapRenderer(events::SensorSize sensor, const HeatmapOptions& options)
     : options_(options),
       size_(checked_size(sensor, options)),
       grid_(grid_of(sensor, size_, options)),
@@ -208,4 +208,4 @@ void HeatmapRenderer::render(std::span<std::uint8_t> heatmap) {
   std::visit([&](auto& cells) { render_bytes(cells, heatmap); }, counts_.cells());
 }
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -9,7 +9,7 @@
 #include "tactile/heatmaps/cell_counts.hpp"
 #include "tactile/heatmaps/sliding_counts.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 enum class Denoise : std::uint8_t {
   mean,     ///< D = E * s(b - E), as the paper's text describes it; counts above b go to 0
@@ -40,7 +40,7 @@ void check(const HeatmapOptions& options);
 std::string stored_name(const HeatmapOptions& options);
 
 /// The size that cv::resize(M, {}, factor, factor) gives for a sensor's size.
-SensorSize heatmap_size(SensorSize sensor, double factor);
+events::SensorSize heatmap_size(events::SensorSize sensor, double factor);
 
 /// Counts the events of a window that slides along a recording, and renders their heatmap, the paper's equations 2 to 5:
 ///
@@ -54,15 +54,15 @@ SensorSize heatmap_size(SensorSize sensor, double factor);
 /// Source: Faris et al., arXiv:2403.10120, equations 2 to 5; cv::resize for the sizes and the two resize modes.
 class HeatmapRenderer {
  public:
-  HeatmapRenderer(SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check` and `SlidingCounts`
+  HeatmapRenderer(events::SensorSize sensor, const HeatmapOptions& options);  ///< @throws Error as `check` and `SlidingCounts`
 
-  SensorSize size() const { return size_; }
+  events::SensorSize size() const { return size_; }
   const HeatmapOptions& options() const { return options_; }
 
-  void add(std::span<const Event> events) { counts_.add(events); }  ///< as `SlidingCounts::add`
-  void move_to(CameraTime tick) { counts_.move_to(tick); }          ///< as `SlidingCounts::move_to`
-  const SlidingCounts& counts() const { return counts_; }           ///< E of the current window
-  std::uint64_t events() const { return counts_.events(); }         ///< in the current window
+  void add(std::span<const events::Event> events) { counts_.add(events); }  ///< as `SlidingCounts::add`
+  void move_to(CameraTime tick) { counts_.move_to(tick); }                  ///< as `SlidingCounts::move_to`
+  const SlidingCounts& counts() const { return counts_; }                   ///< E of the current window
+  std::uint64_t events() const { return counts_.events(); }                 ///< in the current window
 
   /// Renders the current window.
   /// @param heatmap  [height, width] of `size()`, row by row; in [0, 255], not rounded
@@ -78,7 +78,7 @@ class HeatmapRenderer {
   void render_bytes(CellCounts<Number>& cells, std::span<std::uint8_t> heatmap);
 
   HeatmapOptions options_;
-  SensorSize size_;
+  events::SensorSize size_;
   CellGrid grid_;
   SlidingCounts counts_;
   std::vector<double> weights_;  // D by count, of the counts in the window, in units in which max D is `strongest_weight_`
@@ -88,4 +88,4 @@ class HeatmapRenderer {
   std::vector<std::uint32_t> with_many_;  // blocks, while a heatmap is rendered
 };
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -9,7 +9,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/ticks.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 /// A sample, and the place of its heatmap in the result.
@@ -20,14 +20,14 @@ struct Wanted {
 
 }  // namespace
 
-void check_renders(const Dataset& dataset, const HeatmapOptions& options) {
+void check_renders(const windows::Dataset& dataset, const HeatmapOptions& options) {
   const HeatmapRenderer renderer(dataset.sensor(), options);
   const auto text_of = [](microseconds d) { return std::to_string(d.count()) + " us"; };
   if (options.history > dataset.sampling().history) {
     throw Error("history of " + text_of(options.history) + "; expected at most the " + text_of(dataset.sampling().history) +
                 " of events that " + dataset.file().string() + " stores, 'tactile windows --history-ms' stores more");
   }
-  for (const Sample& sample : dataset.samples()) {
+  for (const windows::Sample& sample : dataset.samples()) {
     if (last_tick_until(sample.t, options.tick) != sample.t) {
       throw Error("tick of " + text_of(options.tick) + ": the sample at " + std::to_string(us_of(sample.t)) +
                   " us is not at a tick; expected a divisor of " + text_of(dataset.sampling().tick) + ", the tick of " +
@@ -36,15 +36,15 @@ void check_renders(const Dataset& dataset, const HeatmapOptions& options) {
   }
 }
 
-void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
+void render_run(const windows::Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
                 std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of) {
   std::vector<HeatmapRenderer> renderers;
   for (const HeatmapOptions& options : renderings) renderers.emplace_back(dataset.sensor(), options);
-  const std::vector<Event> events = dataset.events(run_index);
+  const std::vector<events::Event> events = dataset.events(run_index);
   auto given = events.begin();
   for (std::size_t i = 0; i < sample_indexes.size(); ++i) {
     const CameraTime t = dataset.samples()[sample_indexes[i]].t;
-    const auto end = std::partition_point(given, events.end(), [&](const Event& event) { return event.t < t; });
+    const auto end = std::partition_point(given, events.end(), [&](const events::Event& event) { return event.t < t; });
     for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index) {
       HeatmapRenderer& renderer = renderers[rendering_index];
       renderer.add(std::span(given, end));  // events before the window are dropped at once
@@ -55,11 +55,11 @@ void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const
   }
 }
 
-std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOptions& options,
+std::vector<std::uint8_t> render_samples(const windows::Dataset& dataset, const HeatmapOptions& options,
                                          std::span<const std::uint32_t> sample_indexes, unsigned threads,
                                          const ProgressCallback& progress) {
   check_renders(dataset, options);
-  const std::span<const Sample> samples = dataset.samples();
+  const std::span<const windows::Sample> samples = dataset.samples();
   std::map<std::uint32_t, std::vector<Wanted>> by_run;
   for (std::size_t place = 0; place < sample_indexes.size(); ++place) {
     const std::uint32_t index = sample_indexes[place];
@@ -70,7 +70,7 @@ std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOp
     by_run[samples[index].run_index].push_back({index, place});
   }
   std::vector<std::pair<std::uint32_t, std::vector<Wanted>>> runs(by_run.begin(), by_run.end());
-  const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
+  const events::SensorSize size = heatmap_size(dataset.sensor(), options.factor);
   const std::size_t length = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   std::vector<std::uint8_t> heatmaps(sample_indexes.size() * length);
 
@@ -91,4 +91,4 @@ std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOp
   return heatmaps;
 }
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

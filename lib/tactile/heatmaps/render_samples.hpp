@@ -10,7 +10,7 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// The memory for one rendering of sample i: [height, width] bytes.
 using HeatmapPlace = std::function<std::span<std::uint8_t>(std::size_t rendering_index, std::size_t i)>;
@@ -20,7 +20,7 @@ using HeatmapPlace = std::function<std::span<std::uint8_t>(std::size_t rendering
 /// @param sample_indexes  into `dataset.samples()`, all of that run, ascending; repeated or not
 /// @param place_of        returns the memory for sample_indexes[i] with renderings[rendering_index]; called sample by sample
 /// @throws Error  as `check`
-void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
+void render_run(const windows::Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
                 std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of);
 
 /// Renders the heatmaps of a dataset's samples from its stored events, in parallel over its runs. The bytes do not depend on
@@ -31,11 +31,11 @@ void render_run(const Dataset& dataset, std::uint32_t run_index, std::span<const
 /// @return  [sample_indexes, height, width] of `heatmap_size(dataset.sensor(), options.factor)`
 /// @throws Error  if an index lies outside the samples, the history is longer than the dataset stores, a sample's time is not a
 ///                tick of `options`, or as `check`
-std::vector<std::uint8_t> render_samples(const Dataset& dataset, const HeatmapOptions& options,
+std::vector<std::uint8_t> render_samples(const windows::Dataset& dataset, const HeatmapOptions& options,
                                          std::span<const std::uint32_t> sample_indexes, unsigned threads = 0,
                                          const ProgressCallback& progress = {});
 
 /// @throws Error  as `render_samples` would for any sample of the dataset
-void check_renders(const Dataset& dataset, const HeatmapOptions& options);
+void check_renders(const windows::Dataset& dataset, const HeatmapOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

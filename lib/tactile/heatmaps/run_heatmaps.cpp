@@ -8,7 +8,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 constexpr std::size_t chunk = 8192;  // at most so many events are counted before their tick is rendered
@@ -17,15 +17,15 @@ constexpr std::size_t chunk = 8192;  // at most so many events are counted befor
 class EveryTick {
  public:
   /// @param where  the begin of the error for too many ticks
-  EveryTick(SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
+  EveryTick(events::SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
       : options_(options), use_(use), where_(std::move(where)), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
     range_.tick = options.tick;
   }
 
-  void add(std::span<const Event> events) {
+  void add(std::span<const events::Event> events) {
     for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
-      const std::span<const Event> part = events.first(std::min(chunk, events.size()));
+      const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
       if (!first_event_) first_event_ = part.front().t;
       renderer_.add(part);
       render_until(part.back().t);
@@ -58,28 +58,28 @@ class EveryTick {
 
 }  // namespace
 
-TickRange for_every_tick(std::span<const Event> events, SensorSize sensor, const HeatmapOptions& options,
+TickRange for_every_tick(std::span<const events::Event> events, events::SensorSize sensor, const HeatmapOptions& options,
                          const TickCallback& use) {
   EveryTick ticks(sensor, options, use);
   ticks.add(events);
   return ticks.range();
 }
 
-TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
+TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
                          const TickCallback& use) {
-  const std::optional<SensorSize> sensor = recording.stream(stream_id).size;
+  const std::optional<events::SensorSize> sensor = recording.stream(stream_id).size;
   if (!sensor)
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
   if (const std::string why = why_too_many(listed_ticks(recording, stream_id, options)); !why.empty())
     throw Error(recording.file().string() + ": " + why);
   EveryTick ticks(*sensor, options, use, recording.file().string() + ": ");
-  for_all_events(recording, stream_id, [&](std::span<const Event> events) { ticks.add(events); });
+  events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { ticks.add(events); });
   return ticks.range();
 }
 
-TickRange listed_ticks(const RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options) {
+TickRange listed_ticks(const events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options) {
   std::optional<CameraTime> first, last;
-  for (const PacketRecord& packet : recording.packets()) {
+  for (const events::PacketRecord& packet : recording.packets()) {
     if (packet.stream_id != stream_id || packet.elements == 0) continue;
     first = std::min(first.value_or(packet.first), packet.first);
     last = std::max(last.value_or(packet.last), packet.last);
@@ -88,4 +88,4 @@ TickRange listed_ticks(const RecordingReader& recording, std::int32_t stream_id,
                : TickRange{.first = {}, .count = 0, .tick = options.tick};
 }
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

@@ -9,7 +9,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// Receives one tick: its time, its heatmap ([height, width], valid until it returns) and the number of events in [t_c - t_h,
 /// t_c).
@@ -20,16 +20,16 @@ using TickCallback = std::function<void(CameraTime tick, std::span<const std::ui
 /// @param events  the whole run's, ascending in time
 /// @return        the rendered ticks, as `full_ticks`
 /// @throws Error  if the events go back in time or lie outside the sensor, there are more than `most_ticks`, or as `check`
-TickRange for_every_tick(std::span<const Event> events, SensorSize sensor, const HeatmapOptions& options,
+TickRange for_every_tick(std::span<const events::Event> events, events::SensorSize sensor, const HeatmapOptions& options,
                          const TickCallback& use);
 
 /// The same for an event stream of a recording, packet by packet: memory follows the packet and the history.
 /// @throws Error  also if the stream declares no size. More than `most_ticks` in the list of packets throw before any tick is
 /// used
-TickRange for_every_tick(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
+TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
                          const TickCallback& use);
 
 /// The full ticks of an event stream according to the recording's list of packets, without reading a packet.
-TickRange listed_ticks(const RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options);
+TickRange listed_ticks(const events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

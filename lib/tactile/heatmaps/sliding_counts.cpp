@@ -9,14 +9,14 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/event_checks.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 // Larger than any event camera; a size from a file may have any value.
 constexpr int most_in_a_row = 1 << 15;
 constexpr std::int64_t most_pixels = std::int64_t{1} << 26;
 
-std::uint64_t pixels_of(SensorSize size) {
+std::uint64_t pixels_of(events::SensorSize size) {
   const bool is_sound = size.width > 0 && size.width <= most_in_a_row && size.height > 0 && size.height <= most_in_a_row;
   if (!is_sound || std::int64_t{size.width} * size.height > most_pixels) {
     throw Error("sensor of " + std::to_string(size.width) + "x" + std::to_string(size.height) + " px; expected 1 to " +
@@ -26,8 +26,8 @@ std::uint64_t pixels_of(SensorSize size) {
 }
 
 /// Reports the first event that goes back in time or lies outside the sensor. Any polarity is counted.
-void refuse_unsound(std::span<const Event> events, CameraTime last, SensorSize size) {
-  for (const Event& event : events) {
+void refuse_unsound(std::span<const events::Event> events, CameraTime last, events::SensorSize size) {
+  for (const events::Event& event : events) {
     if (event.t < last) {
       throw Error("events go back in time, from " + std::to_string(us_of(last)) + " us to " + std::to_string(us_of(event.t)) +
                   " us; expected ascending times");
@@ -41,14 +41,14 @@ void refuse_unsound(std::span<const Event> events, CameraTime last, SensorSize s
   }
 }
 
-CellGrid on(SensorSize sensor, CellGrid grid) {
+CellGrid on(events::SensorSize sensor, CellGrid grid) {
   grid.sensor = sensor;
   return grid;
 }
 
 }  // namespace
 
-SlidingCounts::SlidingCounts(SensorSize size, microseconds history, const CellGrid& grid)
+SlidingCounts::SlidingCounts(events::SensorSize size, microseconds history, const CellGrid& grid)
     : size_(size),
       history_(history),
       small_counts_(pixels_of(size)),
@@ -60,18 +60,18 @@ SlidingCounts::SlidingCounts(SensorSize size, microseconds history, const CellGr
   if (history <= microseconds{0}) throw Error("history of " + std::to_string(history.count()) + " us; expected more than 0");
 }
 
-void SlidingCounts::add(std::span<const Event> events) {
+void SlidingCounts::add(std::span<const events::Event> events) {
   if (events.empty()) return;
-  const EventsCheck check = check_events(events, size_);
+  const events::EventsCheck check = events::check_events(events, size_);
   if (!check.inside || !check.ascending || events.front().t < last_) refuse_unsound(events, last_, size_);
   make_room(events.size());
   const auto width = static_cast<std::uint32_t>(size_.width);
   std::visit(
       [&](const auto& cells) {
-        const auto append = [&](std::span<const Event> part) {
+        const auto append = [&](std::span<const events::Event> part) {
           Waiting* const place = &ring_[(front_ + given_) & (capacity_ - 1)];
           for (std::size_t i = 0; i < part.size(); ++i) {
-            const Event& event = part[i];
+            const events::Event& event = part[i];
             place[i] = {event.t, static_cast<std::uint32_t>(event.y) * width + static_cast<std::uint32_t>(event.x),
                         cells.place_of(event.x, event.y)};
           }
@@ -190,4 +190,4 @@ void SlidingCounts::change_high_count(std::uint32_t pixel, int by) {
   if (std::max(from, to) >= large) large_counts_[pixel] = to;
 }
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

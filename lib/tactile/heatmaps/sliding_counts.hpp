@@ -10,7 +10,7 @@
 #include "tactile/heatmaps/cell_counts.hpp"
 #include "tactile/heatmaps/count_histogram.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// Events per pixel over a history that slides along a recording:
 ///
@@ -25,17 +25,17 @@ class SlidingCounts {
   /// @param grid     for the same sensor; by default no pixel belongs to a cell
   /// @throws Error  if the sensor has no area, more than 2^26 pixels or more than 2^15 in a direction, or the history is not
   /// positive
-  SlidingCounts(SensorSize size, microseconds history, const CellGrid& grid = {});
+  SlidingCounts(events::SensorSize size, microseconds history, const CellGrid& grid = {});
 
   /// Appends events, ascending in time and not before earlier ones. They are counted by `move_to`.
   /// @throws Error  if they go back in time or lie outside the sensor; then none of them is added
-  void add(std::span<const Event> events);
+  void add(std::span<const events::Event> events);
 
   /// Moves the window to [t_c - t_h, t_c): counts the events in it and drops those before it; later events wait.
   /// @throws Error  if `tick` is before the last one
   void move_to(CameraTime tick);
 
-  SensorSize size() const { return size_; }
+  events::SensorSize size() const { return size_; }
   std::uint64_t events() const { return counted_; }  ///< in the window
 
   /// E(x, y)
@@ -68,7 +68,7 @@ class SlidingCounts {
   void update_histogram();
   [[gnu::noinline]] void change_high_count(std::uint32_t pixel, int by);
 
-  SensorSize size_;
+  events::SensorSize size_;
   microseconds history_;
   std::vector<std::uint16_t> small_counts_;  // small, to stay in the cache
   std::vector<std::uint32_t> large_counts_;  // of pixels whose small count is `large`
@@ -86,4 +86,4 @@ class SlidingCounts {
   CameraTime last_ = CameraTime::min();  // of the added events
 };
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

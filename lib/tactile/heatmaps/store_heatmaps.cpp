@@ -12,7 +12,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 namespace {
 
 /// The samples of one run, which are consecutive.
@@ -21,7 +21,7 @@ struct RunSamples {
   std::vector<std::uint32_t> sample_indexes;
 };
 
-std::vector<RunSamples> samples_by_run(const Dataset& dataset) {
+std::vector<RunSamples> samples_by_run(const windows::Dataset& dataset) {
   std::vector<RunSamples> runs;
   for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
     const std::uint32_t run_index = dataset.samples()[i].run_index;
@@ -61,16 +61,17 @@ class InTurn {
 
 }  // namespace
 
-std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<const HeatmapOptions> histories, unsigned threads,
-                                          const ProgressCallback& progress) {
+std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::span<const HeatmapOptions> histories,
+                                          unsigned threads, const ProgressCallback& progress) {
   remove_leftovers_in(std::filesystem::absolute(dataset.file()).parent_path());  // even if nothing is missing
   std::vector<StoredHistory> stored;
-  std::vector<HeatmapOptions> renderings;  // the missing ones
-  std::deque<HeatmapsWriter> writers;      // of each way
+  std::vector<HeatmapOptions> renderings;       // the missing ones
+  std::deque<windows::HeatmapsWriter> writers;  // of each way
   for (const HeatmapOptions& options : histories) {
     check_renders(dataset, options);
-    const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
-    const StoredHeatmaps wanted{.name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
+    const events::SensorSize size = heatmap_size(dataset.sensor(), options.factor);
+    const windows::StoredHeatmaps wanted{
+        .name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
     const auto found = dataset.find_heatmaps(wanted.name);
     const bool is_there = found && found->settings == wanted.settings;
     const bool is_coming = std::find(renderings.begin(), renderings.end(), options) != renderings.end();
@@ -90,7 +91,7 @@ std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<cons
     try {
       std::vector<std::vector<std::uint8_t>> heatmaps;
       for (const HeatmapOptions& options : renderings) {
-        const SensorSize size = heatmap_size(dataset.sensor(), options.factor);
+        const events::SensorSize size = heatmap_size(dataset.sensor(), options.factor);
         heatmaps.emplace_back(sample_indexes.size() * static_cast<std::size_t>(size.width) *
                               static_cast<std::size_t>(size.height));
       }
@@ -101,7 +102,7 @@ std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<cons
       in_turn.call(i, [&] {
         for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
           writers[rendering_index].append(heatmaps[rendering_index]);
-        const DatasetRun& run = dataset.runs()[run_index];
+        const windows::DatasetRun& run = dataset.runs()[run_index];
         tell(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
       });
     } catch (...) {
@@ -109,8 +110,8 @@ std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<cons
       throw;
     }
   });
-  for (HeatmapsWriter& writer : writers) writer.commit();
+  for (windows::HeatmapsWriter& writer : writers) writer.commit();
   return stored;
 }
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

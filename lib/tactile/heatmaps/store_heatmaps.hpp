@@ -7,11 +7,11 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::heatmaps {
 
 /// The outcome for one history.
 struct StoredHistory {
-  StoredHeatmaps heatmaps;
+  windows::StoredHeatmaps heatmaps;
   bool kept = false;  ///< it existed already, with these settings
 };
 
@@ -22,7 +22,7 @@ struct StoredHistory {
 /// @param threads  0: one per core; the bytes do not depend on it
 /// @return         one for each of `histories`, in their order; a repeated history is written once, then kept
 /// @throws Error   as `check_renders`, or if a file cannot be written; incomplete histories are then not listed
-std::vector<StoredHistory> store_heatmaps(const Dataset& dataset, std::span<const HeatmapOptions> histories, unsigned threads = 0,
-                                          const ProgressCallback& progress = {});
+std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::span<const HeatmapOptions> histories,
+                                          unsigned threads = 0, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::heatmaps

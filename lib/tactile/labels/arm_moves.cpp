@@ -4,29 +4,30 @@
 #include <iterator>
 #include <utility>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 /// Splits bursts that continue into a lift where the lift begins: an object that is lifted as soon as it is pressed, or tips that
 /// spring back just before, leave no quiet between the two.
-std::vector<Burst> split_at_lifts(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
-                                  const std::vector<ArmMove>& lifts, const ActivityOptions& options) {
+std::vector<alignment::Burst> split_at_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                             std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
+                                             const alignment::ActivityOptions& options) {
   constexpr microseconds well_before = 60ms;
   for (const ArmMove& lift : lifts) {
     if (lift.uncertainty > well_placed) continue;
     const CameraTime split_at = before(lift.start, lift.uncertainty);
-    const auto split = std::find_if(bursts.begin(), bursts.end(), [&](const Burst& burst) {
+    const auto split = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
       return rate.begin_of(burst.begin) < before(split_at, well_before) && rate.begin_of(burst.end) > lift.start;
     });
     if (split == bursts.end()) continue;
     const auto place = static_cast<std::size_t>(between(rate.begin, split_at) / rate.bin);
-    EventRate before_split = rate;
+    alignment::EventRate before_split = rate;
     before_split.counts.resize(place);
-    std::vector<Burst> pieces = bursts_in(before_split, quiet, options);
-    std::erase_if(pieces, [&](const Burst& piece) { return piece.end <= split->begin; });
-    Burst rest = *split;
+    std::vector<alignment::Burst> pieces = alignment::bursts_in(before_split, quiet, options);
+    std::erase_if(pieces, [&](const alignment::Burst& piece) { return piece.end <= split->begin; });
+    alignment::Burst rest = *split;
     rest.begin = place;
-    rest.events = events_above(rate, quiet, rest.begin, rest.end);
+    rest.events = alignment::events_above(rate, quiet, rest.begin, rest.end);
     pieces.push_back(rest);
     bursts.insert(bursts.erase(split), pieces.begin(), pieces.end());
   }
@@ -34,11 +35,11 @@ std::vector<Burst> split_at_lifts(const EventRate& rate, const QuietRate& quiet,
 }
 
 /// Joins bursts that begin within a lift: an object may stick for longer than the pause between two bursts.
-std::vector<Burst> join_in_lifts(const EventRate& rate, const QuietRate& quiet, std::vector<Burst> bursts,
-                                 const std::vector<ArmMove>& lifts) {
+std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                            std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts) {
   for (const ArmMove& lift : lifts) {
     if (lift.uncertainty > well_placed) continue;
-    const auto is_within = [&](const Burst& burst) {
+    const auto is_within = [&](const alignment::Burst& burst) {
       const CameraTime begin = rate.begin_of(burst.begin);
       return begin >= before(lift.start, lift.uncertainty) && begin < lift.end;
     };
@@ -46,7 +47,7 @@ std::vector<Burst> join_in_lifts(const EventRate& rate, const QuietRate& quiet, 
     if (first == bursts.end()) continue;
     const auto after_last = std::find_if_not(first, bursts.end(), is_within);
     first->end = std::prev(after_last)->end;
-    first->events = events_above(rate, quiet, first->begin, first->end);
+    first->events = alignment::events_above(rate, quiet, first->begin, first->end);
     bursts.erase(std::next(first), after_last);
   }
   return bursts;
@@ -54,19 +55,19 @@ std::vector<Burst> join_in_lifts(const EventRate& rate, const QuietRate& quiet, 
 
 }  // namespace
 
-ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
+ArmMoves arm_moves(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks) {
   ArmMoves moves;
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
     moves.logged += signals.robot[i].log.states.back().t - signals.robot[i].log.states.front().t;
-    for (const MotionPhase& phase : signals.robot[i].phases) {
-      if (phase.kind != MotionKind::lift && phase.kind != MotionKind::tap) continue;
-      const bool is_lift = phase.kind == MotionKind::lift;
+    for (const alignment::MotionPhase& phase : signals.robot[i].phases) {
+      if (phase.kind != alignment::MotionKind::lift && phase.kind != alignment::MotionKind::tap) continue;
+      const bool is_lift = phase.kind == alignment::MotionKind::lift;
       moves.rises = moves.rises || is_lift;
       if (!clocks.pieces[i]) {
         moves.all_placed = moves.all_placed && !is_lift;
         continue;
       }
-      const FittedClock& clock = *clocks.pieces[i];
+      const alignment::FittedClock& clock = *clocks.pieces[i];
       (is_lift ? moves.lifts : moves.taps)
           .push_back({clock.relation.camera_from(phase.start), clock.relation.camera_from(phase.end), clock.uncertainty()});
     }
@@ -74,9 +75,10 @@ ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks) {
   return moves;
 }
 
-std::vector<Burst> bursts_by_lift(const RunSignals& signals, const std::vector<ArmMove>& lifts, const ActivityOptions& options) {
-  std::vector<Burst> bursts = split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options);
+std::vector<alignment::Burst> bursts_by_lift(const alignment::RunSignals& signals, const std::vector<ArmMove>& lifts,
+                                             const alignment::ActivityOptions& options) {
+  std::vector<alignment::Burst> bursts = split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options);
   return join_in_lifts(signals.rate, signals.quiet, std::move(bursts), lifts);
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

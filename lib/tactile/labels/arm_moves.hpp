@@ -6,7 +6,7 @@
 #include "tactile/alignment/session_clocks.hpp"
 #include "tactile/labels/touches.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 constexpr microseconds well_placed = 30ms;  ///< a lift whose clock is known so well splits and joins bursts
 
@@ -18,9 +18,10 @@ struct ArmMoves {
   microseconds logged{0};  ///< time that the log covers
 };
 
-ArmMoves arm_moves(const RunSignals& signals, const RobotClocks& clocks);
+ArmMoves arm_moves(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks);
 
 /// The run's bursts, split where well-placed lifts begin, and joined within them.
-std::vector<Burst> bursts_by_lift(const RunSignals& signals, const std::vector<ArmMove>& lifts, const ActivityOptions& options);
+std::vector<alignment::Burst> bursts_by_lift(const alignment::RunSignals& signals, const std::vector<ArmMove>& lifts,
+                                             const alignment::ActivityOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 bool is_a_persons(const LabelledInterval& interval) { return interval.confirmed || interval.source == "person"; }
@@ -168,4 +168,4 @@ Labels keep_human_edits(Labels fresh, const Labels& old) {
   return fresh;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -2,7 +2,7 @@
 
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// Whether a person edited these labels: made, moved, confirmed or rejected an interval, or confirmed a flag.
 bool has_human_edits(const Labels& labels);
@@ -20,4 +20,4 @@ bool has_human_edits(const Labels& labels);
 /// Ids of a person's intervals stay; a new one with the same id gets another.
 Labels keep_human_edits(Labels fresh, const Labels& old);
 
-}  // namespace tactile
+}  // namespace tactile::labels

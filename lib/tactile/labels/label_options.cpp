@@ -1,12 +1,12 @@
 #include "tactile/labels/label_options.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 nlohmann::json settings_of(const LabelOptions& options) {
   nlohmann::json region;
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
-  const AnchorOptions& anchors = options.clocks.anchors;
-  const ClockFitOptions& fit = options.clocks.fit;
+  const alignment::AnchorOptions& anchors = options.clocks.anchors;
+  const alignment::ClockFitOptions& fit = options.clocks.fit;
   return {{"rate",
            {{"bin_us", options.signals.rate.bin.count()},
             {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
@@ -61,4 +61,4 @@ nlohmann::json settings_of(const LabelOptions& options) {
           {"earliest_slip_us", options.earliest_slip.count()}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

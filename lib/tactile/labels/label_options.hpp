@@ -9,15 +9,15 @@
 #include "tactile/labels/touch_end.hpp"
 #include "tactile/labels/touches.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 struct LabelOptions {
-  RunSignalsOptions signals{};
-  RobotClocksOptions clocks{};
+  alignment::RunSignalsOptions signals{};
+  alignment::RobotClocksOptions clocks{};
   TouchesOptions touches{};
   OnsetOptions onset{};
   EndOptions end{};
-  VideoClockOptions video_clock{};
+  alignment::VideoClockOptions video_clock{};
   microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more in length, or film and events in
                                                ///< an onset
   microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
@@ -26,4 +26,4 @@ struct LabelOptions {
 
 nlohmann::json settings_of(const LabelOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::labels

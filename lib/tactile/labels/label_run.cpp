@@ -14,7 +14,7 @@
 #include "tactile/alignment/film_of_skin.hpp"
 #include "tactile/labels/arm_moves.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr microseconds start_and_stop = 500ms;  // the recorders of one run may begin and end so far apart
@@ -23,12 +23,13 @@ constexpr microseconds frame_of_film = 50ms;    // a motion may show in the film
 double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
 
 /// The command that caused a press: the last change of an output to a greater value within two seconds before it.
-std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotClocks& clocks, CameraTime press) {
+std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
+                                        CameraTime press) {
   constexpr microseconds longest_travel = 2s;
   std::optional<CameraTime> command;
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
     if (!clocks.pieces[i]) continue;
-    for (const OutputChange& change : signals.robot[i].log.output_changes) {
+    for (const robot::OutputChange& change : signals.robot[i].log.output_changes) {
       const CameraTime at = clocks.pieces[i]->relation.camera_from(change.at);
       if (change.to > change.from && at <= press && at >= before(press, longest_travel))
         command = std::max(command.value_or(at), at);
@@ -38,27 +39,28 @@ std::optional<CameraTime> stage_command(const RunSignals& signals, const RobotCl
 }
 
 /// The arm's motion that the film must show: by the first piece of the log whose clock is known.
-std::optional<SeenMotion> arm_in_film(const RunSignals& signals, const RobotClocks& clocks) {
+std::optional<alignment::SeenMotion> arm_in_film(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks) {
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
-    const std::optional<ArmMotion> arm = arm_motion(signals.robot[i].log);
-    if (arm && clocks.pieces[i]) return seen_motion(*arm, signals.robot[i].phases, *clocks.pieces[i]);
+    const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals.robot[i].log);
+    if (arm && clocks.pieces[i]) return alignment::seen_motion(*arm, signals.robot[i].phases, *clocks.pieces[i]);
   }
   return std::nullopt;
 }
 
 /// Relates the film's clock by the arm; without motion in a log, by the bursts of events.
-VideoClockFit fitted_video_clock(const RunSignals& signals, const RobotClocks& clocks, const VideoClockOptions& options) {
+alignment::VideoClockFit fitted_video_clock(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
+                                            const alignment::VideoClockOptions& options) {
   // A film without its end may show one motion where another is expected.
   if (10 * signals.video->rows_without_frame > signals.video->frames)
     return {.clock = {}, .refused = "the film lacks frames", .likeness = 0, .ambiguity = 0, .anchors = {}};
-  const bool moves =
-      std::any_of(signals.robot.begin(), signals.robot.end(), [](const RobotPiece& piece) { return !piece.phases.empty(); });
-  const std::optional<SeenMotion> seen_arm = arm_in_film(signals, clocks);
-  if (moves && seen_arm) return fit_video_clock(*signals.video, *seen_arm, options);
-  std::vector<SeenBurst> seen;
-  for (const Burst& burst : signals.bursts)
+  const bool moves = std::any_of(signals.robot.begin(), signals.robot.end(),
+                                 [](const alignment::RobotPiece& piece) { return !piece.phases.empty(); });
+  const std::optional<alignment::SeenMotion> seen_arm = arm_in_film(signals, clocks);
+  if (moves && seen_arm) return alignment::fit_video_clock(*signals.video, *seen_arm, options);
+  std::vector<alignment::SeenBurst> seen;
+  for (const alignment::Burst& burst : signals.bursts)
     seen.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
-  return fit_video_clock(*signals.video, seen, options);
+  return alignment::fit_video_clock(*signals.video, seen, options);
 }
 
 const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
@@ -70,7 +72,7 @@ const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
 
 void cut_overlaps(std::vector<LabelledInterval>& intervals) {
   for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
-    UncertainTime& end = intervals[i].end;
+    alignment::UncertainTime& end = intervals[i].end;
     const CameraTime next = intervals[i + 1].start.at;
     end = {std::min(end.at, next), std::min(end.low, next), std::min(end.high, next)};
   }
@@ -79,7 +81,7 @@ void cut_overlaps(std::vector<LabelledInterval>& intervals) {
 /// Makes the labels of a run, step by step.
 class Labeller {
  public:
-  Labeller(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options)
+  Labeller(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options)
       : signals_(signals), clocks_(clocks), options_(options), moves_(arm_moves(signals, clocks)) {}
 
   Labels labels() {
@@ -119,7 +121,7 @@ class Labeller {
   /// Whether a piece of the log with motion or commands has no clock.
   bool a_clock_is_refused() const {
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
-      const RobotPiece& piece = signals_.robot[i];
+      const alignment::RobotPiece& piece = signals_.robot[i];
       if (!clocks_.pieces[i] && !(piece.phases.empty() && piece.log.output_changes.empty())) return true;
     }
     return false;
@@ -138,8 +140,8 @@ class Labeller {
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
   void find_intervals() {
-    RecordingReader recording(signals_.run.events());
-    const std::vector<Burst> bursts = bursts_by_lift(signals_, moves_.lifts, options_.signals.activity);
+    events::RecordingReader recording(signals_.run.events());
+    const std::vector<alignment::Burst> bursts = bursts_by_lift(signals_, moves_.lifts, options_.signals.activity);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
@@ -147,7 +149,8 @@ class Labeller {
         kinds_of(signals_.rate, bursts, lifts_are_known() ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
                  options_.touches);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (kinds[i] != BurstKind::slip && !is_after_effect(bursts[i], signals_.rate, bursts)) flag_if_unlogged(bursts[i]);
+      if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
+        flag_if_unlogged(bursts[i]);
       if (kinds[i] == BurstKind::press) {
         const FoundTime onset = press_onset(lit[i], options_.onset);
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
@@ -159,7 +162,7 @@ class Labeller {
   }
 
   /// A burst after the log's end may be the slip of a lift that was not logged.
-  void flag_if_unlogged(const Burst& burst) {
+  void flag_if_unlogged(const alignment::Burst& burst) {
     std::optional<CameraTime> logged_until;
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
       if (!clocks_.pieces[i]) return;
@@ -174,9 +177,9 @@ class Labeller {
   }
 
   /// An onset or end in a gap is found at the gap's edge: it may lie anywhere within.
-  void allow_for_gaps(UncertainTime& t, const std::string& what) {
+  void allow_for_gaps(alignment::UncertainTime& t, const std::string& what) {
     constexpr microseconds near = 20ms;
-    for (const CameraSpan& gap : signals_.gaps) {
+    for (const alignment::CameraSpan& gap : signals_.gaps) {
       if (gap.begin > after(t.high, near) || gap.end < before(t.low, near)) continue;
       t.low = std::min(t.low, gap.begin);
       t.high = std::max(t.high, gap.end);
@@ -205,7 +208,7 @@ class Labeller {
   }
 
   /// The lift that the burst lies in.
-  const ArmMove* lift_around(const Burst& burst) const {
+  const ArmMove* lift_around(const alignment::Burst& burst) const {
     const auto overlaps = [&](const ArmMove& lift) {
       return signals_.rate.begin_of(burst.begin) < after(lift.end, lift.uncertainty) &&
              signals_.rate.begin_of(burst.end) > before(lift.start, lift.uncertainty);
@@ -214,42 +217,42 @@ class Labeller {
     return lift == moves_.lifts.end() ? nullptr : &*lift;
   }
 
-  std::optional<UncertainTime> earliest_slip(const Burst& burst) const {
+  std::optional<alignment::UncertainTime> earliest_slip(const alignment::Burst& burst) const {
     const ArmMove* lift = lift_around(burst);
     if (lift == nullptr) return std::nullopt;
-    return UncertainTime{lift->start, before(lift->start, lift->uncertainty), after(lift->start, lift->uncertainty)};
+    return alignment::UncertainTime{lift->start, before(lift->start, lift->uncertainty), after(lift->start, lift->uncertainty)};
   }
 
   /// Nothing where it is not known well enough to improve a slip's end.
-  std::optional<UncertainTime> arm_stop(const Burst& burst) const {
+  std::optional<alignment::UncertainTime> arm_stop(const alignment::Burst& burst) const {
     const ArmMove* lift = lift_around(burst);
     if (lift == nullptr || lift->uncertainty > well_placed) return std::nullopt;
-    return UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
+    return alignment::UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
   }
 
   void relate_clocks() {
-    for (const std::optional<FittedClock>& piece : clocks_.pieces) {
+    for (const std::optional<alignment::FittedClock>& piece : clocks_.pieces) {
       if (piece) labels_.robot_clocks.push_back(*piece);
     }
     if (!signals_.video) return;
-    VideoClockFit fit = fitted_video_clock(signals_, clocks_, options_.video_clock);
+    alignment::VideoClockFit fit = fitted_video_clock(signals_, clocks_, options_.video_clock);
     if (!fit.clock) {
       labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
       return;
     }
     labels_.video_clock = std::move(fit.clock);
-    video_motions_ = video_motions(*signals_.video, *labels_.video_clock);
+    video_motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
 
   void witness(std::size_t index) {
     LabelledInterval& interval = labels_.intervals[index];
     // The film shows the stage before it touches, and the arm that rises as the slip starts.
-    std::optional<UncertainTime> filmed;
+    std::optional<alignment::UncertainTime> filmed;
     if (interval.touch == Touch::press) {
       interval.evidence.robot = stage_command(signals_, clocks_, interval.start.at);
       filmed = filmed_stage(interval.start);
     } else {
-      filmed = video_start_near(video_motions_, interval.start, options_.longest_disagreement);
+      filmed = alignment::video_start_near(video_motions_, interval.start, options_.longest_disagreement);
       if (const ArmMove* lift = lift_of(moves_, interval)) {
         interval.evidence.robot = lift->start;
         interval.evidence.imu = lift_by_imu(*lift);
@@ -267,8 +270,8 @@ class Labeller {
   }
 
   /// The start of the motion in the film during which the press starts: that of the stage.
-  std::optional<UncertainTime> filmed_stage(const UncertainTime& onset) const {
-    const auto holds = [&](const VideoMotion& motion) {
+  std::optional<alignment::UncertainTime> filmed_stage(const alignment::UncertainTime& onset) const {
+    const auto holds = [&](const alignment::VideoMotion& motion) {
       return !motion.start_cut && motion.start.low <= onset.high && motion.end.high >= onset.low;
     };
     const auto motion = std::find_if(video_motions_.begin(), video_motions_.end(), holds);
@@ -320,52 +323,53 @@ class Labeller {
     const auto first = std::min_element(moves_.lifts.begin(), moves_.lifts.end(),
                                         [](const ArmMove& a, const ArmMove& b) { return a.start < b.start; });
     const CameraTime until = before(before(first->start, first->uncertainty), frame_of_film);
-    return video_saw_motion(*signals_.video, *labels_.video_clock, signals_.rate.begin, until) == false;
+    return alignment::video_saw_motion(*signals_.video, *labels_.video_clock, signals_.rate.begin, until) == false;
   }
 
   /// Whether the film shows the whole stretch around the onset.
   bool filmed_at(const LabelledInterval& interval) const {
     const CameraTime t = interval.touch == Touch::press ? interval.end.at : interval.start.at;
-    return video_saw_motion(*signals_.video, *labels_.video_clock, before(t, options_.longest_disagreement),
-                            after(t, options_.longest_disagreement))
+    return alignment::video_saw_motion(*signals_.video, *labels_.video_clock, before(t, options_.longest_disagreement),
+                                       after(t, options_.longest_disagreement))
         .has_value();
   }
 
   /// The lift's start by the IMU alone: through this run's anchors of that kind.
   std::optional<CameraTime> lift_by_imu(const ArmMove& lift) const {
     for (std::size_t i = 0; i < clocks_.anchors.size(); ++i) {
-      std::vector<ClockAnchor> by_imu = clocks_.anchors[i];
-      std::erase_if(by_imu, [](const ClockAnchor& anchor) { return anchor.kind != AnchorKind::imu; });
+      std::vector<alignment::ClockAnchor> by_imu = clocks_.anchors[i];
+      std::erase_if(by_imu, [](const alignment::ClockAnchor& anchor) { return anchor.kind != alignment::AnchorKind::imu; });
       if (by_imu.empty() || !clocks_.pieces[i]) continue;
       const std::int64_t lift_us = clocks_.pieces[i]->relation.clock_us_from(lift.start);
-      const auto nearest = std::min_element(by_imu.begin(), by_imu.end(), [&](const ClockAnchor& a, const ClockAnchor& b) {
-        return std::abs(a.clock_us - lift_us) < std::abs(b.clock_us - lift_us);
-      });
+      const auto nearest =
+          std::min_element(by_imu.begin(), by_imu.end(), [&](const alignment::ClockAnchor& a, const alignment::ClockAnchor& b) {
+            return std::abs(a.clock_us - lift_us) < std::abs(b.clock_us - lift_us);
+          });
       return after(nearest->camera, microseconds{lift_us - nearest->clock_us});
     }
     return std::nullopt;
   }
 
-  const RunSignals& signals_;
-  const RobotClocks& clocks_;
+  const alignment::RunSignals& signals_;
+  const alignment::RobotClocks& clocks_;
   const LabelOptions& options_;
   ArmMoves moves_;
-  std::vector<VideoMotion> video_motions_;
+  std::vector<alignment::VideoMotion> video_motions_;
   Labels labels_;
 };
 
 }  // namespace
 
-Labels label_signals(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options) {
+Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options) {
   return Labeller(signals, clocks, options).labels();
 }
 
 Labels label_run(const RunFolder& run, const LabelOptions& options) {
-  const RunSignals signals = read_run_signals(run, options.signals);
-  const RunSignals* const alone = &signals;
-  Labels labels = label_signals(signals, robot_clocks_of({&alone, 1}, options.clocks).front(), options);
-  labels.provenance["inputs"] = hashes_of_inputs(run);
+  const alignment::RunSignals signals = alignment::read_run_signals(run, options.signals);
+  const alignment::RunSignals* const alone = &signals;
+  Labels labels = label_signals(signals, alignment::robot_clocks_of({&alone, 1}, options.clocks).front(), options);
+  labels.provenance["inputs"] = alignment::hashes_of_inputs(run);
   return labels;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

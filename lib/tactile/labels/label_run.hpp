@@ -4,7 +4,7 @@
 #include "tactile/labels/label_options.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// Finds press and slip in the signals of a run, in camera time:
 ///
@@ -18,10 +18,11 @@ namespace tactile {
 /// @param clocks  of this run, by `robot_clocks_of`
 /// @throws Error  if the events cannot be read
 /// Source: Faris et al., arXiv:2403.10120, section IV.
-Labels label_signals(const RunSignals& signals, const RobotClocks& clocks, const LabelOptions& options = {});
+Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
+                     const LabelOptions& options = {});
 
 /// The labels of one run by itself, from its events, robot log, film and run.json.
 /// @throws Error  if events or robot log cannot be read
 Labels label_run(const RunFolder& run, const LabelOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::labels

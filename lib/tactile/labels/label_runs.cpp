@@ -17,7 +17,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/labels/human_edits.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +101,7 @@ std::string key_of(const Group& group, const std::vector<nlohmann::json>& inputs
 
 /// The signals of a run, or why they could not be read.
 struct ReadRun {
-  std::optional<RunSignals> signals;
+  std::optional<alignment::RunSignals> signals;
   std::string error;
 };
 
@@ -128,17 +128,17 @@ class GroupLabeller {
     if (to_label.empty()) return;
 
     const std::vector<ReadRun> read = read_all(group);
-    std::vector<const RunSignals*> readable;
+    std::vector<const alignment::RunSignals*> readable;
     for (const ReadRun& run : read) {
       if (run.signals) readable.push_back(&*run.signals);
     }
-    const std::vector<RobotClocks> clocks = robot_clocks_of(readable, options_.label.clocks);
+    const std::vector<alignment::RobotClocks> clocks = alignment::robot_clocks_of(readable, options_.label.clocks);
     parallel_for(to_label.size(), threads_, [&](std::size_t n) {
       const std::size_t i = group.requested[to_label[n]];
       RunOutcome& result = results[group.result_index[to_label[n]]];
       try {
         if (!read[i].signals) throw Error(read[i].error);
-        const RunSignals& signals = *read[i].signals;
+        const alignment::RunSignals& signals = *read[i].signals;
         const auto place = std::find(readable.begin(), readable.end(), &signals) - readable.begin();
         Labels labels = label_signals(signals, clocks[static_cast<std::size_t>(place)], options_.label);
         labels.provenance["inputs"] = inputs[i];
@@ -162,7 +162,7 @@ class GroupLabeller {
     std::vector<std::string> errors(group.runs.size());
     parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
       try {
-        inputs[i] = hashes_of_inputs(group.runs[i]);
+        inputs[i] = alignment::hashes_of_inputs(group.runs[i]);
       } catch (const std::exception& e) {
         errors[i] = sentence_of(e, group.runs[i].name());
       }
@@ -178,7 +178,7 @@ class GroupLabeller {
     std::vector<ReadRun> read(group.runs.size());
     parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
       try {
-        read[i].signals = read_run_signals(group.runs[i], options_.label.signals);
+        read[i].signals = alignment::read_run_signals(group.runs[i], options_.label.signals);
       } catch (const std::exception& e) {
         read[i].error = sentence_of(e, group.runs[i].name());
       }
@@ -228,4 +228,4 @@ std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const Lab
   return results;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -10,7 +10,7 @@
 #include "tactile/labels/label_run.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 struct LabelRunsOptions {
   LabelOptions label{};
@@ -22,7 +22,7 @@ struct LabelRunsOptions {
   std::function<bool(const RunFolder&)> has_companions = {};
   /// Called for each labelled run once its `labels.json` is written; from several threads at once. What it throws becomes the
   /// run's error.
-  std::function<void(const RunSignals&, const Labels&)> make_companions = {};
+  std::function<void(const alignment::RunSignals&, const Labels&)> make_companions = {};
 };
 
 /// The result of one run.
@@ -40,4 +40,4 @@ struct RunOutcome {
 std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options = {},
                                    const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::labels

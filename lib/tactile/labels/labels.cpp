@@ -8,7 +8,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using nlohmann::json;
@@ -21,13 +21,13 @@ std::optional<CameraTime> time_in(const json& object, const char* key, const std
   return camera_time(member<std::int64_t>(object, key, where));
 }
 
-void add_time(json& object, const std::string& name, const UncertainTime& time) {
+void add_time(json& object, const std::string& name, const alignment::UncertainTime& time) {
   object[name + "_us"] = us_of(time.at);
   object[name + "_low_us"] = us_of(time.low);
   object[name + "_high_us"] = us_of(time.high);
 }
 
-UncertainTime uncertain_time_in(const json& object, const std::string& name, const std::string& where) {
+alignment::UncertainTime uncertain_time_in(const json& object, const std::string& name, const std::string& where) {
   const auto at = [&](const std::string& key) { return camera_time(member<std::int64_t>(object, key, where)); };
   return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
 }
@@ -35,8 +35,8 @@ UncertainTime uncertain_time_in(const json& object, const std::string& name, con
 /// Whether the recording of the labels has times below 0, which no camera gives.
 bool has_times_below_zero(const std::filesystem::path& recording) {
   try {
-    const RecordingReader reader(recording);
-    const auto is_below = [](const PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
+    const events::RecordingReader reader(recording);
+    const auto is_below = [](const events::PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
     return std::any_of(reader.packets().begin(), reader.packets().end(), is_below);
   } catch (const Error&) {
     return false;  // the error appears when its events are read
@@ -54,7 +54,7 @@ void check_begins(const Labels& labels, const std::filesystem::path& file) {
   for (std::size_t i = 0; i < labels.rejected.size(); ++i) check("rejected", i, labels.rejected[i].start);
 }
 
-json json_of(const FittedClock& clock) {
+json json_of(const alignment::FittedClock& clock) {
   json object = clock.relation;
   object["residual_us"] = clock.residual_us;
   object["offset_low_us"] = clock.offset_low_us;
@@ -67,11 +67,11 @@ json json_of(const FittedClock& clock) {
 }
 
 /// A clock that ran through is an object, one that started again is a list of its pieces, as `truth.json` has it.
-json json_of(const std::vector<FittedClock>& pieces) {
+json json_of(const std::vector<alignment::FittedClock>& pieces) {
   if (pieces.empty()) return nullptr;
   if (pieces.size() == 1) return json_of(pieces.front());
   json list = json::array();
-  for (const FittedClock& piece : pieces) list.push_back(json_of(piece));
+  for (const alignment::FittedClock& piece : pieces) list.push_back(json_of(piece));
   return list;
 }
 
@@ -81,15 +81,15 @@ json list_in(const json& object, const char* key, const std::string& where) {
   return list;
 }
 
-FittedClock clock_in(const json& object, const std::string& where) {
-  FittedClock clock{.relation = {.offset_us = member<std::int64_t>(object, "offset_us", where),
-                                 .drift_ppm = member<double>(object, "drift_ppm", where),
-                                 .reference_us = member<std::int64_t>(object, "reference_us", where)},
-                    .residual_us = member<double>(object, "residual_us", where),
-                    .anchors = member<int>(object, "anchors", where),
-                    .method = member<std::string>(object, "method", where),
-                    .from = time_in(object, "from_us", where),
-                    .to = time_in(object, "to_us", where)};
+alignment::FittedClock clock_in(const json& object, const std::string& where) {
+  alignment::FittedClock clock{.relation = {.offset_us = member<std::int64_t>(object, "offset_us", where),
+                                            .drift_ppm = member<double>(object, "drift_ppm", where),
+                                            .reference_us = member<std::int64_t>(object, "reference_us", where)},
+                               .residual_us = member<double>(object, "residual_us", where),
+                               .anchors = member<int>(object, "anchors", where),
+                               .method = member<std::string>(object, "method", where),
+                               .from = time_in(object, "from_us", where),
+                               .to = time_in(object, "to_us", where)};
   if (clock.residual_us < 0 || clock.anchors < 0)
     throw Error(where + ": '" + (clock.anchors < 0 ? "anchors" : "residual_us") + "' is below 0; expected 0 or more");
   clock.offset_low_us =
@@ -99,11 +99,11 @@ FittedClock clock_in(const json& object, const std::string& where) {
   return clock;
 }
 
-std::vector<FittedClock> clocks_in(const json& clocks, const char* key, const std::string& where) {
+std::vector<alignment::FittedClock> clocks_in(const json& clocks, const char* key, const std::string& where) {
   const auto found = clocks.find(key);
   if (found == clocks.end() || found->is_null()) return {};
   if (!found->is_array()) return {clock_in(*found, where + ": clocks." + key)};
-  std::vector<FittedClock> pieces;
+  std::vector<alignment::FittedClock> pieces;
   for (const json& piece : *found) pieces.push_back(clock_in(piece, where + ": clocks." + key));
   return pieces;
 }
@@ -150,16 +150,17 @@ void check_intervals(const std::vector<LabelledInterval>& intervals, const std::
 
 }  // namespace
 
-const FittedClock* Labels::robot_clock_of(RobotTime first_stamp) const {
-  const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(),
-                                  [&](const FittedClock& clock) { return clock.relation.reference_us == us_of(first_stamp); });
+const alignment::FittedClock* Labels::robot_clock_of(RobotTime first_stamp) const {
+  const auto found = std::find_if(robot_clocks.begin(), robot_clocks.end(), [&](const alignment::FittedClock& clock) {
+    return clock.relation.reference_us == us_of(first_stamp);
+  });
   return found == robot_clocks.end() ? nullptr : &*found;
 }
 
-const FittedClock* Labels::robot_clock_at(CameraTime t) const {
-  const FittedClock* nearest = nullptr;
+const alignment::FittedClock* Labels::robot_clock_at(CameraTime t) const {
+  const alignment::FittedClock* nearest = nullptr;
   microseconds least = microseconds::max();
-  for (const FittedClock& clock : robot_clocks) {
+  for (const alignment::FittedClock& clock : robot_clocks) {
     const microseconds ahead = clock.from && t < *clock.from ? between(t, *clock.from) : 0us;
     const microseconds behind = clock.to && t > *clock.to ? between(*clock.to, t) : 0us;
     if (nearest == nullptr || std::max(ahead, behind) < least) {
@@ -198,7 +199,7 @@ Labels read_labels(const std::filesystem::path& file) {
     for (const json& interval : list_in(object, "intervals", where)) labels.intervals.push_back(interval_in(interval, where));
     const auto clocks = member<json>(object, "clocks", where);
     labels.robot_clocks = clocks_in(clocks, "robot", where);
-    const std::vector<FittedClock> video = clocks_in(clocks, "video", where);
+    const std::vector<alignment::FittedClock> video = clocks_in(clocks, "video", where);
     if (video.size() > 1) throw Error(where + ": clocks.video is a list; expected one clock, or null");
     if (!video.empty()) labels.video_clock = video.front();
     if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
@@ -271,4 +272,4 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
   write_json(file, object);
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

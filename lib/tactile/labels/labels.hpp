@@ -9,7 +9,7 @@
 #include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The onset by each source, in camera time; nothing where a source does not show it.
 struct Evidence {
@@ -19,7 +19,7 @@ struct Evidence {
 struct LabelledInterval {
   std::string id = {};  ///< unique in its run, such as "press-1"; it identifies the interval in all formats
   Touch touch = Touch::none;
-  UncertainTime start, end;
+  alignment::UncertainTime start, end;
   std::string source;  ///< of the onset: "events", or "person" if a person made or moved it
   Evidence evidence;
   bool confirmed = false;  ///< a person has looked at it
@@ -35,9 +35,9 @@ struct LabelFlag {
 };
 
 struct Labels {
-  std::vector<LabelledInterval> intervals;  ///< by start; never overlapping
-  std::vector<FittedClock> robot_clocks;    ///< one per unbroken piece of the robot log that could be related, by time
-  std::optional<FittedClock> video_clock;
+  std::vector<LabelledInterval> intervals;           ///< by start; never overlapping
+  std::vector<alignment::FittedClock> robot_clocks;  ///< one per unbroken piece of the robot log that could be related, by time
+  std::optional<alignment::FittedClock> video_clock;
   std::vector<LabelFlag> flags;
   std::vector<std::string> remarks;  ///< what is missing or unusual, but needs no check
   /// Removed by a person: an interval of the same class that overlaps one is not found again.
@@ -48,9 +48,9 @@ struct Labels {
   bool interval_is_flagged(std::size_t index) const;  ///< there is an unconfirmed flag on this interval
 
   /// The clock of the piece of the robot log with this first stamp; null if it could not be related.
-  const FittedClock* robot_clock_of(RobotTime first_stamp) const;
+  const alignment::FittedClock* robot_clock_of(RobotTime first_stamp) const;
   /// The piece of the robot's clock that holds at `t`, else the nearest; null if there is none.
-  const FittedClock* robot_clock_at(CameraTime t) const;
+  const alignment::FittedClock* robot_clock_at(CameraTime t) const;
 };
 
 /// Gives every interval without an id one: its class and the least free number from 1, in order.
@@ -61,4 +61,4 @@ void name_intervals(std::vector<LabelledInterval>& intervals);
 Labels read_labels(const std::filesystem::path& file);
 void write_labels(const std::filesystem::path& file, const Labels& labels);
 
-}  // namespace tactile
+}  // namespace tactile::labels

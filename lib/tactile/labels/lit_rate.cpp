@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr std::int64_t never = std::int64_t{-1} << 40;
@@ -28,12 +28,12 @@ double correlation_of(const Brightening& a, const Brightening& b) {
 
 class Cells {
  public:
-  Cells(SensorSize size, int cell_px)
+  Cells(events::SensorSize size, int cell_px)
       : cell_px_(cell_px), columns_((size.width + cell_px - 1) / cell_px), rows_((size.height + cell_px - 1) / cell_px) {}
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
-  std::size_t at(const Event& event) const {
+  std::size_t at(const events::Event& event) const {
     return static_cast<std::size_t>(event.y / cell_px_) * static_cast<std::size_t>(columns_) +
            static_cast<std::size_t>(event.x / cell_px_);
   }
@@ -131,8 +131,8 @@ double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
 /// Finds the rates of all bursts together, for each pass over the recording serves all of them.
 class LitRates {
  public:
-  LitRates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate, std::span<const Burst> bursts,
-           const LitRateOptions& options)
+  LitRates(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
+           std::span<const alignment::Burst> bursts, const LitRateOptions& options)
       : recording_(recording),
         stream_id_(stream_id),
         rate_(rate),
@@ -165,7 +165,7 @@ class LitRates {
   void set_windows() {
     const std::size_t bin_count = rate_.counts.size();
     for (std::size_t i = 0; i < bursts_.size(); ++i) {
-      const Burst& burst = bursts_[i];
+      const alignment::Burst& burst = bursts_[i];
       const auto around = [&](std::size_t margin) {
         return Stretch{burst.begin - std::min(burst.begin, margin), std::min(bin_count, burst.end + margin)};
       };
@@ -183,7 +183,7 @@ class LitRates {
 
   /// In which cells each burst has its events.
   void count_cells() {
-    for_counted_events(recording_, stream_id_, rate_, [&](const Event& event, std::size_t bin) {
+    alignment::for_counted_events(recording_, stream_id_, rate_, [&](const events::Event& event, std::size_t bin) {
       if (is_quiet_[bin]) ++quiet_[cells_.at(event)];
       for (std::size_t i = 0; i < bursts_.size(); ++i) {
         if (bin < bursts_[i].begin || bin >= bursts_[i].end) continue;
@@ -196,7 +196,7 @@ class LitRates {
 
   /// All of a burst's rate but the counts.
   void add_rate(std::size_t i) {
-    const Burst& burst = bursts_[i];
+    const alignment::Burst& burst = bursts_[i];
     const auto burst_bins = static_cast<double>(burst.end - burst.begin);
     std::vector<bool>& lit = lit_.emplace_back(lit_cells(of_burst_[i], burst_bins, quiet_, quiet_bins_, options_.stands_out));
     // A burst that no place of the image explains, such as a flicker, has the whole image.
@@ -235,7 +235,7 @@ class LitRates {
     // By pixel the bin and polarity of its last event: 2 * bin + on.
     std::vector<std::int64_t> last_of(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height), never);
     const auto repeat_bins = static_cast<std::int64_t>(bins(options_.repeat_within));
-    for_counted_events(recording_, stream_id_, rate_, [&](const Event& event, std::size_t bin) {
+    alignment::for_counted_events(recording_, stream_id_, rate_, [&](const events::Event& event, std::size_t bin) {
       std::int64_t& last =
           last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(event.x)];
       const std::int64_t now = 2 * static_cast<std::int64_t>(bin) + event.on;
@@ -268,12 +268,12 @@ class LitRates {
     for (LitPlace& place : rates_[i].places) place.dispersion = dispersion_before(place.counts);
   }
 
-  RecordingReader& recording_;
+  events::RecordingReader& recording_;
   std::int32_t stream_id_;
-  const EventRate& rate_;
-  std::span<const Burst> bursts_;
+  const alignment::EventRate& rate_;
+  std::span<const alignment::Burst> bursts_;
   const LitRateOptions& options_;
-  SensorSize size_;
+  events::SensorSize size_;
   Cells cells_;
   std::vector<bool> is_quiet_;  ///< by bin
   double quiet_bins_ = 0;
@@ -288,10 +288,10 @@ class LitRates {
 
 }  // namespace
 
-std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
-                               std::span<const Burst> bursts, const LitRateOptions& options) {
+std::vector<LitRate> lit_rates(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
+                               std::span<const alignment::Burst> bursts, const LitRateOptions& options) {
   if (bursts.empty()) return {};
   return LitRates(recording, stream_id, rate, bursts, options).find();
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -9,7 +9,7 @@
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// Connected cells that a burst lights: a marker or two. Each place is touched at a time of its own.
 struct LitPlace {
@@ -23,7 +23,7 @@ struct LitPlace {
 /// others: without the rest of the image a tenth or less of the noise is left, and onsets and ends stand out.
 struct LitRate {
   /// Of the lit cells, from `margin` before the burst until `margin` after it, where recorded and without other bursts.
-  EventRate rate;
+  alignment::EventRate rate;
   /// How many of them repeat their pixel's last event: the same polarity, not more than `repeat_within` later.
   std::vector<std::uint32_t> repeats;
   double quiet_per_bin = 0;     ///< of the lit cells while there is no burst
@@ -54,7 +54,7 @@ struct LitRateOptions {
 /// twice; memory follows the bursts.
 /// @param rate  of the same stream of this recording
 /// @throws Error  as reading events does
-std::vector<LitRate> lit_rates(RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
-                               std::span<const Burst> bursts, const LitRateOptions& options = {});
+std::vector<LitRate> lit_rates(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
+                               std::span<const alignment::Burst> bursts, const LitRateOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::labels

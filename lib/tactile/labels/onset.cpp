@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr double half_chi2 = 1.92;  // half of the 95 % point of chi^2 with one degree of freedom
@@ -142,7 +142,7 @@ microseconds blind_time_before(microseconds bin, Counts counts, Counts repeats, 
 /// The events of a bin were caused since the read-out before it.
 /// @param counts, repeats  of the place where it begins
 FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, const OnsetOptions& options) {
-  const EventRate& rate = lit.rate;
+  const alignment::EventRate& rate = lit.rate;
   const auto more = static_cast<double>((options.blind_reset - options.longest_blind).count());
   const microseconds longest = options.longest_blind + microseconds{std::llround(lit.reset_share * more)};
   const microseconds blind = std::max(options.latency, blind_time_before(rate.bin, counts, repeats, scan.best, longest));
@@ -301,8 +301,8 @@ struct SlipRange {
 /// Up to where the rate first has 0.3 of what the first drag reaches: the drag is on by then. That drag is looked for from where
 /// more than ringing is on; what later jerks reach does not matter.
 SlipRange slip_range(const LitRate& lit, std::size_t width, const OnsetOptions& options,
-                     const std::optional<UncertainTime>& lift_start) {
-  const EventRate& rate = lit.rate;
+                     const std::optional<alignment::UncertainTime>& lift_start) {
+  const alignment::EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t first = slip_begin(lit);
   std::size_t begin = first - std::min(first, bins(options.before));
@@ -395,7 +395,7 @@ Scan slip_scan(const LitRate& lit, const SlipRange& range, std::size_t width) {
 }  // namespace
 
 FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
-  const EventRate& rate = lit.rate;
+  const alignment::EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.first_contact + options.before));
   const Counts all = Counts(rate.counts).subspan(begin);
@@ -428,8 +428,8 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
   return found_at(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, counts, repeats, options);
 }
 
-FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<UncertainTime>& lift_start) {
-  const EventRate& rate = lit.rate;
+FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<alignment::UncertainTime>& lift_start) {
+  const alignment::EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t width = std::max<std::size_t>(1, bins(1ms));
   const Scan scan = slip_scan(lit, slip_range(lit, width, options, lift_start), width);
@@ -441,4 +441,4 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   return onset;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -6,12 +6,12 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/labels/lit_rate.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// An onset or an end with its 95 % interval. Where the events do not decide, the interval is wide and `doubt` gives the reason;
 /// else `doubt` is empty.
 struct FoundTime {
-  UncertainTime time;
+  alignment::UncertainTime time;
   std::string doubt;
 };
 
@@ -51,6 +51,6 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options = {});
 ///
 /// @param lift_start  if it is known, in camera time; no slip begins before its interval
 FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options = {},
-                     const std::optional<UncertainTime>& lift_start = std::nullopt);
+                     const std::optional<alignment::UncertainTime>& lift_start = std::nullopt);
 
-}  // namespace tactile
+}  // namespace tactile::labels

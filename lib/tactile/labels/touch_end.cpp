@@ -9,7 +9,7 @@
 
 #include "tactile/alignment/moving_mean.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr double half_chi2 = 1.92;
@@ -30,7 +30,7 @@ struct Steps {
 };
 
 Steps steps_from(const LitRate& lit, CameraTime onset, microseconds wanted) {
-  const EventRate& rate = lit.rate;
+  const alignment::EventRate& rate = lit.rate;
   const std::int64_t per_step = std::max<std::int64_t>(1, wanted / rate.bin);
   const auto first = static_cast<std::size_t>(
       std::clamp<std::int64_t>(between(rate.begin, onset) / rate.bin, 0, static_cast<std::int64_t>(rate.counts.size())));
@@ -99,7 +99,7 @@ std::size_t burst_steps(const LitRate& lit, const Steps& steps) {
 }
 
 /// The end of a touch that has too few steps for one.
-FoundTime unknown_end(const LitRate& lit, const UncertainTime& onset) {
+FoundTime unknown_end(const LitRate& lit, const alignment::UncertainTime& onset) {
   const CameraTime end = std::max(onset.at, lit.rate.begin_of(lit.burst_end));
   return {.time = {.at = end, .low = onset.at, .high = end}, .doubt = "its end cannot be told from its onset"};
 }
@@ -179,9 +179,9 @@ std::vector<DeclineFit> decline_fits(const Steps& steps, std::span<const double>
 
 }  // namespace
 
-FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options) {
+FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, const EndOptions& options) {
   const Steps steps = steps_from(lit, onset.at, 1ms);
-  const std::vector<double> rates = moving_mean(steps.events, steps.in(5ms));
+  const std::vector<double> rates = alignment::moving_mean(steps.events, steps.in(5ms));
   const std::size_t searched = std::min(rates.size(), burst_steps(lit, steps) + steps.in(50ms));
   if (searched < 3) return unknown_end(lit, onset);
   const Decline decline = decline_of(steps, rates, searched, lit.dispersion, options);
@@ -222,10 +222,10 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
   return end;
 }
 
-FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options,
-                   const std::optional<UncertainTime>& arm_stop) {
+FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, const EndOptions& options,
+                   const std::optional<alignment::UncertainTime>& arm_stop) {
   const Steps steps = steps_from(lit, onset.at, 400us);
-  const std::vector<double> rates = moving_mean(steps.events, steps.in(3ms));
+  const std::vector<double> rates = alignment::moving_mean(steps.events, steps.in(3ms));
   const std::size_t whole = std::min(rates.size(), burst_steps(lit, steps) + 1);
   if (whole < 3) return unknown_end(lit, onset);
   const double peak =
@@ -267,4 +267,4 @@ FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOpti
   return end;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

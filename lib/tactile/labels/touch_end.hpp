@@ -4,7 +4,7 @@
 
 #include "tactile/labels/onset.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 struct EndOptions {
   double still_share = 0.01;         ///< of the peak speed: a slower touch is still
@@ -23,7 +23,7 @@ struct EndOptions {
 ///
 /// The 95 % interval holds every end whose T and p are within 1.92 of the best log-likelihood, divided by the residuals'
 /// dispersion. Doubtful where z, the tips' creeping, is itself near 1 % of the peak.
-FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options = {});
+FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, const EndOptions& options = {});
 
 /// When object and tips stood still against each other: below 1 % of the slip's peak speed for 150 ms. The camera sees the tips
 /// only, and their last ringing only where it moves an edge by about a tenth of a pixel. The ringing decays exponentially: with t
@@ -39,7 +39,7 @@ FoundTime press_end(const LitRate& lit, const UncertainTime& onset, const EndOpt
 /// A tail of more than 60 ms below a tenth of the peak may be the arm's ringing where it stops: the interval then reaches back to
 /// its begin. The interval is wide because the camera shows no more.
 /// @param arm_stop  if it is known, in camera time
-FoundTime slip_end(const LitRate& lit, const UncertainTime& onset, const EndOptions& options = {},
-                   const std::optional<UncertainTime>& arm_stop = std::nullopt);
+FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, const EndOptions& options = {},
+                   const std::optional<alignment::UncertainTime>& arm_stop = std::nullopt);
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 /// How long the burst and the move overlap, with the uncertainty of the clock.
-microseconds common_time(const EventRate& rate, const Burst& burst, const ArmMove& move) {
+microseconds common_time(const alignment::EventRate& rate, const alignment::Burst& burst, const ArmMove& move) {
   const CameraTime begin = std::max(rate.begin_of(burst.begin), before(move.start, move.uncertainty));
   const CameraTime end = std::min(rate.begin_of(burst.end), after(move.end, move.uncertainty));
   return begin < end ? between(begin, end) : 0us;
 }
 
 /// The burst that has the most events in the lift; nothing if none reaches into it.
-std::optional<std::size_t> slip_of(const EventRate& rate, std::span<const Burst> bursts, const ArmMove& lift) {
+std::optional<std::size_t> slip_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
+                                   const ArmMove& lift) {
   std::optional<std::size_t> best;
   double most = 0;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
@@ -29,7 +30,7 @@ std::optional<std::size_t> slip_of(const EventRate& rate, std::span<const Burst>
 
 }  // namespace
 
-std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
+std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options) {
   std::vector<BurstKind> kinds(bursts.size(), BurstKind::press);
@@ -46,7 +47,7 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
     // By order alone: the last burst that is no after-effect, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
+      if (!alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }
@@ -61,7 +62,7 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
       kinds[i] = BurstKind::tap;
     } else if (last_slip && i > *last_slip) {
       kinds[i] = BurstKind::after;
-    } else if (is_after_effect(bursts[i], rate, bursts)) {
+    } else if (alignment::is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
     } else if (standing_press && undoes[i] > options.releases && !is_short(i)) {
       kinds[i] = BurstKind::release;
@@ -75,4 +76,4 @@ std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bu
   return kinds;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

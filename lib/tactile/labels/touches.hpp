@@ -6,7 +6,7 @@
 
 #include "tactile/alignment/activity.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// A motion of the arm, in camera time.
 struct ArmMove {
@@ -44,8 +44,8 @@ struct TouchesOptions {
 ///
 /// @param lifts   nothing: it is not known whether the arm rose
 /// @param undoes  of each burst, `LitRate::undoes`
-std::vector<BurstKind> kinds_of(const EventRate& rate, std::span<const Burst> bursts,
+std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::labels

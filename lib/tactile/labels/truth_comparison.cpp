@@ -2,21 +2,21 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 microseconds overlap_of(const TouchInterval& a, const TouchInterval& b) {
   return between(std::max(a.start, b.start), std::min(a.end, b.end));
 }
 
-Deviation deviation_of(const UncertainTime& labelled, CameraTime truly) {
+Deviation deviation_of(const alignment::UncertainTime& labelled, CameraTime truly) {
   return {.error = between(truly, labelled.at),
           .covered = labelled.low <= truly && truly <= labelled.high,
           .width = between(labelled.low, labelled.high)};
 }
 
 /// At a moment that is `truly` there by the camera's clock.
-Deviation deviation_of(const FittedClock& found, const ClockRelation& clock, CameraTime truly) {
+Deviation deviation_of(const alignment::FittedClock& found, const ClockRelation& clock, CameraTime truly) {
   const microseconds error = between(truly, found.relation.camera_from(clock.clock_us_from(truly)));
   const std::int64_t true_offset_us = saturating_subtract(found.relation.offset_us, error.count());
   return {.error = error,
@@ -76,4 +76,4 @@ TruthComparison compare_with_truth(const Labels& labels, const Truth& truth) {
   return comparison;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

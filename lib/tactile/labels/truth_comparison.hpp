@@ -6,7 +6,7 @@
 #include "tactile/core/truth.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The error of a label, and its own uncertainty.
 struct Deviation {
@@ -46,4 +46,4 @@ struct TruthComparison {
 /// Pairs each true interval with the label of its class that overlaps it most.
 TruthComparison compare_with_truth(const Labels& labels, const Truth& truth);
 
-}  // namespace tactile
+}  // namespace tactile::labels

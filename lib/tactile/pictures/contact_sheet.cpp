@@ -14,7 +14,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr int margin = 24, gap = 14, border = 3, row_gap = 6;
@@ -177,4 +177,4 @@ void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
   write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -10,7 +10,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/pictures/moments.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// A moment on a contact sheet: three pictures one below the other, and two lines of text under them.
 struct SheetTile {
@@ -56,4 +56,4 @@ cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions&
 /// Writes a picture as PNG, whole or not at all. @throws Error if it cannot be written
 void write_png(const std::filesystem::path& file, const cv::Mat& picture);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 /// The font draws nothing else.
@@ -133,4 +133,4 @@ cv::Size shown_size(cv::Size picture, int side) {
           std::max(1, static_cast<int>(std::lround(picture.height * scale)))};
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

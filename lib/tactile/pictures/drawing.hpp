@@ -8,7 +8,7 @@
 #include "tactile/core/touch.hpp"
 
 // What pictures of heatmaps are drawn with. Pictures are [height, width] BGR of 8 bits.
-namespace tactile {
+namespace tactile::pictures {
 
 inline const cv::Scalar paper{255, 255, 255}, ink{40, 40, 40}, faint_ink{90, 90, 90};
 
@@ -49,4 +49,4 @@ cv::Mat fitted_picture(const cv::Mat& picture, cv::Size size);
 /// picture that is itself larger than 1.5 times the side is made smaller instead.
 cv::Size shown_size(cv::Size picture, int side);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

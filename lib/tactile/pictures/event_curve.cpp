@@ -4,14 +4,14 @@
 #include <cassert>
 #include <cstdint>
 
-namespace tactile {
+namespace tactile::pictures {
 
 EventCurve::EventCurve(CameraTime begin, microseconds bin, std::size_t most_bins)
     : begin_(begin), bin_(bin), most_bins_(most_bins) {
   assert(bin > microseconds{0} && most_bins > 0 && most_bins % 2 == 0);
 }
 
-void EventCurve::add(std::span<const Event> events) {
+void EventCurve::add(std::span<const events::Event> events) {
   // Events of one read-out share their time, and mostly their bin with the ones before.
   for (std::size_t i = 0; i < events.size();) {
     const CameraTime t = events[i].t;
@@ -52,4 +52,4 @@ double EventCurve::most_per_ms(CameraTime from, CameraTime to) const {
   return 1000 * static_cast<double>(most) / static_cast<double>(bin_.count());
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -7,7 +7,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// Events over time in a bounded number of bins: whenever the last is full, neighbours become one and bins twice as long. Hot
 /// pixels are counted like others; what labels are taken from is `EventRate`.
@@ -18,7 +18,7 @@ class EventCurve {
   /// @param most_bins  even, > 0
   explicit EventCurve(CameraTime begin, microseconds bin = microseconds{250}, std::size_t most_bins = 65'536);
 
-  void add(std::span<const Event> events);
+  void add(std::span<const events::Event> events);
 
   CameraTime begin() const { return begin_; }
   microseconds bin() const { return bin_; }
@@ -36,4 +36,4 @@ class EventCurve {
   std::vector<std::uint64_t> counts_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -11,7 +11,7 @@
 
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr int margin = 20, gap = 24, border = 6;
@@ -20,7 +20,7 @@ constexpr int shown_side = 512, narrowest = 840, bar_width = 120;
 constexpr double title_size = 0.65, time_size = 0.85, label_size = 0.75, caption_size = 0.5;
 
 cv::Size heatmap_shown(const EventFilmOptions& options) {
-  const SensorSize size = heatmap_size(options.sensor, options.rendering.factor);
+  const events::SensorSize size = heatmaps::heatmap_size(options.sensor, options.rendering.factor);
   return shown_size({size.width, size.height}, shown_side);
 }
 
@@ -51,7 +51,7 @@ EventFilm::EventFilm(EventFilmOptions options, const EventCurve& curve)
   draw_text(background_, options_.remark,
             {std::max(margin + room / 2 + 10, background_.cols - margin - remark_width), margin + 16}, caption_size,
             room / 2 - 10, faint_ink);
-  const SensorSize size = heatmap_size(options_.sensor, options_.rendering.factor);
+  const events::SensorSize size = heatmaps::heatmap_size(options_.sensor, options_.rendering.factor);
   const std::array<std::tuple<cv::Rect, std::string, int>, 2> captions{
       {{counts_place_, "events per pixel", options_.brightness.counts},
        {heatmap_place_, fmt::format("heatmap {}x{}", size.width, size.height), options_.brightness.heatmap}}};
@@ -112,4 +112,4 @@ cv::Mat EventFilm::picture_of(const Moment& moment) const {
   return picture;
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -9,14 +9,14 @@
 #include "tactile/pictures/moments.hpp"
 #include "tactile/pictures/rate_strip.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// What the pictures of a film have in common.
 struct EventFilmOptions {
   std::string title;
   std::string remark;  ///< at the right of the title
-  SensorSize sensor;
-  HeatmapOptions rendering;
+  events::SensorSize sensor;
+  heatmaps::HeatmapOptions rendering;
   Brightness brightness;
   CameraTime begin{}, end{};  ///< shown in the strip, begin < end
   CameraTime zero{};          ///< where printed times begin
@@ -45,4 +45,4 @@ class EventFilm {
   cv::Mat background_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

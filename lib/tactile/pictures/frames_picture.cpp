@@ -16,7 +16,7 @@
 #include "tactile/pictures/moments.hpp"
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr int widest_raw = 320;  // [cells] of a raw frame, which is drawn half as wide
@@ -57,16 +57,16 @@ std::vector<double> matrix(const cv::Mat& picture) {
 
 }  // namespace
 
-std::vector<TouchFrame> frames_of(const RunFolder& run, const HeatmapOptions& options) {
+std::vector<TouchFrame> frames_of(const RunFolder& run, const heatmaps::HeatmapOptions& options) {
   check(options);
   std::vector<TouchFrame> frames;
   if (!std::filesystem::exists(run.labels())) return frames;
-  const Labels labels = read_labels(run.labels());
-  RecordingReader recording(run.events());
-  const Stream& stream = event_stream(recording);
+  const labels::Labels labels = labels::read_labels(run.labels());
+  events::RecordingReader recording(run.events());
+  const events::Stream& stream = events::event_stream(recording);
   for (const Touch touch : {Touch::press, Touch::slip}) {
     const auto found = std::find_if(labels.intervals.begin(), labels.intervals.end(),
-                                    [touch](const LabelledInterval& interval) { return interval.touch == touch; });
+                                    [touch](const labels::LabelledInterval& interval) { return interval.touch == touch; });
     if (found == labels.intervals.end()) continue;
     std::vector<CameraTime> times;
     for (const std::chrono::milliseconds offset : {-10ms, 30ms, 100ms})
@@ -133,4 +133,4 @@ Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

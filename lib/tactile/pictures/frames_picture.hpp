@@ -11,7 +11,7 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// What the sensor gave over one history, and what the network is shown of it.
 struct TouchFrame {
@@ -25,11 +25,11 @@ struct TouchFrame {
 /// Frames of a labelled run: before its first press and its first slip, and shortly after their onsets. Empty where it has
 /// neither, or is not labelled.
 /// @throws Error  if the recording or the labels cannot be read, or as `check(options)`
-std::vector<TouchFrame> frames_of(const RunFolder& run, const HeatmapOptions& options);
+std::vector<TouchFrame> frames_of(const RunFolder& run, const heatmaps::HeatmapOptions& options);
 
 /// Raw frames over noise-reduced ones, a moment a column; brighter by the square root of a cell's value, by the same scale in a
 /// row.
 /// @throws Error  if there is no frame, or one without pictures
 Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

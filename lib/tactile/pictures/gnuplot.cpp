@@ -24,7 +24,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr std::size_t largest_picture = std::size_t{256} << 20;  // [B]
@@ -234,4 +234,4 @@ void draw(const Plot& plot, const std::filesystem::path& file) {
   write_whole(file, answer.picture);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

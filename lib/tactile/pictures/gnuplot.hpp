@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// Numbers that a script reads as `$name`.
 struct PlotTable {
@@ -39,4 +39,4 @@ void check_is_picture(const std::filesystem::path& file);
 /// Source: gnuplot 5.4, terminals `pngcairo` and `svg`.
 void draw(const Plot& plot, const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

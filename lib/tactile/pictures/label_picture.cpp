@@ -19,7 +19,7 @@
 #include "tactile/pictures/label_zoom.hpp"
 #include "tactile/pictures/thinned.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 // All in pixels of the picture.
@@ -30,7 +30,7 @@ constexpr int line_height = 19;
 
 constexpr std::size_t line_characters = 215, most_lines = 40;
 
-std::string clock_words(std::string_view whose, const FittedClock& clock) {
+std::string clock_words(std::string_view whose, const alignment::FittedClock& clock) {
   const auto offset = static_cast<double>(clock.relation.offset_us);
   return fmt::format("{} clock: {}, {} anchor{}; offset {} to {} ms (95 %), residual {:.1f} ms.", whose,
                      clock.method.empty() ? "unknown method" : clock.method, clock.anchors, clock.anchors == 1 ? "" : "s",
@@ -60,7 +60,7 @@ struct LabelNote {
 /// The legend, clocks, missing signals, remarks and flags, at most 40 lines.
 /// @param shown  the panels of the picture, that of the events aside
 std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const TraceKind> shown) {
-  const Labels& labels = script.picture().labels;
+  const labels::Labels& labels = script.picture().labels;
   std::vector<LabelNote> lines;
   const auto say = [&](const std::string& sentence, std::string_view colour) {
     for (std::string& line : lines_of(wrapped(with_shown_times(script, sentence), 4, line_characters))) {
@@ -79,7 +79,7 @@ std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const Tr
   say("Blue: press; orange: slip; darker: 95 % interval of onset and end. Dashed: evidence of another source; its bar: the "
       "uncertainty of its clock (95 %).",
       figure_colours::faint_ink);
-  for (const FittedClock& clock : labels.robot_clocks) say(clock_words("Robot", clock), figure_colours::ink);
+  for (const alignment::FittedClock& clock : labels.robot_clocks) say(clock_words("Robot", clock), figure_colours::ink);
   if (labels.video_clock) say(clock_words("Video", *labels.video_clock), figure_colours::ink);
   const std::array<std::pair<TraceKind, std::string_view>, 4> kinds{{{TraceKind::tcp_speed, "robot"},
                                                                      {TraceKind::stage_output, "stage output"},
@@ -99,7 +99,7 @@ std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const Tr
   }
   for (const std::string& remark : script.picture().remarks) say(remark, figure_colours::ink);
   if (labels.flags.empty()) say("Nothing is flagged.", figure_colours::ink);
-  for (const LabelFlag& flag : labels.flags) {
+  for (const labels::LabelFlag& flag : labels.flags) {
     const std::string of = flag.interval_index ? labels.intervals.at(*flag.interval_index).id + ": " : "";
     say((flag.confirmed ? "Flag lifted by a person: " : "Flagged: ") + of + flag.reason,
         flag.confirmed ? figure_colours::faint_ink : label_colours::flag);
@@ -118,7 +118,7 @@ class LabelPanels : public LabelScript {
   explicit LabelPanels(const LabelPicture& picture) : LabelScript(picture) {}
 
   Plot plot() && {
-    const std::vector<const LabelledInterval*> zooms = onsets_to_enlarge(picture().labels);
+    const std::vector<const labels::LabelledInterval*> zooms = onsets_to_enlarge(picture().labels);
     panels_right_ = zooms.empty() ? picture_width - left : panels_right_beside_zooms;
     choose_panels();
     const int height = stretch_panels(static_cast<int>(zooms.size()) * (least_zoom_height + zoom_title + zoom_axis));
@@ -189,11 +189,11 @@ class LabelPanels : public LabelScript {
 
   /// Presses and slips over the whole panel, with the evidence of the panel's own source.
   void mark_intervals(std::optional<TraceKind> kind) {
-    for (const LabelledInterval& interval : picture().labels.intervals)
+    for (const labels::LabelledInterval& interval : picture().labels.intervals)
       band(shown(interval.start.at), shown(interval.end.at), figure_colours::of_interval(interval.touch).area);
-    for (const LabelledInterval& interval : picture().labels.intervals) {
+    for (const labels::LabelledInterval& interval : picture().labels.intervals) {
       const figure_colours::IntervalColours colours = figure_colours::of_interval(interval.touch);
-      for (const UncertainTime& edge : {interval.start, interval.end})
+      for (const alignment::UncertainTime& edge : {interval.start, interval.end})
         band(std::min(shown(edge.low), shown(edge.at) - pixel()), std::max(shown(edge.high), shown(edge.at) + pixel()),
              colours.border);
       upright(shown(interval.start.at), fmt::format("front lc rgb '{}' lw 1.2", colours.strong));
@@ -275,7 +275,7 @@ class LabelPanels : public LabelScript {
   void name_intervals_over(const PlotBox& box) {
     constexpr double character = 8;
     std::vector<double> row_ends;
-    for (const LabelledInterval& interval : picture().labels.intervals) {
+    for (const labels::LabelledInterval& interval : picture().labels.intervals) {
       const double width = character * static_cast<double>(characters_in(interval.id));
       const double at = std::min(box.left + shown(interval.start.at) / pixel(), box.right - width);
       const auto free = std::find_if(row_ends.begin(), row_ends.end(), [&](double end) { return end + character < at; });
@@ -391,4 +391,4 @@ Plot label_plot(const LabelPicture& picture) { return LabelPanels(picture).plot(
 
 void draw_label_picture(const LabelPicture& picture, const std::filesystem::path& file) { draw(label_plot(picture), file); }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -9,7 +9,7 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// The signal of a trace, which decides its panel. Panels follow in this order under the panel of the events.
 enum class TraceKind : std::uint8_t {
@@ -31,9 +31,9 @@ struct Trace {
 /// The signals and labels of a run, for a person who checks the labels.
 struct LabelPicture {
   std::string title;
-  EventRate rate;
+  alignment::EventRate rate;
   std::vector<Trace> traces;  ///< a panel without any is left out, and named
-  Labels labels;
+  labels::Labels labels;
   CameraTime begin{}, end{};         ///< what is shown; times count from `begin`
   std::vector<std::string> remarks;  ///< written under the panels
 };
@@ -46,4 +46,4 @@ Plot label_plot(const LabelPicture& picture);
 /// Draws it as PNG or SVG. @throws Error as `draw` does
 void draw_label_picture(const LabelPicture& picture, const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

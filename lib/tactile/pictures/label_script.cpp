@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::pictures {
 
 std::string signed_ms(double value) { return fmt::format("{}{:.1f}", value < 0 ? "−" : "+", std::abs(value)); }
 
@@ -37,7 +37,7 @@ void LabelScript::begin_panel(const PlotBox& box, double x_low, double x_high) {
 
 std::vector<PlotPoint> LabelScript::root_rate(microseconds bin, double from_us, double to_us, double unit_us,
                                               double zero_us) const {
-  const EventRate& rate = picture_.rate;
+  const alignment::EventRate& rate = picture_.rate;
   const auto own_bin = static_cast<double>(rate.bin.count());
   const auto together = static_cast<std::size_t>(std::max(1.0, std::round(static_cast<double>(bin.count()) / own_bin)));
   const auto index_of = [&](double us) {
@@ -70,4 +70,4 @@ void LabelScript::square_tics(double highest) {
   add("set ytics ({})", tics);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

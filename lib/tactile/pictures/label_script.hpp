@@ -7,7 +7,7 @@
 #include "tactile/pictures/label_picture.hpp"
 #include "tactile/pictures/plot_writer.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 // What the panels of a label picture, its enlarged onsets and its words share.
 
@@ -50,4 +50,4 @@ class LabelScript : public PlotWriter {
   bool begun_ = false;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -8,7 +8,7 @@
 
 #include "tactile/core/text_lines.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr double zoom_ms = 60;
@@ -18,14 +18,14 @@ struct SourceEvidence {
   std::string name;
   std::string_view colour;
   std::optional<CameraTime> at;
-  const FittedClock* clock = nullptr;  ///< that its time was converted by
+  const alignment::FittedClock* clock = nullptr;  ///< that its time was converted by
 };
 
 /// The evidence of other sources than the events for an onset.
-std::vector<SourceEvidence> evidence_of(const LabelledInterval& interval, const Labels& labels) {
-  const Evidence& evidence = interval.evidence;
-  const FittedClock* robot = evidence.robot ? labels.robot_clock_at(*evidence.robot) : nullptr;
-  const FittedClock* video = evidence.video && labels.video_clock ? &*labels.video_clock : nullptr;
+std::vector<SourceEvidence> evidence_of(const labels::LabelledInterval& interval, const labels::Labels& labels) {
+  const labels::Evidence& evidence = interval.evidence;
+  const alignment::FittedClock* robot = evidence.robot ? labels.robot_clock_at(*evidence.robot) : nullptr;
+  const alignment::FittedClock* video = evidence.video && labels.video_clock ? &*labels.video_clock : nullptr;
   return {{interval.touch == Touch::slip ? "lift start" : "command", label_colours::robot, evidence.robot, robot},
           {"video", label_colours::video, evidence.video, video},
           {"IMU", label_colours::imu, evidence.imu, nullptr}};
@@ -64,13 +64,13 @@ void mark_evidence(LabelScript& script, const SourceEvidence& source, double ms,
 
 }  // namespace
 
-std::vector<const LabelledInterval*> onsets_to_enlarge(const Labels& labels) {
-  std::vector<const LabelledInterval*> chosen;
-  for (const LabelledInterval& interval : labels.intervals) chosen.push_back(&interval);
-  const auto index_of = [&](const LabelledInterval* interval) {
+std::vector<const labels::LabelledInterval*> onsets_to_enlarge(const labels::Labels& labels) {
+  std::vector<const labels::LabelledInterval*> chosen;
+  for (const labels::LabelledInterval& interval : labels.intervals) chosen.push_back(&interval);
+  const auto index_of = [&](const labels::LabelledInterval* interval) {
     return static_cast<std::size_t>(interval - labels.intervals.data());
   };
-  const auto rank = [&](const LabelledInterval* interval) {
+  const auto rank = [&](const labels::LabelledInterval* interval) {
     return interval->touch == Touch::slip ? 0 : labels.interval_is_flagged(index_of(interval)) ? 1 : 2;
   };
   std::stable_sort(chosen.begin(), chosen.end(), [&](const auto* a, const auto* b) { return rank(a) < rank(b); });
@@ -79,7 +79,7 @@ std::vector<const LabelledInterval*> onsets_to_enlarge(const Labels& labels) {
   return chosen;
 }
 
-void draw_zoom(LabelScript& script, const LabelledInterval& interval, const PlotBox& box, bool is_last) {
+void draw_zoom(LabelScript& script, const labels::LabelledInterval& interval, const PlotBox& box, bool is_last) {
   const auto ms_from_onset = [&](CameraTime t) { return 1e-3 * static_cast<double>(between(interval.start.at, t).count()); };
   script.begin_panel(box, -zoom_ms, zoom_ms);
   const double zero_us = static_cast<double>(between(script.picture().rate.begin, interval.start.at).count());
@@ -123,4 +123,4 @@ void draw_zoom(LabelScript& script, const LabelledInterval& interval, const Plot
              script.table(fine), script.table(coarse), figure_colours::ink);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -10,7 +10,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr std::size_t chunk = 8192;       // events that wait for their moment at the most
@@ -21,20 +21,20 @@ std::span<std::uint8_t> pixels_of(cv::Mat& picture) { return {picture.data, pict
 /// The renderers of one recording, and the pictures that they fill.
 class MomentRenderer {
  public:
-  MomentRenderer(SensorSize sensor, const HeatmapOptions& options, MomentDetail detail)
+  MomentRenderer(events::SensorSize sensor, const heatmaps::HeatmapOptions& options, MomentDetail detail)
       : sensor_(sensor), renderer_(sensor, options) {
     moment_.counts.create(sensor.height, sensor.width, CV_16UC1);
     moment_.heatmap.create(renderer_.size().height, renderer_.size().width, CV_8UC1);
     if (detail == MomentDetail::heatmap) return;
     // A heatmap as large as the sensor is the denoised picture itself.
-    HeatmapOptions unresized = options;
+    heatmaps::HeatmapOptions unresized = options;
     unresized.factor = 1;
-    unresized.resize = Resize::area;
+    unresized.resize = heatmaps::Resize::area;
     denoising_.emplace(sensor, unresized);
     moment_.denoised.create(sensor.height, sensor.width, CV_8UC1);
   }
 
-  void add(std::span<const Event> events) {
+  void add(std::span<const events::Event> events) {
     renderer_.add(events);
     if (denoising_) denoising_->add(events);
   }
@@ -57,9 +57,9 @@ class MomentRenderer {
   }
 
  private:
-  SensorSize sensor_;
-  HeatmapRenderer renderer_;
-  std::optional<HeatmapRenderer> denoising_;
+  events::SensorSize sensor_;
+  heatmaps::HeatmapRenderer renderer_;
+  std::optional<heatmaps::HeatmapRenderer> denoising_;
   Moment moment_;
 };
 
@@ -75,9 +75,9 @@ int bright_value(std::span<const std::uint64_t> pixels, double share, int otherw
 
 }  // namespace
 
-void for_moments(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
+void for_moments(events::RecordingReader& recording, std::int32_t stream_id, const heatmaps::HeatmapOptions& options,
                  std::span<const CameraTime> times, MomentDetail detail, const std::function<void(const Moment&)>& use) {
-  const std::optional<SensorSize> sensor = recording.stream(stream_id).size;
+  const std::optional<events::SensorSize> sensor = recording.stream(stream_id).size;
   if (!sensor)
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
   MomentRenderer renderer(*sensor, options, detail);
@@ -86,9 +86,9 @@ void for_moments(RecordingReader& recording, std::int32_t stream_id, const Heatm
     std::size_t past_end = first + 1;
     while (past_end < times.size() && before(times[past_end], options.history) <= after(times[past_end - 1], close_by))
       ++past_end;
-    const auto take = [&](std::span<const Event> events) {
+    const auto take = [&](std::span<const events::Event> events) {
       for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
-        const std::span<const Event> part = events.first(std::min(chunk, events.size()));
+        const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
         try {
           renderer.add(part);
         } catch (const Error& e) {
@@ -97,7 +97,7 @@ void for_moments(RecordingReader& recording, std::int32_t stream_id, const Heatm
         while (next < past_end && times[next] <= part.back().t) use(renderer.at(times[next++]));
       }
     };
-    for_events_between(recording, stream_id, before(times[first], options.history), times[past_end - 1], take);
+    events::for_events_between(recording, stream_id, before(times[first], options.history), times[past_end - 1], take);
     while (next < past_end) use(renderer.at(times[next++]));
     first = past_end;
   }
@@ -114,4 +114,4 @@ Brightness BrightnessMeter::result() const {
   return {.counts = bright_value(count_pixels_, 0.995, 1), .heatmap = bright_value(heatmap_pixels_, 0.99, 255)};
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -9,7 +9,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// What a sensor saw in [t - t_h, t), from its events to the heatmap.
 struct Moment {
@@ -27,7 +27,7 @@ enum class MomentDetail : std::uint8_t { heatmap, all };
 ///
 /// @param times    ascending; need be no ticks
 /// @throws Error   if the stream declares no size or its events go back in time, naming the file, or as `check` of the options
-void for_moments(RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
+void for_moments(events::RecordingReader& recording, std::int32_t stream_id, const heatmaps::HeatmapOptions& options,
                  std::span<const CameraTime> times, MomentDetail detail, const std::function<void(const Moment&)>& use);
 
 /// What the colours of pictures of several moments reach to, so that a few hot pixels do not darken the rest.
@@ -47,4 +47,4 @@ class BrightnessMeter {
   std::vector<std::uint64_t> heatmap_pixels_ = std::vector<std::uint64_t>(256);
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

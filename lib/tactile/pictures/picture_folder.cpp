@@ -8,7 +8,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace fs = std::filesystem;
 namespace {
 
@@ -83,4 +83,4 @@ void PictureFolder::commit() {
   whole_.commit();
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

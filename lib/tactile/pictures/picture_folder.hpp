@@ -8,7 +8,7 @@
 
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// A folder of pictures with a list of them, `pictures.csv`, that appears under its name only once all are in it. One that is
 /// there already is replaced as a whole, but only if it is empty or holds nothing but the pictures that its list names: nobody's
@@ -41,4 +41,4 @@ class PictureFolder {
 /// @throws Error  as making a `PictureFolder` there would: to be asked before long work
 void check_picture_folder(const std::filesystem::path& target);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

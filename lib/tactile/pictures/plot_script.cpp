@@ -5,7 +5,7 @@
 
 #include "tactile/core/text_lines.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 LineStyle line_style(std::size_t index) {
   struct Style {
@@ -97,4 +97,4 @@ void PlotScript::text(std::string_view words, double x, double y, std::string_vi
   write(words, x, y, fmt::format("{} front", style), colour);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -8,7 +8,7 @@
 
 #include "tactile/pictures/plot_writer.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// Of a curve, marks or bars; dashes and marks by gnuplot's numbers.
 struct LineStyle {
@@ -74,4 +74,4 @@ class PlotScript : public PlotWriter {
   int notes_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace tactile {
+namespace tactile::pictures {
 
 std::string_view figure_colours::of(Touch touch) {
   return touch == Touch::press ? press : touch == Touch::slip ? slip : faint_ink;
@@ -52,4 +52,4 @@ std::string PlotWriter::table(std::span<const PlotPoint> points) {
   return table(2, std::move(values));
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -14,7 +14,7 @@
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/pictures/thinned.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// Colours of figures. Press and slip differ for every kind of colour vision, and in brightness. All other lines also
 /// differ by dashes or marks.
@@ -76,4 +76,4 @@ class PlotWriter {
   Plot plot_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -13,7 +13,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/pictures/plot_writer.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 // All in pixels of the picture.
@@ -223,4 +223,4 @@ void draw_prediction(const PredictionPicture& picture, const std::filesystem::pa
   draw(prediction_plot(picture), file);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -8,7 +8,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// The prediction of a model at one tick.
 struct PredictedTick {
@@ -47,4 +47,4 @@ Plot prediction_plot(const PredictionPicture& picture);
 /// Draws it as PNG or SVG. @throws Error as `draw` does
 void draw_prediction(const PredictionPicture& picture, const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -12,7 +12,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/pictures/drawing.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr int left = 58, right = 16, label_row = 24, axis_row = 32;
@@ -137,4 +137,4 @@ void RateStrip::draw_marks(cv::Mat& picture, std::span<const CameraTime> times) 
   for (const CameraTime t : times) draw_triangle(picture, {column_of(t), plot.br().y}, 4, ink);
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -7,7 +7,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/pictures/event_curve.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// The event rate over a stretch of camera time as a strip of a picture, with the labels above it: presses blue, slips orange,
 /// each named where there is room. The square root of the rate is drawn, so that quiet and motion are both seen; the highest of
@@ -41,4 +41,4 @@ class RateStrip {
   cv::Rect place_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

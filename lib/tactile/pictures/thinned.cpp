@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 /// Appends what is seen of points[first, last), which fall into one column.
@@ -52,4 +52,4 @@ std::vector<PlotPoint> thinned(std::span<const PlotPoint> points, double begin, 
   return seen;
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

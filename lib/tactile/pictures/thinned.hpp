@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace tactile {
+namespace tactile::pictures {
 
 struct PlotPoint {
   double x = 0;
@@ -22,4 +22,4 @@ struct PlotPoint {
 /// Source: Jugel et al., M4: A Visualization-Oriented Time Series Data Aggregation, VLDB 2014.
 std::vector<PlotPoint> thinned(std::span<const PlotPoint> points, double begin, double end, std::size_t columns);
 
-}  // namespace tactile
+}  // namespace tactile::pictures

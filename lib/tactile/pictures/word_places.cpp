@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tactile {
+namespace tactile::pictures {
 namespace {
 
 constexpr double half_height = 8;  // [px] of a line of words
@@ -85,4 +85,4 @@ void WordPlaces::take(const Place& place) {
   taken_.push_back({place.x - place.width / 2, place.y - half_height, place.x + place.width / 2, place.y + half_height, true});
 }
 
-}  // namespace tactile
+}  // namespace tactile::pictures

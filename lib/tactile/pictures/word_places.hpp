@@ -4,7 +4,7 @@
 
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::pictures {
 
 /// Finds places for words beside the marks of a panel, where they cover as little as possible. All in pixels from the
 /// figure's top left corner; a line of words is taken to be 16 px high, as at 10 or 11 points.
@@ -50,4 +50,4 @@ class WordPlaces {
   std::vector<Box> taken_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::pictures

@@ -8,7 +8,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 double log_position(double value) { return value > 0 ? std::log10(value) : NAN; }
 
@@ -42,7 +42,8 @@ void AxisTics::add_bare(double position) { bare_ += fmt::format(", '' {:.9g}", p
 
 std::string AxisTics::text(bool with_labels) const {
   std::string text;
-  for (const Tic& tic : tics_) text += fmt::format(", {} {:.9g}", with_labels ? plot_text(tic.label) : "''", tic.position);
+  for (const Tic& tic : tics_)
+    text += fmt::format(", {} {:.9g}", with_labels ? pictures::plot_text(tic.label) : "''", tic.position);
   text += bare_;
   return text.empty() ? "'' 0" : text.substr(2);
 }
@@ -78,4 +79,4 @@ AxisTics decade_tics(const AxisRange& range, bool from_zero, bool is_upright) {
   return tics;
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

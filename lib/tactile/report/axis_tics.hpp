@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactile {
+namespace tactile::report {
 
 /// The position of a value on a logarithmic axis: log10(value); NaN unless value > 0.
 double log_position(double value);
@@ -62,4 +62,4 @@ class AxisTics {
 /// @param from_zero  the axis is that of `log_position_from_zero`: 0, then 1 and 3 of each decade
 AxisTics decade_tics(const AxisRange& range, bool from_zero, bool is_upright = false);
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -6,10 +6,10 @@
 
 #include "tactile/report/report_page.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
-std::string with_unit(const Figure& measured, const std::string& unit) {
+std::string with_unit(const results::Figure& measured, const std::string& unit) {
   if (!std::isfinite(measured.value)) return "not measured";
   const auto digits = [](double value) { return value == std::round(value) ? 0 : 2; };  // counts, and delays of whole ticks
   const bool is_one = measured.value == 1 && unit.ends_with('s') && unit != "ms";
@@ -23,11 +23,11 @@ std::string with_unit(const Figure& measured, const std::string& unit) {
   return text;
 }
 
-HtmlCell verdict_cell(const ClaimOutcome& outcome, const std::string& second_line) {
-  const Verdict verdict = outcome.verdict;
-  const HtmlTone tone = verdict == Verdict::holds      ? HtmlTone::good
-                        : verdict == Verdict::does_not ? HtmlTone::bad
-                                                       : HtmlTone::open;
+HtmlCell verdict_cell(const results::ClaimOutcome& outcome, const std::string& second_line) {
+  const results::Verdict verdict = outcome.verdict;
+  const HtmlTone tone = verdict == results::Verdict::holds      ? HtmlTone::good
+                        : verdict == results::Verdict::does_not ? HtmlTone::bad
+                                                                : HtmlTone::open;
   return {.text = std::string(name_of(verdict)), .tone = tone, .second_line = second_line};
 }
 
@@ -40,9 +40,11 @@ std::string joined(std::initializer_list<std::string> sentences) {
 }
 
 /// "above 95 %"
-std::string limit_of(const Claim& claim) { return fmt::format("{} {:g} {}", name_of(claim.asked), claim.limit, claim.unit); }
+std::string limit_of(const results::Claim& claim) {
+  return fmt::format("{} {:g} {}", name_of(claim.asked), claim.limit, claim.unit);
+}
 
-std::vector<HtmlCell> row_of(const Claim& claim) {
+std::vector<HtmlCell> row_of(const results::Claim& claim) {
   std::string measured = with_unit(claim.measured, claim.unit);
   if (std::isfinite(claim.limit)) measured += "; claimed: " + limit_of(claim);
   const bool has_words = !claim.in_words.empty();
@@ -52,7 +54,7 @@ std::vector<HtmlCell> row_of(const Claim& claim) {
       {.text = claim.paper},
       {.text = has_words ? claim.in_words : measured, .second_line = joined({has_words ? measured : std::string(), claim.note})}};
   if (claim.all_test) {
-    const ClaimOutcome& all = *claim.all_test;
+    const results::ClaimOutcome& all = *claim.all_test;
     row.push_back(verdict_cell(all, joined({all.why, all.in_words, with_unit(all.measured, claim.unit), all.note})));
   } else {
     row.push_back({.text = "-"});
@@ -61,15 +63,15 @@ std::vector<HtmlCell> row_of(const Claim& claim) {
 }
 
 /// Objects by the claims that are about each of them.
-HtmlTable objects_table(const std::vector<Claim>& claims) {
+HtmlTable objects_table(const std::vector<results::Claim>& claims) {
   HtmlTable table{.caption =
                       "By object, on the reported runs: ✓ where the object's value meets the claim; below each value its "
                       "95 % interval, if there is one, and its number of runs",
                   .head = {"object"},
                   .rows = {}};
-  std::vector<const Claim*> about_objects;
+  std::vector<const results::Claim*> about_objects;
   std::set<std::string> names;
-  for (const Claim& claim : claims) {
+  for (const results::Claim& claim : claims) {
     if (claim.objects.empty()) continue;
     about_objects.push_back(&claim);
     table.head.push_back(claim.id + ": " + limit_of(claim));
@@ -77,14 +79,14 @@ HtmlTable objects_table(const std::vector<Claim>& claims) {
   }
   for (const std::string& name : names) {
     std::vector<HtmlCell> row{{.text = name}};
-    for (const Claim* claim : about_objects) {
+    for (const results::Claim* claim : about_objects) {
       const auto found = claim->objects.find(name);
       if (found == claim->objects.end()) {
         row.push_back(number_cell(""));
         continue;
       }
-      const Figure& value = found->second;
-      const bool is_met = claim->asked == Asked::below ? value.value < claim->limit : value.value > claim->limit;
+      const results::Figure& value = found->second;
+      const bool is_met = claim->asked == results::Asked::below ? value.value < claim->limit : value.value > claim->limit;
       HtmlCell cell = figure_cell(value);
       if (is_met) cell.text = "✓ " + cell.text;
       const std::string runs = fmt::format("{} run{}", value.n, value.n == 1 ? "" : "s");
@@ -111,7 +113,7 @@ void add_claims(ReportPage& page, const ReportInput& input) {
                   .head = {"claim", "verdict", "paper", "measured", "by the paper's method"},
                   .rows = {},
                   .stacks = true};
-  for (const Claim& claim : input.claims) {
+  for (const results::Claim& claim : input.claims) {
     if (!std::isfinite(claim.measured.value)) page.missing.push_back("The claim was not measured: " + claim.claim + ".");
     table.rows.push_back(row_of(claim));
   }
@@ -120,4 +122,4 @@ void add_claims(ReportPage& page, const ReportInput& input) {
   for (const ReportedTable& left_out : input.left_out) page.table(left_out);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

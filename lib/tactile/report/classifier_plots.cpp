@@ -9,18 +9,18 @@
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/report/figure_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
-using figure_colours::faint_ink;
-using figure_colours::ink;
+using pictures::figure_colours::faint_ink;
+using pictures::figure_colours::ink;
 
 }  // namespace
 
-Plot confusion_plot(const std::string& title, const Confusion& confusion) {
+pictures::Plot confusion_plot(const std::string& title, const results::Confusion& confusion) {
   constexpr int width = 760, height = 470, left = 130, right = 60, top = 100, below = 40;
   constexpr double field_width = (width - left - right) / 3.0, field_height = (height - top - below) / 3.0;
-  PlotScript script(title, width, height);
+  pictures::PlotScript script(title, width, height);
   script.text("predicted", (left + width - right) / 2.0, 60, "center font ',13'");
   script.text("true", 24, (top + height - below) / 2.0, "center rotate by 90 font ',13'");
   script.begin_panel({.left = left, .top = top, .right = width - right, .bottom = height - below});
@@ -50,13 +50,13 @@ Plot confusion_plot(const std::string& title, const Confusion& confusion) {
   return std::move(script).finished();
 }
 
-Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin>& bins) {
+pictures::Plot reliability_plot(const std::string& title, const std::vector<results::ReliabilityBin>& bins) {
   constexpr int width = 760, left = 90, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
   constexpr int upper_bottom = top + upper_height, lower_top = upper_bottom + gap, bottom = lower_top + lower_height;
   std::vector<double> of_many, of_few, boxes;
   std::uint64_t most = 1;
   double least = 100;
-  for (const ReliabilityBin& bin : bins) {
+  for (const results::ReliabilityBin& bin : bins) {
     if (bin.samples == 0) continue;
     std::vector<double>& points = bin.samples < few_samples ? of_few : of_many;
     points.insert(points.end(), {percent(bin.confidence), percent(bin.accuracy.value)});
@@ -71,14 +71,14 @@ Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin
   for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1'000'000 ? 100 : 10)
     decades += fmt::format("{}{:.0f}", decades.empty() ? "" : ", ", ten);
 
-  PlotScript script(title, width, bottom + below);
+  pictures::PlotScript script(title, width, bottom + below);
   script.note(fmt::format("Dashed: perfect calibration. Hollow: fewer than {} samples.", few_samples));
   script.begin_panel({.left = left, .top = top, .right = width - right, .bottom = upper_bottom});
   script.axes({.begin = begin, .end = 101, .has_labels = false}, {.end = 102, .label = "accuracy [%]"});
   script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
              faint_ink);
   const std::string table = script.table(4, std::move(of_many));
-  const auto blue = figure_colours::network;
+  const auto blue = pictures::figure_colours::network;
   script.plot({{table, "1:2:3:4", "yerrorbars", {.colour = blue, .width = 1.6, .mark = 7, .size = 1.1}},
                {table, "1:2", "lines", {.colour = blue, .width = 1.6}},
                {script.table(4, std::move(of_few)), "1:2:3:4", "yerrorbars", {.colour = blue, .mark = 6, .size = 1.1}}});
@@ -141,15 +141,15 @@ std::vector<double> values_of(const TrainingCurve& curve) {
 }
 
 /// One column of every training, named ones over grey ones.
-std::vector<PlotSeries> training_series(PlotScript& script, const std::vector<std::string>& tables, std::string_view columns,
-                                        bool with_validation) {
-  std::vector<PlotSeries> series;
+std::vector<pictures::PlotSeries> training_series(pictures::PlotScript& script, const std::vector<std::string>& tables,
+                                                  std::string_view columns, bool with_validation) {
+  std::vector<pictures::PlotSeries> series;
   for (std::size_t i = tables.size(); i-- > 0;) {
     if (i >= most_named_trainings) {
-      series.push_back({tables[i], columns, "lines", {.colour = figure_colours::others}});
+      series.push_back({tables[i], columns, "lines", {.colour = pictures::figure_colours::others}});
       continue;
     }
-    const LineStyle style = line_style(i);
+    const pictures::LineStyle style = pictures::line_style(i);
     series.push_back({tables[i], columns, "linespoints", style});
     if (with_validation)
       series.push_back({tables[i], "1:4", "points", {.colour = style.colour, .width = 1.6, .mark = 6, .size = 1.1}});
@@ -159,11 +159,12 @@ std::vector<PlotSeries> training_series(PlotScript& script, const std::vector<st
 }
 
 /// Names under the panels, in two columns.
-void add_training_key(PlotScript& script, const std::vector<TrainingCurve>& curves, std::size_t named, int key_top, int row) {
+void add_training_key(pictures::PlotScript& script, const std::vector<TrainingCurve>& curves, std::size_t named, int key_top,
+                      int row) {
   for (std::size_t i = 0; i < named; ++i) {
-    const LineStyle style = line_style(i);
+    const pictures::LineStyle style = pictures::line_style(i);
     const double x = i % 2 == 0 ? training_left : page_width / 2.0 + 20, y = key_top + static_cast<double>(i / 2) * row;
-    script.text(shortened(curves[i].name, 50), x + 56, y, "left font ',12'");
+    script.text(pictures::shortened(curves[i].name, 50), x + 56, y, "left font ',12'");
     script.line(x, y, x + 44, y, style.colour, 1.8, style.dashes);
     script.text("", x + 22, y, fmt::format("point pt {} ps 1 lc rgb '{}'", *style.mark, style.colour));
   }
@@ -171,18 +172,18 @@ void add_training_key(PlotScript& script, const std::vector<TrainingCurve>& curv
 
 }  // namespace
 
-Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
+pictures::Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
   constexpr int top = 84, panel_height = 320, below = 76, key_row = 24, bottom = top + panel_height;
   constexpr int width = (page_width - training_left - training_right - training_gap) / 2;
   const std::size_t named = std::min(curves.size(), most_named_trainings);
   const TrainingRanges ranges(curves);
-  PlotScript script(title, page_width, bottom + below + static_cast<int>((named + 1) / 2) * key_row + 10);
+  pictures::PlotScript script(title, page_width, bottom + below + static_cast<int>((named + 1) / 2) * key_row + 10);
   script.note(std::string("One line per training") +
               (curves.size() > named ? fmt::format("; grey: {} more", curves.size() - named) : "") +
               (ranges.has_validation ? "; hollow marks: accuracy on the validation samples." : "."));
   std::vector<std::string> tables;
   for (const TrainingCurve& curve : curves) tables.push_back(script.table(4, values_of(curve)));
-  const PlotAxis epochs{.begin = 0.5, .end = ranges.most_epochs + 0.5, .label = "epoch"};
+  const pictures::PlotAxis epochs{.begin = 0.5, .end = ranges.most_epochs + 0.5, .label = "epoch"};
   const double least_loss = ranges.least_loss / 1.3, greatest_loss = ranges.greatest_loss * 1.3;
 
   script.begin_panel({.left = training_left, .top = top, .right = training_left + width, .bottom = bottom});
@@ -199,4 +200,4 @@ Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& c
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

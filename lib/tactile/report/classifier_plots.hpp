@@ -9,17 +9,17 @@
 #include "tactile/results/calibration.hpp"
 #include "tactile/results/confusion.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 // Results of the network on balanced samples, and its training. Values that are NaN are not drawn.
 
 /// Rows true, columns predicted; each field with its count and its share of the row.
-Plot confusion_plot(const std::string& title, const Confusion& confusion);
+pictures::Plot confusion_plot(const std::string& title, const results::Confusion& confusion);
 
 inline constexpr std::uint64_t few_samples = 20;  ///< a bin with fewer is drawn hollow
 
 /// Accuracy by the largest probability, with the number of samples below.
-Plot reliability_plot(const std::string& title, const std::vector<ReliabilityBin>& bins);
+pictures::Plot reliability_plot(const std::string& title, const std::vector<results::ReliabilityBin>& bins);
 
 /// A training, epoch by epoch.
 struct TrainingCurve {
@@ -33,6 +33,6 @@ struct TrainingCurve {
 };
 
 /// Loss and accuracy of each training; the first eight are named.
-Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves);
+pictures::Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves);
 
-}  // namespace tactile
+}  // namespace tactile::report

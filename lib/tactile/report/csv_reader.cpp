@@ -2,7 +2,7 @@
 
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 CsvReader::CsvReader(const std::filesystem::path& file, std::size_t largest) : text_(read_text(file, largest)), rows_(text_) {}
 
@@ -20,4 +20,4 @@ std::optional<std::string_view> CsvReader::operator[](std::string_view column) c
   return index && *index < rows_.cells().size() ? std::optional(rows_.cells()[*index]) : std::nullopt;
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -8,7 +8,7 @@
 
 #include "tactile/core/csv.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// Reads a CSV file row by row, its fields by the names of their columns. The first line names the columns. Quotes have no
 /// meaning, lines may end with "\r\n", and empty lines are skipped.
@@ -35,4 +35,4 @@ class CsvReader {
   CsvRows rows_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::report

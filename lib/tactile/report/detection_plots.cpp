@@ -11,7 +11,7 @@
 #include "tactile/pictures/word_places.hpp"
 #include "tactile/report/figure_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 constexpr int curve_left = 90, curve_right = 40, curve_top = 84, delay_bottom = curve_top + 290;
@@ -23,14 +23,14 @@ struct CurveAxes {
   double begin = 0, end = 1, none_at = 0;  ///< log10 of false alarms per minute
   double longest_ms = 0, most_missed = 5;  ///< [%]
 
-  explicit CurveAxes(const std::vector<OperatingPoint>& points) {
+  explicit CurveAxes(const std::vector<results::OperatingPoint>& points) {
     double most_alarms = 0, least_alarms = 1e9;
-    for (const OperatingPoint& point : points) {
+    for (const results::OperatingPoint& point : points) {
       if (const double alarms = point.false_alarms_per_min.value; std::isfinite(alarms) && alarms > 0) {
         most_alarms = std::max(most_alarms, alarms);
         least_alarms = std::min(least_alarms, alarms);
       }
-      for (const DelaySummary& touch : {point.press, point.slip}) {
+      for (const results::DelaySummary& touch : {point.press, point.slip}) {
         if (std::isfinite(touch.mean_ms.value)) longest_ms = std::max(longest_ms, touch.mean_ms.value);
         if (std::isfinite(touch.missed_share())) most_missed = std::max(most_missed, percent(touch.missed_share()));
       }
@@ -43,11 +43,11 @@ struct CurveAxes {
   }
 
   double span() const { return end - none_at; }
-  double place_of(const OperatingPoint& point) const {
+  double place_of(const results::OperatingPoint& point) const {
     const double alarms = point.false_alarms_per_min.value;
     return alarms > 0 ? std::log10(alarms) : alarms == 0 ? none_at : alarms;
   }
-  PlotAxis x(bool has_labels) const {
+  pictures::PlotAxis x(bool has_labels) const {
     std::string tics = fmt::format("'{}' {:.9g}", has_labels ? "none" : "", none_at);
     for (double decade = begin; decade <= end; ++decade)
       tics += fmt::format(", '{}' {}", has_labels ? fmt::format("{:g}", std::pow(10, decade)) : "", decade);
@@ -56,12 +56,12 @@ struct CurveAxes {
             .label = has_labels ? "false alarms per minute" : "",
             .tics = tics};
   }
-  static PlotAxis y(double most, std::string_view label) {
+  static pictures::PlotAxis y(double most, std::string_view label) {
     return {.begin = -y_below * most, .end = (1 + y_above) * most, .label = label};
   }
 
   // In pixels of the panel of delays.
-  double across(const OperatingPoint& point) const {
+  double across(const results::OperatingPoint& point) const {
     return curve_left + (page_width - curve_left - curve_right) * (place_of(point) - none_at + x_margin * span()) /
                             ((1 + 2 * x_margin) * span());
   }
@@ -71,13 +71,13 @@ struct CurveAxes {
 };
 
 /// Writes some thresholds beside their points, only where nothing else is.
-void add_thresholds(PlotScript& script, const CurveAxes& axes, const std::vector<OperatingPoint>& points,
-                    const std::optional<OperatingPoint>& own) {
+void add_thresholds(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
+                    const std::optional<results::OperatingPoint>& own) {
   constexpr double word_character = 8.5, half_mark = 7;  // [px]
-  WordPlaces places({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
-  const auto take_marks = [&](const OperatingPoint& point) {
+  pictures::WordPlaces places({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
+  const auto take_marks = [&](const results::OperatingPoint& point) {
     const double x = axes.across(point);
-    for (const DelaySummary& touch : {point.press, point.slip}) {
+    for (const results::DelaySummary& touch : {point.press, point.slip}) {
       const double y = axes.down(touch.mean_ms.value);
       if (std::isfinite(x) && std::isfinite(y)) places.take(x - half_mark, y - half_mark, x + half_mark, y + half_mark);
     }
@@ -85,7 +85,7 @@ void add_thresholds(PlotScript& script, const CurveAxes& axes, const std::vector
   std::for_each(points.begin(), points.end(), take_marks);
   if (own) take_marks(*own);
   for (std::size_t i = 1; i < points.size(); ++i) {
-    const OperatingPoint &from = points[i - 1], &to = points[i];
+    const results::OperatingPoint &from = points[i - 1], &to = points[i];
     const double x = axes.across(from), to_x = axes.across(to);
     for (const auto& [from_ms, to_ms] : {std::pair(from.press.mean_ms.value, to.press.mean_ms.value),
                                          std::pair(from.slip.mean_ms.value, to.slip.mean_ms.value)}) {
@@ -95,32 +95,33 @@ void add_thresholds(PlotScript& script, const CurveAxes& axes, const std::vector
   }
   for (const Touch touch : {Touch::slip, Touch::press}) {
     for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
-      const auto point = std::find_if(points.begin(), points.end(),
-                                      [wanted](const OperatingPoint& one) { return std::abs(one.threshold - wanted) < 1e-9; });
+      const auto point = std::find_if(points.begin(), points.end(), [wanted](const results::OperatingPoint& one) {
+        return std::abs(one.threshold - wanted) < 1e-9;
+      });
       if (point == points.end()) continue;
       const double delay_ms = (touch == Touch::press ? point->press : point->slip).mean_ms.value;
       const std::string words = fmt::format("{:.4g}", wanted);
-      const WordPlaces::Place place =
+      const pictures::WordPlaces::Place place =
           places.near(axes.across(*point), axes.down(delay_ms), word_character * static_cast<double>(words.size()));
       if (!place.is_plain()) continue;
       places.take(place);
-      script.text(words, place.x, place.y, "center font ',10'", figure_colours::of(touch));
+      script.text(words, place.x, place.y, "center font ',10'", pictures::figure_colours::of(touch));
     }
   }
 }
 
 /// One value of press and slip at each point, joined by lines; of the network's own verdicts as diamonds.
 template <class ValueOf>
-void draw_curves(PlotScript& script, const CurveAxes& axes, const std::vector<OperatingPoint>& points,
-                 const std::optional<OperatingPoint>& own, ValueOf value_of) {
-  const auto add = [&](std::vector<double>& values, const OperatingPoint& point) {
+void draw_curves(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
+                 const std::optional<results::OperatingPoint>& own, ValueOf value_of) {
+  const auto add = [&](std::vector<double>& values, const results::OperatingPoint& point) {
     values.insert(values.end(), {axes.place_of(point), value_of(point.press), value_of(point.slip)});
   };
   std::vector<double> values, of_own;
-  for (const OperatingPoint& point : points) add(values, point);
+  for (const results::OperatingPoint& point : points) add(values, point);
   if (own) add(of_own, *own);
   const std::string table = script.table(3, std::move(values)), own_table = script.table(3, std::move(of_own));
-  const auto press = figure_colours::press, slip = figure_colours::slip;
+  const auto press = pictures::figure_colours::press, slip = pictures::figure_colours::slip;
   script.plot({{table, "1:2", "linespoints", {.colour = press, .width = 1.6, .mark = 7, .size = 1.3}},
                {table, "1:3", "linespoints", {.colour = slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.7}},
                {own_table, "1:2", "points", {.colour = press, .width = 2.2, .mark = 12, .size = 2.6}},
@@ -129,50 +130,51 @@ void draw_curves(PlotScript& script, const CurveAxes& axes, const std::vector<Op
 
 }  // namespace
 
-Plot operating_curve_plot(const std::string& title, const std::vector<OperatingPoint>& points,
-                          const std::optional<OperatingPoint>& own) {
+pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
+                                    const std::optional<results::OperatingPoint>& own) {
   constexpr int gap = 34, missed_height = 150, below = 62, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
-  PlotScript script(title, page_width, bottom + below);
+  pictures::PlotScript script(title, page_width, bottom + below);
   script.note(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: probability threshold.",
                           own ? "; diamonds: no threshold" : ""));
-  std::vector<OperatingPoint> all = points;
+  std::vector<results::OperatingPoint> all = points;
   if (own) all.push_back(*own);
   const CurveAxes axes(all);
   script.begin_panel({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
   script.axes(axes.x(false), axes.y(axes.longest_ms, "mean delay [ms]"));
   add_thresholds(script, axes, points, own);
-  draw_curves(script, axes, points, own, [](const DelaySummary& touch) { return touch.mean_ms.value; });
+  draw_curves(script, axes, points, own, [](const results::DelaySummary& touch) { return touch.mean_ms.value; });
   script.begin_panel({.left = curve_left, .top = missed_top, .right = page_width - curve_right, .bottom = bottom});
   script.axes(axes.x(true), axes.y(axes.most_missed, "missed or early [%]"));
-  draw_curves(script, axes, points, own, [](const DelaySummary& touch) { return percent(touch.missed_share()); });
+  draw_curves(script, axes, points, own, [](const results::DelaySummary& touch) { return percent(touch.missed_share()); });
   return std::move(script).finished();
 }
 
-Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, const AccuracyOverTime& slip) {
+pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& press,
+                              const results::AccuracyOverTime& slip) {
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   constexpr int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   AccuracyAxis axis;
   Whiskers whiskers;
-  for (const AccuracyOverTime* touch : {&press, &slip}) {
-    for (const std::vector<OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const OverTimeBin& bin : *bins) {
+  for (const results::AccuracyOverTime* touch : {&press, &slip}) {
+    for (const std::vector<results::OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
+      for (const results::OverTimeBin& bin : *bins) {
         axis.include(bin.accuracy);
         whiskers.include(bin.accuracy);
       }
     }
   }
-  PlotScript script(title, page_width, bottom + below);
+  pictures::PlotScript script(title, page_width, bottom + below);
   script.note("Blue circles: press; orange squares: slip. Correct ticks." + whiskers.in_words());
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
-    std::vector<PlotSeries> series;
+    std::vector<pictures::PlotSeries> series;
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
-    for (const AccuracyOverTime* touch : {&press, &slip}) {
+    for (const results::AccuracyOverTime* touch : {&press, &slip}) {
       const bool is_press = touch == &press;
-      const auto colour = is_press ? figure_colours::press : figure_colours::slip;
+      const auto colour = is_press ? pictures::figure_colours::press : pictures::figure_colours::slip;
       std::vector<double> values;
-      for (const OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end) {
+      for (const results::OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end) {
         longest = std::max(longest, in_ms(bin.to));
         values.insert(values.end(), {in_ms(bin.from + bin.to) / 2, percent(bin.accuracy.value)});
         add_interval(values, bin.accuracy);
@@ -191,4 +193,4 @@ Plot over_time_plot(const std::string& title, const AccuracyOverTime& press, con
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -12,11 +12,11 @@
 #include "tactile/report/axis_tics.hpp"
 #include "tactile/report/figure_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
-using figure_colours::faint_ink;
-using figure_colours::ink;
+using pictures::figure_colours::faint_ink;
+using pictures::figure_colours::ink;
 
 constexpr std::size_t most_named = 24;   // of a front
 constexpr std::size_t most_others = 42;  // numbered, of those on none
@@ -33,7 +33,7 @@ std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   std::vector<std::string> lines = lines_of(wrapped(name, 0, characters));
   for (std::string& line : lines) {
     std::replace(line.begin(), line.end(), stays, ' ');
-    line = shortened(line, characters);
+    line = pictures::shortened(line, characters);
   }
   return lines;
 }
@@ -66,7 +66,7 @@ class NameList {
   int height() const { return row * static_cast<int>(rows_); }  ///< [px]
 
   /// @param top  the middle of the first row [px]
-  void write(PlotScript& script, int top) const {
+  void write(pictures::PlotScript& script, int top) const {
     constexpr int margin = 24, number_width = 26;
     const double width = (page_width - margin - 10.0) / columns_;
     for (const Entry& entry : entries_) {
@@ -139,7 +139,7 @@ struct DotGroups {
 
 /// The panel, with places in pixels of the figure.
 struct DotPanel {
-  PlotBox box;
+  pictures::PlotBox box;
   AxisRange across, up;
   Position position_of;
 
@@ -161,7 +161,7 @@ DotPanel panel_of(const DotGroups& groups, const DotAxes& axes, Position positio
   if (groups.empty()) least_x = most_x = least_y = most_y = 0;
   // 0 is on the axis, as the value that others are compared with, unless that compresses the rest.
   if (axes.x_from_zero && (least_x < 1.5 || 2 * least_x < most_x)) least_x = 0, most_x = std::max(most_x, std::log10(2));
-  const PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = top + panel_height};
+  const pictures::PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = top + panel_height};
   AxisRange up = range_around(least_y, most_y, axes.least_y_span, box.bottom - box.top);
   // Beyond the possible values there is room for half a mark alone.
   const double edge = 0.025 * (up.end - up.begin);
@@ -206,7 +206,7 @@ std::vector<Crowd> crowds_of(std::vector<const Dot*> dots, std::size_t first_num
 /// Labels beside the marks.
 class DotLabels {
  public:
-  DotLabels(PlotScript& script, const DotPanel& panel) : script_(script), panel_(panel), places_(panel.box) {}
+  DotLabels(pictures::PlotScript& script, const DotPanel& panel) : script_(script), panel_(panel), places_(panel.box) {}
 
   /// A mark covers its place.
   void take(const Dot& dot) {
@@ -220,7 +220,7 @@ class DotLabels {
   /// Nothing is written where it would cover other words: the list has the name.
   void write(const std::string& words, const Dot& dot, double character, std::string_view colour) {
     const auto [x, y] = panel_.place(dot);
-    const WordPlaces::Place place = places_.near(x, y, character * static_cast<double>(characters_in(words)));
+    const pictures::WordPlaces::Place place = places_.near(x, y, character * static_cast<double>(characters_in(words)));
     if (place.covers_words) return;
     places_.take(place);
     script_.text(words, place.x, place.y, "center font ',11'", colour);
@@ -232,12 +232,12 @@ class DotLabels {
   }
 
  private:
-  PlotScript& script_;
+  pictures::PlotScript& script_;
   const DotPanel& panel_;
-  WordPlaces places_;
+  pictures::WordPlaces places_;
 };
 
-void draw_panel(PlotScript& script, const DotPanel& panel, const DotGroups& groups, const std::vector<Crowd>& crowds,
+void draw_panel(pictures::PlotScript& script, const DotPanel& panel, const DotGroups& groups, const std::vector<Crowd>& crowds,
                 const DotAxes& axes) {
   constexpr double number_character = 9.5, word_character = 8.4;  // [px]
   script.begin_panel(panel.box);
@@ -253,7 +253,7 @@ void draw_panel(PlotScript& script, const DotPanel& panel, const DotGroups& grou
     labels.take(*dot);
   }
   for (const Dot* dot : groups.front) {
-    const Figure& y = dot->y;
+    const results::Figure& y = dot->y;
     front.insert(front.end(),
                  {panel.position_of(dot->x), y.value, y.has_interval() ? *y.low : y.value, y.has_interval() ? *y.high : y.value});
     labels.take(*dot);
@@ -264,7 +264,7 @@ void draw_panel(PlotScript& script, const DotPanel& panel, const DotGroups& grou
   for (const Dot* dot : groups.usual) labels.write("usual", *dot, word_character, ink);
   for (const Crowd& crowd : crowds) labels.write(crowd.label(), *crowd.dots.front(), number_character, faint_ink);
   if (groups.empty()) {
-    const PlotBox& box = panel.box;
+    const pictures::PlotBox& box = panel.box;
     script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
   }
   script.plot(
@@ -272,13 +272,13 @@ void draw_panel(PlotScript& script, const DotPanel& panel, const DotGroups& grou
        {script.table(4, std::move(front)),
         "1:2:3:4",
         "yerrorbars",
-        {.colour = figure_colours::best, .width = 1.5, .mark = 7, .size = 1.1}},
+        {.colour = pictures::figure_colours::best, .width = 1.5, .mark = 7, .size = 1.1}},
        {script.table(2, std::move(usual)), "1:2", "points", {.colour = ink, .width = 1.5, .mark = 12, .size = 2.1}}});
 }
 
 }  // namespace
 
-Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<Dot>& dots) {
+pictures::Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<Dot>& dots) {
   constexpr int note_row = 20, note_top = 52;
   constexpr std::size_t note_characters = 114;
   const Position position_of = axes.x_from_zero ? log_position_from_zero : log_position;
@@ -301,7 +301,7 @@ Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<
   const int front_top = room_for(front_names), others_top = room_for(other_names) + (front_names.empty() ? 0 : 8);
   height += front_names.empty() || other_names.empty() ? 6 : 14;
 
-  PlotScript script(title, page_width, height);
+  pictures::PlotScript script(title, page_width, height);
   for (const std::string& note : notes) script.note(note);
   const auto write = [&script](const NameList& names, const char* heading, int top) {
     if (!names.empty()) script.text(heading, 24, top, "left font ',11'", faint_ink);
@@ -314,4 +314,4 @@ Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -7,12 +7,12 @@
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// A setting in a figure.
 struct Dot {
   double x = NAN;
-  Figure y{};
+  results::Figure y{};
   bool on_front = false, usual = false;
   bool is_single_change = false;  ///< one value alone differs from the usual setting
   std::string text;               ///< its name
@@ -30,6 +30,6 @@ struct DotAxes {
 /// Settings as dots. Those on the front are filled, with their interval, and numbered; the first 24 have their names below. The
 /// others are hollow; 42 of them have a number and a name, those with a single change first. Where circles overlap one label has
 /// all their numbers. The usual setting has a diamond and a word. Dots without a value are counted.
-Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<Dot>& dots);
+pictures::Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<Dot>& dots);
 
-}  // namespace tactile
+}  // namespace tactile::report

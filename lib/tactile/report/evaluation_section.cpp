@@ -7,20 +7,21 @@
 #include "tactile/report/detection_plots.hpp"
 #include "tactile/report/report_page.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 std::string count_text(std::uint64_t count) { return fmt::format("{}", count); }
 
 /// Accuracies, one column for each way to measure them.
-HtmlTable accuracy_table(const Evaluation& scores) {
-  std::vector<std::pair<std::string, const Accuracy*>> columns{{"network", &scores.accuracy}};
+HtmlTable accuracy_table(const results::Evaluation& scores) {
+  std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"network", &scores.accuracy}};
   // The first guard is the dataset's own, which is the network's column.
   for (std::size_t i = 1; i < scores.guards.size(); ++i) {
     const double guard_ms = static_cast<double>(scores.guards[i].guard.count()) / 1000;
     columns.emplace_back(fmt::format("guard {:g} ms", guard_ms), &scores.guards[i].accuracy);
   }
-  for (const BaselineScore& baseline : scores.baselines) columns.emplace_back("baseline " + baseline.name, &baseline.accuracy);
+  for (const results::BaselineScore& baseline : scores.baselines)
+    columns.emplace_back("baseline " + baseline.name, &baseline.accuracy);
   if (scores.truth) columns.emplace_back("by true class", &scores.truth->accuracy);
   std::erase_if(columns,
                 [](const auto& column) { return !std::isfinite(column.second->mean.value) && column.second->objects.empty(); });
@@ -42,7 +43,7 @@ HtmlTable accuracy_table(const Evaluation& scores) {
     table.rows.push_back({{.text = object}});
     for (const auto& [name, accuracy] : columns) {
       const auto found = accuracy->objects.find(object);
-      table.rows.back().push_back(percent_cell(found == accuracy->objects.end() ? Figure{} : found->second));
+      table.rows.back().push_back(percent_cell(found == accuracy->objects.end() ? results::Figure{} : found->second));
     }
   }
   return table;
@@ -53,7 +54,7 @@ HtmlTable delay_table(const std::string& caption) {
       .caption = caption, .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"}, .rows = {}};
 }
 
-void add_delay(HtmlTable& table, const std::string& object, const std::string& touch, const DelaySummary& delay) {
+void add_delay(HtmlTable& table, const std::string& object, const std::string& touch, const results::DelaySummary& delay) {
   if (delay.intervals == 0) return;
   table.rows.push_back({{.text = object},
                         {.text = touch},
@@ -64,22 +65,22 @@ void add_delay(HtmlTable& table, const std::string& object, const std::string& t
                         number_cell(count_text(delay.early))});
 }
 
-void add_delays(HtmlTable& table, const std::string& touch, const DelayTable& delays) {
+void add_delays(HtmlTable& table, const std::string& touch, const results::DelayTable& delays) {
   if (delays.all.intervals == 0) return;
   add_delay(table, "all objects", touch, delays.all);
   for (const auto& [object, delay] : delays.objects) add_delay(table, object, touch, delay);
 }
 
-bool has_standard_errors(const DelayTable& delays) {
+bool has_standard_errors(const results::DelayTable& delays) {
   return std::any_of(delays.objects.begin(), delays.objects.end(),
                      [](const auto& object) { return std::isfinite(object.second.sem_ms); });
 }
 
-void add_delays(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+void add_delays(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
   page.html.heading("Detection delay");
-  const DelayTable &press = scores.network.press, &slip = scores.network.slip;
+  const results::DelayTable &press = scores.network.press, &slip = scores.network.slip;
   std::set<std::string> names;
-  for (const DelayTable* delays : {&press, &slip}) {
+  for (const results::DelayTable* delays : {&press, &slip}) {
     for (const auto& object : delays->objects) names.insert(object.first);
   }
   if (names.empty()) {
@@ -117,11 +118,11 @@ void add_delays(ReportPage& page, const Evaluation& scores, const std::string& m
   page.html.table(table);
 }
 
-std::vector<HtmlCell> alarm_row(const std::string& detector, const DetectorScore& score) {
-  const FalseAlarms& total = score.false_alarms.total;
+std::vector<HtmlCell> alarm_row(const std::string& detector, const results::DetectorScore& score) {
+  const results::FalseAlarms& total = score.false_alarms.total;
   const bool has_counts = total.none_time > microseconds{0};
   const auto count = [&](std::uint64_t alarms) { return number_cell(has_counts ? count_text(alarms) : std::string("-")); };
-  const auto delay = [](const DelaySummary& summary) {
+  const auto delay = [](const results::DelaySummary& summary) {
     HtmlCell cell = number_cell(summary.mean_ms.value);
     if (summary.misses == summary.intervals && summary.misses > 0)
       cell.second_line = fmt::format("all {} missed", summary.misses);
@@ -132,12 +133,12 @@ std::vector<HtmlCell> alarm_row(const std::string& detector, const DetectorScore
     return cell;
   };
   return {{.text = detector},           figure_cell(score.false_alarms.per_min),
-          count(total.alarms),          has_counts ? number_cell(in_minutes(total.none_time), 3) : number_cell("-"),
+          count(total.alarms),          has_counts ? number_cell(results::in_minutes(total.none_time), 3) : number_cell("-"),
           count(total.after_intervals), count(total.unlabelled),
           delay(score.press.all),       delay(score.slip.all)};
 }
 
-void add_false_alarms(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
   const bool has_alarms = std::isfinite(scores.network.false_alarms.per_min.value);
   if (has_alarms || !scores.trivial.empty()) {
     page.html.heading("False alarms");
@@ -155,11 +156,11 @@ void add_false_alarms(ReportPage& page, const Evaluation& scores, const std::str
     page.missing.push_back("Delay against false alarms of " + model + ".");
     return;
   }
-  std::optional<OperatingPoint> own;
+  std::optional<results::OperatingPoint> own;
   if (has_alarms) {
-    own = OperatingPoint{.press = scores.network.press.all,
-                         .slip = scores.network.slip.all,
-                         .false_alarms_per_min = scores.network.false_alarms.per_min};
+    own = results::OperatingPoint{.press = scores.network.press.all,
+                                  .slip = scores.network.slip.all,
+                                  .false_alarms_per_min = scores.network.false_alarms.per_min};
   }
   page.figure(
       "operating-curve" + suffix,
@@ -170,7 +171,7 @@ void add_false_alarms(ReportPage& page, const Evaluation& scores, const std::str
       "own verdicts, which are the likeliest class, without a threshold.");
 }
 
-void add_classes(ReportPage& page, const Evaluation& scores, const std::string& model, const std::string& suffix) {
+void add_classes(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
   if (scores.confusion.samples() > 0) {
     page.html.heading("Confusion");
     page.figure("confusion" + suffix, confusion_plot(page.titled("Confusion, " + model), scores.confusion),
@@ -191,7 +192,7 @@ void add_classes(ReportPage& page, const Evaluation& scores, const std::string& 
   HtmlTable table{
       .caption = "Scores of each class [%], on balanced samples", .head = {"class", "precision", "recall", "F1"}, .rows = {}};
   for (const Touch touch : all_touches) {
-    const ClassScore& score = scores.classes.all[static_cast<std::size_t>(touch)];
+    const results::ClassScore& score = scores.classes.all[static_cast<std::size_t>(touch)];
     const auto measured = {score.precision.value, score.recall.value, score.f1.value};
     if (std::none_of(measured.begin(), measured.end(), [](double value) { return std::isfinite(value); })) continue;
     table.rows.push_back({{.text = std::string(name_of(touch))},
@@ -202,9 +203,10 @@ void add_classes(ReportPage& page, const Evaluation& scores, const std::string& 
   page.html.table(table);
 }
 
-void add_calibration(ReportPage& page, const Calibration& calibration, const std::string& model, const std::string& suffix) {
-  const bool has_samples =
-      std::any_of(calibration.bins.begin(), calibration.bins.end(), [](const ReliabilityBin& bin) { return bin.samples > 0; });
+void add_calibration(ReportPage& page, const results::Calibration& calibration, const std::string& model,
+                     const std::string& suffix) {
+  const bool has_samples = std::any_of(calibration.bins.begin(), calibration.bins.end(),
+                                       [](const results::ReliabilityBin& bin) { return bin.samples > 0; });
   if (!has_samples) {
     page.missing.push_back("The reliability of " + model + ".");
     return;
@@ -217,8 +219,10 @@ void add_calibration(ReportPage& page, const Calibration& calibration, const std
                           few_samples, 100 * calibration.error.value));
 }
 
-void add_over_time(ReportPage& page, const OverTime& over_time, const std::string& model, const std::string& suffix) {
-  const auto has_bins = [](const AccuracyOverTime& touch) { return !touch.since_onset.empty() || !touch.before_end.empty(); };
+void add_over_time(ReportPage& page, const results::OverTime& over_time, const std::string& model, const std::string& suffix) {
+  const auto has_bins = [](const results::AccuracyOverTime& touch) {
+    return !touch.since_onset.empty() || !touch.before_end.empty();
+  };
   if (has_bins(over_time.press) || has_bins(over_time.slip)) {
     page.html.heading("Within intervals");
     page.figure("over-time" + suffix,
@@ -236,11 +240,12 @@ void add_over_time(ReportPage& page, const OverTime& over_time, const std::strin
       .rows = {}};
   for (const auto& [name, accuracy] :
        {std::pair("press", &over_time.press), std::pair("slip", &over_time.slip), std::pair("both", &over_time.both)}) {
-    const ShareOverTime& share = accuracy->all;
+    const results::ShareOverTime& share = accuracy->all;
     const auto columns = {share.first, share.later, share.last, share.before_last, share.last_minus_before, share.still_said};
-    if (std::none_of(columns.begin(), columns.end(), [](const Figure& figure) { return std::isfinite(figure.value); })) continue;
+    if (std::none_of(columns.begin(), columns.end(), [](const results::Figure& figure) { return std::isfinite(figure.value); }))
+      continue;
     table.rows.push_back({{.text = name}});
-    for (const Figure& figure : columns) table.rows.back().push_back(percent_cell(figure));
+    for (const results::Figure& figure : columns) table.rows.back().push_back(percent_cell(figure));
   }
   page.html.table(table);
 }
@@ -248,7 +253,7 @@ void add_over_time(ReportPage& page, const OverTime& over_time, const std::strin
 }  // namespace
 
 void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
-  const Evaluation& scores = evaluation.scores;
+  const results::Evaluation& scores = evaluation.scores;
   const std::string& model = evaluation.model;
   const std::string suffix =
       evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
@@ -271,4 +276,4 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
   if (evaluation.is_folded) page.html.end_folded();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

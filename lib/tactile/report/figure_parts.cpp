@@ -7,9 +7,9 @@
 
 #include "tactile/pictures/plot_script.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
-void AccuracyAxis::include(const Figure& accuracy) {
+void AccuracyAxis::include(const results::Figure& accuracy) {
   for (const double value : {accuracy.value, accuracy.low.value_or(NAN)}) {
     if (std::isfinite(value)) least_ = std::min(least_, percent(value));
   }
@@ -17,7 +17,7 @@ void AccuracyAxis::include(const Figure& accuracy) {
 
 double AccuracyAxis::begin() const { return std::clamp(10 * std::floor((least_ - 1) / 10), 0.0, 90.0); }
 
-void Whiskers::include(const Figure& measured) {
+void Whiskers::include(const results::Figure& measured) {
   values_ += std::isfinite(measured.value) ? 1U : 0U;
   intervals_ += measured.has_interval() ? 1U : 0U;
 }
@@ -27,7 +27,7 @@ std::string Whiskers::in_words() const {
   return intervals_ < values_ ? " Whiskers: 95 % intervals, where there are 3 runs or objects." : " Whiskers: 95 % intervals.";
 }
 
-void add_interval(std::vector<double>& values, const Figure& measured) {
+void add_interval(std::vector<double>& values, const results::Figure& measured) {
   values.push_back(percent(measured.has_interval() ? *measured.low : measured.value));
   values.push_back(percent(measured.has_interval() ? *measured.high : measured.value));
 }
@@ -39,8 +39,9 @@ std::string first_of(std::size_t there, std::size_t shown) {
 std::string row_names(const std::vector<std::string>& names) {
   std::string tics;
   for (std::size_t i = 0; i < names.size(); ++i)
-    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", plot_text(shortened(names[i], 22)), names.size() - 1 - i);
+    tics +=
+        fmt::format("{}{} {}", i == 0 ? "" : ", ", pictures::plot_text(pictures::shortened(names[i], 22)), names.size() - 1 - i);
   return tics.empty() ? "'' 0" : tics;
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -6,7 +6,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 // What several figures of results share.
 
@@ -18,7 +18,7 @@ inline double percent(double share) { return 100 * share; }
 /// An axis of accuracy in percent. It ends at 100 and begins at the greatest whole ten below all values, at most 90.
 class AccuracyAxis {
  public:
-  void include(const Figure& accuracy);
+  void include(const results::Figure& accuracy);
   double begin() const;
   double end() const { return 100 + 0.03 * (100 - begin()); }
 
@@ -29,7 +29,7 @@ class AccuracyAxis {
 /// Counts values and intervals, for the sentence that explains the whiskers.
 class Whiskers {
  public:
-  void include(const Figure& measured);
+  void include(const results::Figure& measured);
   std::string in_words() const;  ///< begins with a space
 
  private:
@@ -38,7 +38,7 @@ class Whiskers {
 
 /// Appends both ends of the interval in percent; twice the value where there is no interval, since gnuplot leaves out a point
 /// with a gap.
-void add_interval(std::vector<double>& values, const Figure& measured);
+void add_interval(std::vector<double>& values, const results::Figure& measured);
 
 /// "The first 60 of 100 are shown. "; empty where all are.
 std::string first_of(std::size_t there, std::size_t shown);
@@ -46,4 +46,4 @@ std::string first_of(std::size_t there, std::size_t shown);
 /// Names of rows as tics of the y axis, the first on top.
 std::string row_names(const std::vector<std::string>& names);
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -7,7 +7,7 @@
 
 #include "tactile/core/text_lines.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 constexpr std::size_t long_text = 30;  // [characters] of a field that is given more room on a narrow screen
@@ -193,4 +193,4 @@ std::string HtmlPage::text() const {
       html_text(title_), style, before_, contents, body_);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactile {
+namespace tactile::report {
 
 /// `text` as HTML in which no character has a meaning for HTML, in attributes too. Control characters
 /// become blanks, bytes that are no UTF-8 U+FFFD.
@@ -69,4 +69,4 @@ class HtmlPage {
   std::string& here() { return sections_.empty() ? before_ : body_; }
 };
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -9,7 +9,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/report/csv_reader.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 bool is_there(ReportInput& input, const std::filesystem::path& file, std::string_view what) {
   std::error_code ignored;
@@ -35,13 +35,13 @@ TrainingCurve training_in(const std::filesystem::path& file, const std::string& 
   return curve;
 }
 
-ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, JsonView>>& accuracies) {
+ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::JsonView>>& accuracies) {
   ReportedHistories histories{.runs = runs, .curves = {}};
   HistoryCurve mean{.name = "mean over objects", .points = {}};
   std::map<std::string, HistoryCurve> objects;
   for (const auto& [history_ms, json] : accuracies) {
     if (!json) continue;
-    const Accuracy accuracy = json.get<Accuracy>();
+    const results::Accuracy accuracy = json.get<results::Accuracy>();
     mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy.mean});
     for (const auto& [object, value] : accuracy.objects) {
       objects[object].name = object;
@@ -54,7 +54,7 @@ ReportedHistories histories_of(const std::string& runs, const std::vector<std::p
   return histories;
 }
 
-void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const JsonView& json) {
+void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const results::JsonView& json) {
   for (const auto& [key, value] : json.members()) {
     if (value.is_object())
       add_settings(rows, prefix + key + " ", value);
@@ -63,7 +63,7 @@ void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const 
   }
 }
 
-void add_sentences(std::vector<std::string>& sentences, const JsonView& lines) {
+void add_sentences(std::vector<std::string>& sentences, const results::JsonView& lines) {
   for (const std::string& line : lines.texts()) sentences.push_back(line.ends_with('.') ? line : line + ".");
 }
 
@@ -73,4 +73,4 @@ std::string list_of_runs(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{} runs: {}", names.size(), text);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

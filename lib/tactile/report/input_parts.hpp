@@ -10,7 +10,7 @@
 #include "tactile/results/accuracy.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 // What the input of a report from a study shares with that from models.
 
@@ -24,15 +24,15 @@ TrainingCurve training_in(const std::filesystem::path& file, const std::string& 
 
 /// The mean over objects first, then objects by name.
 /// @param accuracies  by history in milliseconds; those that were not measured are null
-ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, JsonView>>& accuracies);
+ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::JsonView>>& accuracies);
 
 /// Appends the members of an object as rows of two columns, those of objects in it by their paths.
-void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const JsonView& json);
+void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const results::JsonView& json);
 
 /// Appends the texts of a list as sentences: log lines have no full stop.
-void add_sentences(std::vector<std::string>& sentences, const JsonView& lines);
+void add_sentences(std::vector<std::string>& sentences, const results::JsonView& lines);
 
 /// "2 runs: fan/02, usb-hub/02"; "none"
 std::string list_of_runs(const std::vector<std::string>& names);
 
-}  // namespace tactile
+}  // namespace tactile::report

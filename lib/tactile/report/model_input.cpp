@@ -8,7 +8,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/input_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,8 @@ bool is_file(const fs::path& file) {
 
 /// Dataset and settings of a model without its history, which is what models are compared by.
 nlohmann::json compared_settings(const nlohmann::json& model, const std::string& where) {
-  nlohmann::json settings = {{"dataset", {{"manifest_hash", JsonView(model, where)["dataset"]["manifest_hash"].words()}}}};
+  nlohmann::json settings = {
+      {"dataset", {{"manifest_hash", results::JsonView(model, where)["dataset"]["manifest_hash"].words()}}}};
   if (!model.is_object()) return settings.flatten();
   for (const char* key : {"rendering", "split", "training", "network"})
     settings[key] = model.value(key, nlohmann::json::object());
@@ -58,8 +59,8 @@ class ModelFolder {
   const fs::path& path() const { return folder_; }
   std::string name() const { return fs::absolute(folder_).lexically_normal().filename().string(); }
   const nlohmann::json& document() const { return model_; }
-  JsonView model() const { return {model_, (folder_ / "model.json").string()}; }
-  JsonView evaluation() const { return {evaluation_, (folder_ / "eval.json").string()}; }
+  results::JsonView model() const { return {model_, (folder_ / "model.json").string()}; }
+  results::JsonView evaluation() const { return {evaluation_, (folder_ / "eval.json").string()}; }
   double history_ms() const { return model()["rendering"]["history_us"].number() / 1000; }
 
  private:
@@ -68,7 +69,7 @@ class ModelFolder {
 };
 
 void read_evaluation(ReportInput& input, const ModelFolder& folder) {
-  const JsonView json = folder.evaluation();
+  const results::JsonView json = folder.evaluation();
   if (!json) {
     input.missing.push_back(fmt::format("{} was not evaluated; 'tactile eval --model {}' evaluates it.", folder.name(),
                                         shell_word(folder.path().string())));
@@ -79,14 +80,15 @@ void read_evaluation(ReportInput& input, const ModelFolder& folder) {
                                .model = folder.name(),
                                .runs = list_of_runs(json["test_runs"].texts()),
                                .history_ms = folder.history_ms(),
-                               .scores = json.get<Evaluation>()});
+                               .scores = json.get<results::Evaluation>()});
 }
 
 void read_unseen(ReportInput& input, const fs::path& folder) {
   const fs::path file = folder / "eval-unseen.json";
   if (!input.unseen.empty() || !is_file(file)) return;
   const nlohmann::json document = read_json(file);
-  const UnseenComparison comparison = JsonView(document, file.string())["unseen"].get<UnseenComparison>();
+  const results::UnseenComparison comparison =
+      results::JsonView(document, file.string())["unseen"].get<results::UnseenComparison>();
   if (!comparison.objects.empty()) input.unseen.push_back({.runs = list_of_runs(comparison.runs), .comparison = comparison});
 }
 
@@ -116,7 +118,7 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
 }
 
 std::vector<TableRow> settings_of(const ModelFolder& folder) {
-  const JsonView model = folder.model();
+  const results::JsonView model = folder.model();
   std::vector<TableRow> rows;
   add_settings(rows, "bootstrap ", folder.evaluation()["bootstrap"]);
   for (const std::string key : {"rendering", "split", "training", "network", "software"})
@@ -129,7 +131,7 @@ std::vector<TableRow> settings_of(const ModelFolder& folder) {
 
 /// Accuracy by history, where the models have several.
 void add_histories(ReportInput& input, const std::vector<ModelFolder>& folders) {
-  std::vector<std::pair<double, JsonView>> by_history;
+  std::vector<std::pair<double, results::JsonView>> by_history;
   for (const ModelFolder& folder : folders) {
     if (folder.evaluation() && std::isfinite(folder.history_ms()))
       by_history.emplace_back(folder.history_ms(), folder.evaluation()["accuracy"]);
@@ -152,7 +154,7 @@ ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data
   if (std::isfinite(first.history_ms())) input.history_ms = first.history_ms();
   std::vector<TableRow> models;
   for (const ModelFolder& folder : folders) {
-    const JsonView model = folder.model();
+    const results::JsonView model = folder.model();
     const std::string name = folder.name();
     if (const std::string other = other_settings(first.document(), folder.document(), model.where()); !other.empty())
       input.remarks.push_back(fmt::format("{} and {} differ in more than their history: {}.", first.name(), name, other));
@@ -177,4 +179,4 @@ ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data
   return input;
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

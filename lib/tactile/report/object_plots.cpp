@@ -11,7 +11,7 @@
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/report/figure_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 /// The colours of a panel in words.
@@ -46,12 +46,12 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
   return best;
 }
 
-Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
+pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
   constexpr int columns = 4, left = 70, right = 20, top = 114, gap = 22, panel_height = 150, row_height = 212, below = 30;
   constexpr int width = (page_width - left - right - (columns - 1) * gap) / columns;
   const auto shown = std::span(curves).first(std::min(curves.size(), most_panels));
   const int rows = std::max(1, (static_cast<int>(shown.size()) + columns - 1) / columns);
-  PlotScript script(title, page_width, top + rows * row_height + below);
+  pictures::PlotScript script(title, page_width, top + rows * row_height + below);
   AccuracyAxis axis;
   std::set<double> histories;
   for (const HistoryCurve& curve : curves) {
@@ -68,30 +68,31 @@ Plot accuracy_by_history_plot(const std::string& title, const std::vector<Histor
   script.note(first_of(curves.size(), shown.size()) + history_note(curves));
   script.text("accuracy [%]", 20, 76, "left font ',12'");
   script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 8, "center font ',12'");
-  std::vector<PlotSeries> grey;
+  std::vector<pictures::PlotSeries> grey;
   for (const HistoryCurve& curve : shown)
-    grey.push_back({script.table(4, values_of(curve)), "1:2", "lines", {.colour = figure_colours::others}});
+    grey.push_back({script.table(4, values_of(curve)), "1:2", "lines", {.colour = pictures::figure_colours::others}});
   for (std::size_t i = 0; i < std::max<std::size_t>(shown.size(), 1); ++i) {
     const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
     const int panel_left = left + column * (width + gap), panel_top = top + row * row_height;
     script.begin_panel({.left = panel_left, .top = panel_top, .right = panel_left + width, .bottom = panel_top + panel_height});
     script.axes({.begin = -0.03 * longest, .end = 1.06 * longest, .tics = tics},
                 {.begin = axis.begin(), .end = axis.end(), .has_labels = column == 0});
-    std::vector<PlotSeries> series = grey;
+    std::vector<pictures::PlotSeries> series = grey;
     if (shown.empty()) {
-      series.push_back({script.table(2, {}), "1:2", "lines", {.colour = figure_colours::others}});
+      series.push_back({script.table(2, {}), "1:2", "lines", {.colour = pictures::figure_colours::others}});
     } else {
       // The panel's own curve lies over the others.
       const std::string own = grey[i].table;
       series.erase(series.begin() + static_cast<std::ptrdiff_t>(i));
-      series.push_back({own, "1:2:3:4", "yerrorbars", {.colour = figure_colours::network, .width = 1.4, .mark = 7, .size = 0.7}});
-      series.push_back({own, "1:2", "lines", {.colour = figure_colours::network, .width = 2.2}});
-      script.text(shortened(shown[i].name, 26), panel_left + width / 2.0, panel_top - 12, "center font ',12'");
+      series.push_back(
+          {own, "1:2:3:4", "yerrorbars", {.colour = pictures::figure_colours::network, .width = 1.4, .mark = 7, .size = 0.7}});
+      series.push_back({own, "1:2", "lines", {.colour = pictures::figure_colours::network, .width = 2.2}});
+      script.text(pictures::shortened(shown[i].name, 26), panel_left + width / 2.0, panel_top - 12, "center font ',12'");
       if (const auto best = best_of(shown[i]); best != shown[i].points.end())
         series.push_back({script.table(2, {best->history_ms, percent(best->accuracy.value)}),
                           "1:2",
                           "points",
-                          {.colour = figure_colours::best, .mark = 13, .size = 1.5}});
+                          {.colour = pictures::figure_colours::best, .mark = 13, .size = 1.5}});
     }
     script.plot(series);
   }
@@ -103,12 +104,12 @@ namespace {
 constexpr int delay_left = 200, delay_right = 24, delay_top = 106, delay_gap = 30, delay_row = 30, delay_below = 62;
 constexpr int delay_width = (page_width - delay_left - delay_right - delay_gap) / 2;
 
-bool has_whiskers(const std::map<std::string, DelaySummary>& bars) {
+bool has_whiskers(const std::map<std::string, results::DelaySummary>& bars) {
   return std::any_of(bars.begin(), bars.end(), [](const auto& bar) { return std::isfinite(bar.second.sem_ms); });
 }
 
 /// The mean, and what the mean leaves out.
-std::string words_of(const DelaySummary& delay) {
+std::string words_of(const results::DelaySummary& delay) {
   if (delay.intervals == 0) return "no interval";
   std::string words = std::isfinite(delay.mean_ms.value) ? fmt::format("{:.1f}", delay.mean_ms.value) : "none";
   if (delay.misses > 0) words += fmt::format(", {} missed", delay.misses);
@@ -116,22 +117,23 @@ std::string words_of(const DelaySummary& delay) {
   return words;
 }
 
-void add_delay_panel(PlotScript& script, Touch touch, std::span<const std::string> names,
-                     const std::map<std::string, DelaySummary>& bars, double limit_ms) {
+void add_delay_panel(pictures::PlotScript& script, Touch touch, std::span<const std::string> names,
+                     const std::map<std::string, results::DelaySummary>& bars, double limit_ms) {
   constexpr double note_share = 0.5;  // of the panel's width, for words beside the bars
   const bool is_first = touch == Touch::press;
   const int begin = is_first ? delay_left : delay_left + delay_width + delay_gap;
   const int bottom = delay_top + static_cast<int>(std::max<std::size_t>(names.size(), 1)) * delay_row;
   script.begin_panel({.left = begin, .top = delay_top, .right = begin + delay_width, .bottom = bottom});
-  script.text(name_of(touch), begin + delay_width / 2.0, delay_top - 16, "center font ',13'", figure_colours::of(touch));
+  script.text(name_of(touch), begin + delay_width / 2.0, delay_top - 16, "center font ',13'",
+              pictures::figure_colours::of(touch));
   double longest = limit_ms;
   std::vector<double> boxes, whiskers;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto found = bars.find(names[i]);
-    const DelaySummary bar = found == bars.end() ? DelaySummary{} : found->second;
+    const results::DelaySummary bar = found == bars.end() ? results::DelaySummary{} : found->second;
     const auto y = static_cast<double>(names.size() - 1 - i);
-    script.add("set label {} at graph {:.4f}, first {} left font ',10' textcolor rgb '{}' front", plot_text(words_of(bar)),
-               1 - note_share + 0.03, y, figure_colours::ink);
+    script.add("set label {} at graph {:.4f}, first {} left font ',10' textcolor rgb '{}' front",
+               pictures::plot_text(words_of(bar)), 1 - note_share + 0.03, y, pictures::figure_colours::ink);
     const double mean = bar.mean_ms.value, sem = bar.sem_ms;
     if (!std::isfinite(mean)) continue;
     boxes.insert(boxes.end(), {mean / 2, y, std::min(0.0, mean), std::max(0.0, mean), y - 0.32, y + 0.32});
@@ -145,28 +147,30 @@ void add_delay_panel(PlotScript& script, Touch touch, std::span<const std::strin
                .tics = is_first ? row_names({names.begin(), names.end()}) : "'' 0",
                .tic_style = "scale 0",
                .has_labels = is_first});
-  script.add("unset grid\nset grid x lt 1 lc rgb '{}' lw 0.6", figure_colours::grid);
+  script.add("unset grid\nset grid x lt 1 lc rgb '{}' lw 0.6", pictures::figure_colours::grid);
   script.add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead dt 2 lc rgb '{1}' lw 1.2 front", limit_ms,
-             figure_colours::ink);
+             pictures::figure_colours::ink);
   // Tics end where the words begin.
   const double step = std::pow(10, std::floor(std::log10(bars_end / 2)));
   script.add("set xtics 0, {:.9g}, {:.9g}", bars_end / step > 10 ? 5 * step : bars_end / step > 5 ? 2 * step : step, bars_end);
-  script.plot(
-      {{script.table(6, std::move(boxes)), "1:2:3:4:5:6", "boxxyerror", {.colour = figure_colours::of(touch), .fill = 0.75}},
-       {script.table(4, std::move(whiskers)),
-        "1:2:3:4",
-        "xerrorbars",
-        {.colour = figure_colours::ink, .width = 1.6, .mark = 0}}});
+  script.plot({{script.table(6, std::move(boxes)),
+                "1:2:3:4:5:6",
+                "boxxyerror",
+                {.colour = pictures::figure_colours::of(touch), .fill = 0.75}},
+               {script.table(4, std::move(whiskers)),
+                "1:2:3:4",
+                "xerrorbars",
+                {.colour = pictures::figure_colours::ink, .width = 1.6, .mark = 0}}});
 }
 
 }  // namespace
 
-Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
-                const std::map<std::string, DelaySummary>& press, const std::map<std::string, DelaySummary>& slip,
-                double limit_ms) {
+pictures::Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
+                          const std::map<std::string, results::DelaySummary>& press,
+                          const std::map<std::string, results::DelaySummary>& slip, double limit_ms) {
   const auto names = std::span(objects).first(std::min(objects.size(), most_panels));
   const int rows = static_cast<int>(std::max<std::size_t>(names.size(), 1));
-  PlotScript script(title, page_width, delay_top + rows * delay_row + delay_below);
+  pictures::PlotScript script(title, page_width, delay_top + rows * delay_row + delay_below);
   script.note(first_of(objects.size(), names.size()) +
               fmt::format("Bars: mean over detected intervals; {}dashed: the paper's limit, {:g} ms.",
                           has_whiskers(press) || has_whiskers(slip) ? "whiskers: standard error; " : "", limit_ms));
@@ -175,7 +179,7 @@ Plot delay_plot(const std::string& title, const std::vector<std::string>& object
   return std::move(script).finished();
 }
 
-Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHeldOut>& objects) {
+pictures::Plot unseen_plot(const std::string& title, const std::map<std::string, results::SeenAndHeldOut>& objects) {
   constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
   constexpr double apart = 0.14;  // from the row's middle
   const std::size_t shown = std::min(objects.size(), most_panels);
@@ -188,7 +192,7 @@ Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHe
     const auto& [name, of] = *object;
     names.push_back(name);
     const auto y = static_cast<double>(shown - names.size());
-    const auto add = [&](std::vector<double>& values, const Figure& accuracy, double at) {
+    const auto add = [&](std::vector<double>& values, const results::Figure& accuracy, double at) {
       axis.include(accuracy);
       whiskers.include(accuracy);
       values.insert(values.end(), {percent(accuracy.value), at});
@@ -198,23 +202,25 @@ Plot unseen_plot(const std::string& title, const std::map<std::string, SeenAndHe
     add(held_out, of.held_out, y - apart);
     joined.insert(joined.end(), {percent(of.seen.value), y + apart, percent(of.held_out.value - of.seen.value), -2 * apart});
   }
-  PlotScript script(title, page_width, bottom + below);
+  pictures::PlotScript script(title, page_width, bottom + below);
   script.note(first_of(objects.size(), shown) + "Blue circles: trained with the object; orange squares: without it." +
               whiskers.in_words());
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   script.axes({.begin = axis.begin(), .end = axis.end(), .label = "accuracy [%]"},
               {.begin = -0.6, .end = static_cast<double>(shown) - 0.4, .tics = row_names(names), .tic_style = "scale 0"});
-  script.plot(
-      {{script.table(4, std::move(joined)), "1:2:3:4", "vectors nohead", {.colour = figure_colours::others, .width = 1.5}},
-       {script.table(4, std::move(seen)),
-        "1:2:3:4",
-        "xerrorbars",
-        {.colour = figure_colours::press, .width = 1.8, .mark = 7, .size = 1.3}},
-       {script.table(4, std::move(held_out)),
-        "1:2:3:4",
-        "xerrorbars",
-        {.colour = figure_colours::slip, .width = 1.8, .mark = 5, .size = 1.3}}});
+  script.plot({{script.table(4, std::move(joined)),
+                "1:2:3:4",
+                "vectors nohead",
+                {.colour = pictures::figure_colours::others, .width = 1.5}},
+               {script.table(4, std::move(seen)),
+                "1:2:3:4",
+                "xerrorbars",
+                {.colour = pictures::figure_colours::press, .width = 1.8, .mark = 7, .size = 1.3}},
+               {script.table(4, std::move(held_out)),
+                "1:2:3:4",
+                "xerrorbars",
+                {.colour = pictures::figure_colours::slip, .width = 1.8, .mark = 5, .size = 1.3}}});
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -10,7 +10,7 @@
 #include "tactile/pictures/frames_picture.hpp"
 #include "tactile/report/report_page.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,12 +45,12 @@ HtmlTable history_table(const ReportedHistories& histories) {
   return table;
 }
 
-HtmlTable unseen_table(const UnseenComparison& comparison) {
+HtmlTable unseen_table(const results::UnseenComparison& comparison) {
   HtmlTable table{
       .caption = "Accuracy [%] on objects seen in training and held out, and its change [points]; below each its 95 % interval",
       .head = {"object", "seen", "held out", "difference"},
       .rows = {}};
-  const auto add = [&](const std::string& name, const SeenAndHeldOut& of) {
+  const auto add = [&](const std::string& name, const results::SeenAndHeldOut& of) {
     table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
   };
   add("mean over objects", comparison.mean);
@@ -67,12 +67,12 @@ void add_frames(ReportPage& page, const ReportInput& input) {
   std::erase_if(runs, [](const RunFolder& one) { return !is_there(one.labels()); });
   // The paper's own example, else the first labelled run with a press and a slip.
   std::stable_partition(runs.begin(), runs.end(), [](const RunFolder& one) { return one.object == "water-bottle"; });
-  const HeatmapOptions options{.history = microseconds{std::llround(1000 * input.history_ms)}};
-  std::vector<TouchFrame> frames;
+  const heatmaps::HeatmapOptions options{.history = microseconds{std::llround(1000 * input.history_ms)}};
+  std::vector<pictures::TouchFrame> frames;
   auto run = runs.begin();
   for (; run != runs.end(); ++run) {
     try {
-      frames = frames_of(*run, options);
+      frames = pictures::frames_of(*run, options);
     } catch (const std::exception& e) {
       page.errors.push_back(sentence_of(e, run->name()));
       page.missing.push_back(fmt::format("Frames of {} cannot be drawn: {}.", run->name(), page.errors.back()));
@@ -85,7 +85,7 @@ void add_frames(ReportPage& page, const ReportInput& input) {
   }
   page.html.section("frames", "What the sensor sees");
   page.figure(
-      "frames", frames_plot(page.titled(fmt::format("{}: {:g} ms of events", run->name(), input.history_ms)), frames),
+      "frames", pictures::frames_plot(page.titled(fmt::format("{}: {:g} ms of events", run->name(), input.history_ms)), frames),
       "Six moments around a press and a slip: event counts above, noise-reduced heatmaps below.",
       fmt::format("Raw and noise-reduced frames of {}: before the press, during it, before the slip, during it. Above: "
                   "events of the last {:g} ms per pixel. Below: the heatmap, which is the input of the network. Brightness "
@@ -116,8 +116,8 @@ void add_unseen(ReportPage& page, const ReportInput& input) {
   page.html.section("unseen", "Unseen objects");
   for (const UnseenSection& unseen : input.unseen) {
     const bool is_first = &unseen == &input.unseen.front();
-    const UnseenComparison& comparison = unseen.comparison;
-    const UnseenComparison::Models models = comparison.models.value_or(UnseenComparison::Models{});
+    const results::UnseenComparison& comparison = unseen.comparison;
+    const results::UnseenComparison::Models models = comparison.models.value_or(results::UnseenComparison::Models{});
     const std::string where = unseen.runs.size() > 60 ? std::string("runs that neither model was trained on") : unseen.runs;
     if (unseen.is_folded) page.html.begin_folded("The same on " + unseen.runs);
     page.figure(
@@ -134,4 +134,4 @@ void add_unseen(ReportPage& page, const ReportInput& input) {
   for (const ReportedTable& table : input.splits) page.table(table);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -12,7 +12,7 @@
 #include "tactile/report/csv_reader.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 /// Extends the last interval of `intervals` while the touch stays the same, else begins a new one.
@@ -26,7 +26,7 @@ void add_tick(std::vector<TouchInterval>& intervals, Touch touch, CameraTime bef
 
 }  // namespace
 
-PredictionPicture read_prediction(const std::filesystem::path& file, double history_ms) {
+pictures::PredictionPicture read_prediction(const std::filesystem::path& file, double history_ms) {
   CsvReader csv(file, std::size_t{256} << 20);
   const auto refuse = [&](std::string_view what) {
     throw Error(fmt::format("{}: line {}: {}; expected a run over time as 'tactile eval --run' writes it", file.string(),
@@ -35,7 +35,7 @@ PredictionPicture read_prediction(const std::filesystem::path& file, double hist
   for (const std::string_view column : {"t_us", "p_none", "p_press", "p_slip", "verdict", "label", "truth", "events"}) {
     if (!csv.has(column)) refuse(fmt::format("has no column '{}'", column));
   }
-  PredictionPicture picture;
+  pictures::PredictionPicture picture;
   std::vector<TouchInterval> labels;
   while (csv.next()) {
     const auto field = [&](std::string_view column) {
@@ -46,7 +46,7 @@ PredictionPicture read_prediction(const std::filesystem::path& file, double hist
     const auto t_us = whole_number_in(field("t_us")), events = whole_number_in(field("events"));
     const auto p_press = number_in(field("p_press")), p_slip = number_in(field("p_slip"));
     if (!t_us || !p_press || !p_slip || !events) refuse("has a field that is not a number");
-    PredictedTick tick{
+    pictures::PredictedTick tick{
         .t = camera_time(*t_us), .events_per_ms = static_cast<double>(*events) / history_ms, .press = *p_press, .slip = *p_slip};
     // A tick stands for the time since the tick before it.
     const CameraTime before = picture.ticks.empty() ? tick.t : picture.ticks.back().t;
@@ -71,11 +71,11 @@ PredictionPicture read_prediction(const std::filesystem::path& file, double hist
   return picture;
 }
 
-void add_outcome(PredictionPicture& picture, const std::filesystem::path& file) {
+void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::path& file) {
   const nlohmann::json document = read_json(file);
-  const JsonView outcome(document, file.string());
-  std::vector<PredictedInterval> labels;
-  for (const JsonView& interval : outcome["intervals"].items()) {
+  const results::JsonView outcome(document, file.string());
+  std::vector<pictures::PredictedInterval> labels;
+  for (const results::JsonView& interval : outcome["intervals"].items()) {
     const double start = interval["start_us"].number(), end = interval["end_us"].number();
     const double delay_ms = interval["delay_ms"].number();
     if (!(std::abs(start) < 9e15) || !(std::abs(end) < 9e15))
@@ -88,7 +88,7 @@ void add_outcome(PredictionPicture& picture, const std::filesystem::path& file) 
   if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
     settings += fmt::format("; confirmed {}", confirm);
   picture.remarks.push_back(settings + ".");
-  if (const JsonView alarms = outcome["false_alarms"]) {
+  if (const results::JsonView alarms = outcome["false_alarms"]) {
     picture.remarks.push_back(fmt::format(
         "Above each labelled interval: its detection delay. False alarms: {}; alarms just after an interval: {}, in unlabelled "
         "motion: {}.",
@@ -96,4 +96,4 @@ void add_outcome(PredictionPicture& picture, const std::filesystem::path& file) 
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

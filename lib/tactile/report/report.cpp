@@ -11,7 +11,7 @@
 #include "tactile/report/prediction_file.hpp"
 #include "tactile/report/report_page.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -74,7 +74,7 @@ void add_runs(ReportPage& page, const ReportInput& input) {
   page.html.section("runs", "Whole runs over time");
   for (std::size_t i = 0; i < std::min(input.runs.size(), most_runs_over_time); ++i) {
     const ReportedRun& run = input.runs[i];
-    PredictionPicture picture = read_prediction(run.csv, run.history_ms);
+    pictures::PredictionPicture picture = read_prediction(run.csv, run.history_ms);
     picture.title = page.titled(fmt::format("{}, predicted by {}", run.run, run.model));
     picture.remarks.push_back(fmt::format("History t_h {:g} ms.", run.history_ms));
     std::error_code ignored;
@@ -83,7 +83,7 @@ void add_runs(ReportPage& page, const ReportInput& input) {
     else
       page.missing.push_back(
           fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, run.outcome.string()));
-    page.figure("run-" + name_part(run.run), prediction_plot(picture),
+    page.figure("run-" + name_part(run.run), pictures::prediction_plot(picture),
                 fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
                 fmt::format("A whole run, as in the paper's figure 8: {} by {}. Event rate, probabilities of press and slip, and "
                             "predictions above labels{}.",
@@ -124,9 +124,9 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
   add_trainings(page, input);
   end(page, input);
 
-  const auto count = [&](Verdict verdict) {
+  const auto count = [&](results::Verdict verdict) {
     return static_cast<std::size_t>(std::count_if(input.claims.begin(), input.claims.end(),
-                                                  [verdict](const Claim& claim) { return claim.verdict == verdict; }));
+                                                  [verdict](const results::Claim& claim) { return claim.verdict == verdict; }));
   };
   const ReportSummary summary{.title = page.html.title(),
                               .simulated = input.simulated,
@@ -135,8 +135,8 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
                               .missing = page.missing,
                               .errors = page.errors,
                               .claims = input.claims.size(),
-                              .hold = count(Verdict::holds),
-                              .do_not = count(Verdict::does_not)};
+                              .hold = count(results::Verdict::holds),
+                              .do_not = count(results::Verdict::does_not)};
   write_whole(summary.page, page.html.text());
   remove_old_figures(out / "figures", summary.figures);
   return summary;
@@ -146,4 +146,4 @@ ReportSummary write_report(const fs::path& study, const fs::path& out, const Fig
   return write_report(read_study(study), out, tell);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

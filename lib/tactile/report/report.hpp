@@ -8,7 +8,7 @@
 
 #include "tactile/report/report_input.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// The contents of a report, and what is missing.
 struct ReportSummary {
@@ -34,4 +34,4 @@ ReportSummary write_report(const ReportInput& input, const std::filesystem::path
 /// @throws Error  also as `read_study` does
 ReportSummary write_report(const std::filesystem::path& study, const std::filesystem::path& out, const FigureCallback& tell = {});
 
-}  // namespace tactile
+}  // namespace tactile::report

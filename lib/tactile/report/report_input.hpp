@@ -13,7 +13,7 @@
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// An evaluation as a section of the report.
 struct ReportedEvaluation {
@@ -22,7 +22,7 @@ struct ReportedEvaluation {
   std::string runs;   ///< on which runs, in words; may be empty
   double history_ms = std::numeric_limits<double>::quiet_NaN();
   bool is_folded = false;  ///< the paper's own choice, next to what the study reports
-  Evaluation scores;
+  results::Evaluation scores;
 };
 
 /// A run over time, as a CSV of `tactile eval --run`.
@@ -36,7 +36,7 @@ struct ReportedRun {
 /// Objects seen in training and the same objects held out, on one set of runs.
 struct UnseenSection {
   std::string runs;  ///< in words; may be empty
-  UnseenComparison comparison;
+  results::UnseenComparison comparison;
   bool is_folded = false;
 };
 
@@ -59,7 +59,7 @@ struct ReportInput {
   bool simulated = false;
   std::string summary;  ///< may be empty
   std::vector<std::string> remarks;
-  std::vector<Claim> claims;
+  std::vector<results::Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::vector<ReportedTable> choice;  ///< the best history of each object
@@ -86,4 +86,4 @@ ReportInput read_study(const std::filesystem::path& folder);
 /// @throws Error   if a model.json is missing, or a file is not of its format
 ReportInput read_models(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& data);
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -8,7 +8,7 @@
 
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 ReportPage::ReportPage(const ReportInput& input, std::filesystem::path out, FigureCallback tell)
     : html(input.title.empty() ? "Report of results" : input.title),
@@ -17,14 +17,15 @@ ReportPage::ReportPage(const ReportInput& input, std::filesystem::path out, Figu
       out_(std::move(out)),
       tell_(std::move(tell)) {}
 
-void ReportPage::figure(const std::string& name, const Plot& plot, const std::string& in_words, const std::string& caption) {
+void ReportPage::figure(const std::string& name, const pictures::Plot& plot, const std::string& in_words,
+                        const std::string& caption) {
   std::string free_name = name;
   for (int i = 2; std::find(drawn_.begin(), drawn_.end(), free_name) != drawn_.end(); ++i)
     free_name = fmt::format("{}-{}", name, i);
   if (tell_) tell_(free_name);
   const std::filesystem::path svg = out_ / "figures" / (free_name + ".svg");
-  draw(plot, svg);
-  draw(plot, out_ / "figures" / (free_name + ".png"));
+  pictures::draw(plot, svg);
+  pictures::draw(plot, out_ / "figures" / (free_name + ".png"));
   html.figure({.id = "figure-" + free_name,
                .svg = read_text(svg),
                .width_px = plot.width_px,
@@ -64,11 +65,11 @@ HtmlCell number_cell(double value, int digits) {
   return number_cell(std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-"));
 }
 
-HtmlCell figure_cell(const Figure& measured, double factor) {
+HtmlCell figure_cell(const results::Figure& measured, double factor) {
   if (!std::isfinite(measured.value)) return number_cell("-");
   const std::string interval =
       measured.has_interval() ? fmt::format("{:.2f} to {:.2f}", factor * *measured.low, factor * *measured.high) : std::string();
   return number_cell(fmt::format("{:.2f}", factor * measured.value), interval);
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -9,7 +9,7 @@
 #include "tactile/report/html_page.hpp"
 #include "tactile/report/report.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// A report in the making: its page, and the figures beside it.
 class ReportPage {
@@ -27,7 +27,7 @@ class ReportPage {
   /// Draws a figure as SVG and PNG, and puts it onto the page.
   /// @param name      a number is added where an earlier figure has it
   /// @param in_words  for readers who cannot see it
-  void figure(const std::string& name, const Plot& plot, const std::string& in_words, const std::string& caption);
+  void figure(const std::string& name, const pictures::Plot& plot, const std::string& in_words, const std::string& caption);
 
   void table(const ReportedTable& table);
 
@@ -47,8 +47,8 @@ HtmlCell number_cell(const std::string& text, const std::string& second_line = {
 HtmlCell number_cell(double value, int digits = 2);  ///< "-" where it is not finite
 
 /// "95.12", and below it "93.10 to 97.00", both times `factor`; "-" where there is no value.
-HtmlCell figure_cell(const Figure& measured, double factor = 1);
-inline HtmlCell percent_cell(const Figure& measured) { return figure_cell(measured, 100); }
+HtmlCell figure_cell(const results::Figure& measured, double factor = 1);
+inline HtmlCell percent_cell(const results::Figure& measured) { return figure_cell(measured, 100); }
 
 // The sections of the page. One without input writes nothing, and may add to `missing`.
 
@@ -61,4 +61,4 @@ void add_unseen(ReportPage& page, const ReportInput& input);
 void add_trade(ReportPage& page, const ReportInput& input);
 void add_trainings(ReportPage& page, const ReportInput& input);
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -8,19 +8,19 @@
 #include "tactile/results/cost_growth.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 /// A setting that `tactile trade` measured.
 struct ReportedSetting {
   std::string text;    ///< in what it differs from the usual one
   std::string design;  ///< "usual", "one", "corner", "all"
   std::uint64_t seeds = 0;
-  Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
-  Figure us_p50, us_p99;                  ///< time per tick
-  Figure delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
-  Figure false_alarms_per_min;
-  Figure accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
-  bool on_accuracy_front = false, on_delay_front = false;                    ///< on the runs to choose on
+  results::Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
+  results::Figure us_p50, us_p99;                  ///< time per tick
+  results::Figure delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
+  results::Figure false_alarms_per_min;
+  results::Figure accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
+  bool on_accuracy_front = false, on_delay_front = false;                             ///< on the runs to choose on
 };
 
 /// What a folder of `tactile trade` holds.
@@ -30,11 +30,11 @@ struct ReportedTrade {
   std::vector<std::string> choice_runs, reported_runs;
   std::vector<ReportedSetting> settings;  ///< the usual one first
   std::vector<std::string> left_out;      ///< in sentences: pairs that do not divide, and what was not measured
-  CostGrowth growth;
+  results::CostGrowth growth;
   std::string sentence;  ///< the recommendation
 };
 
 /// @throws Error  if trade.json is missing or not of its format
 ReportedTrade read_trade(const std::filesystem::path& folder);
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -9,7 +9,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/report/input_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,7 @@ const NamedRuns reported_runs{"reported", "the reported runs"};
 const NamedRuns choice_runs{"choice", "the choice runs"};
 const NamedRuns all_test_runs{"all_test", "all test runs, as in the paper"};
 
-std::string percent_text(const Figure& figure) {
+std::string percent_text(const results::Figure& figure) {
   return std::isfinite(figure.value) ? fmt::format("{:.2f} %", 100 * figure.value) : "-";
 }
 
@@ -34,10 +34,10 @@ void add_table(std::vector<ReportedTable>& tables, const std::string& caption, T
   if (!rows.empty()) tables.push_back({.caption = caption, .head = std::move(head), .rows = std::move(rows)});
 }
 
-void read_claims(ReportInput& input, const JsonView& study) {
-  input.claims = study["claims"].list_of<Claim>();
+void read_claims(ReportInput& input, const results::JsonView& study) {
+  input.claims = study["claims"].list_of<results::Claim>();
   const auto without_verdict =
-      std::count_if(input.claims.begin(), input.claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
+      std::count_if(input.claims.begin(), input.claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
   if (without_verdict > 0) {
     input.missing.push_back(
         fmt::format("{} of the {} claims have too few runs or objects for a verdict; another preset of 'tactile reproduce' has "
@@ -52,7 +52,7 @@ void read_claims(ReportInput& input, const JsonView& study) {
   add_sentences(input.remarks, study["remarks"]);
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
   std::vector<TableRow> rows;
-  for (const JsonView& one : study["left_out"].items()) {
+  for (const results::JsonView& one : study["left_out"].items()) {
     const std::string what = one["what"].text();
     rows.push_back({one["run"].text(), what == "run" ? "the whole run" : what, one["reason"].text()});
   }
@@ -60,11 +60,12 @@ void read_claims(ReportInput& input, const JsonView& study) {
             std::move(rows));
 }
 
-void read_histories(ReportInput& input, const JsonView& study) {
-  const std::vector<JsonView> histories = study["histories"].items();
+void read_histories(ReportInput& input, const results::JsonView& study) {
+  const std::vector<results::JsonView> histories = study["histories"].items();
   for (const auto& [key, words] : {reported_runs, choice_runs, all_test_runs}) {
-    std::vector<std::pair<double, JsonView>> accuracies;
-    for (const JsonView& history : histories) accuracies.emplace_back(history["th_ms"].number(), history["accuracy"][key]);
+    std::vector<std::pair<double, results::JsonView>> accuracies;
+    for (const results::JsonView& history : histories)
+      accuracies.emplace_back(history["th_ms"].number(), history["accuracy"][key]);
     ReportedHistories of_runs = histories_of(words, accuracies);
     of_runs.is_folded = key != "reported";
     if (!of_runs.curves.empty()) input.histories.push_back(std::move(of_runs));
@@ -73,27 +74,27 @@ void read_histories(ReportInput& input, const JsonView& study) {
 }
 
 /// Every training once. @return  the rows of the table of models
-std::vector<TableRow> read_trainings(ReportInput& input, const JsonView& study, const fs::path& folder) {
+std::vector<TableRow> read_trainings(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
   std::vector<TableRow> rows;
-  const auto add = [&](const JsonView& model, const std::string& without_accuracy) {
+  const auto add = [&](const results::JsonView& model, const std::string& without_accuracy) {
     const std::string name = model["name"].text();
     if (!model || std::any_of(rows.begin(), rows.end(), [&](const TableRow& row) { return row[0] == name; })) return;
     const fs::path file = folder / model["history"].text();
     if (is_there(input, file, "The training of " + name)) input.trainings.push_back(training_in(file, name));
-    const Figure accuracy = model["accuracy"].get<Figure>();
+    const results::Figure accuracy = model["accuracy"].get<results::Figure>();
     rows.push_back({name, model["seed"].words(), std::isfinite(accuracy.value) ? percent_text(accuracy) : without_accuracy,
                     model["weights_sha256"].text().substr(0, 16)});
   };
-  for (const JsonView& history : study["histories"].items()) {
-    for (const JsonView& model : history["models"].items()) add(model, "-");
+  for (const results::JsonView& history : study["histories"].items()) {
+    for (const results::JsonView& model : history["models"].items()) add(model, "-");
   }
-  for (const JsonView& model : study["unseen"]["trainings"].items()) add(model, "see Unseen objects");
-  for (const JsonView& split : study["splits"].items()) add(split["training"], "see Unseen objects");
+  for (const results::JsonView& model : study["unseen"]["trainings"].items()) add(model, "see Unseen objects");
+  for (const results::JsonView& split : study["splits"].items()) add(split["training"], "see Unseen objects");
   return rows;
 }
 
-void read_choice(ReportInput& input, const JsonView& study) {
-  if (const JsonView choice = study["choice"]) {
+void read_choice(ReportInput& input, const results::JsonView& study) {
+  if (const results::JsonView choice = study["choice"]) {
     input.history_ms = choice["th_ms"].number();
     input.remarks.push_back(fmt::format("History of the study: {:g} ms, model {}. {}", input.history_ms, choice["model"].text(),
                                         choice["why"].text()));
@@ -112,14 +113,14 @@ void read_choice(ReportInput& input, const JsonView& study) {
     }
     input.choice.push_back(std::move(table));
   }
-  if (const JsonView paper = study["paper_way"]) {
+  if (const results::JsonView paper = study["paper_way"]) {
     input.remarks.push_back(fmt::format("The paper's choice, made on the reported runs themselves: {:g} ms, model {}. {}",
                                         paper["th_ms"].number(), paper["model"].text(), paper["why"].text()));
   }
 }
 
-void read_evaluations(ReportInput& input, const JsonView& study, const fs::path& folder) {
-  for (const JsonView& entry : study["evaluations"].items()) {
+void read_evaluations(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
+  for (const results::JsonView& entry : study["evaluations"].items()) {
     const std::string id = entry["id"].text();
     const fs::path file = folder / entry["json"].text();
     if (!is_there(input, file, "The evaluation " + id)) continue;
@@ -129,10 +130,10 @@ void read_evaluations(ReportInput& input, const JsonView& study, const fs::path&
                                  .runs = (entry["runs"].text() == "all_test" ? all_test_runs : reported_runs).second,
                                  .history_ms = entry["th_ms"].number(),
                                  .is_folded = id == "all_test",
-                                 .scores = JsonView(document, file.string()).get<Evaluation>()});
+                                 .scores = results::JsonView(document, file.string()).get<results::Evaluation>()});
   }
   if (study["evaluations"].items().empty()) input.missing.push_back("No model was evaluated; 'tactile reproduce' evaluates.");
-  for (const JsonView& run : study["full_runs"].items()) {
+  for (const results::JsonView& run : study["full_runs"].items()) {
     const fs::path csv = folder / run["csv"].text();
     if (is_there(input, csv, "The full run " + run["run"].text())) {
       input.runs.push_back({.run = run["run"].text(),
@@ -146,22 +147,23 @@ void read_evaluations(ReportInput& input, const JsonView& study, const fs::path&
     input.missing.push_back("No run over time (the paper's figure 8); 'tactile eval --run OBJECT/RUN' makes one.");
 }
 
-void read_unseen(ReportInput& input, const JsonView& study) {
-  const JsonView unseen = study["unseen"];
+void read_unseen(ReportInput& input, const results::JsonView& study) {
+  const results::JsonView unseen = study["unseen"];
   for (const auto& [key, words] : {reported_runs, all_test_runs}) {
-    UnseenSection section{.runs = words, .comparison = unseen[key].get<UnseenComparison>(), .is_folded = key != "reported"};
-    section.comparison.models = unseen["models"].get<UnseenComparison::Models>();
+    UnseenSection section{
+        .runs = words, .comparison = unseen[key].get<results::UnseenComparison>(), .is_folded = key != "reported"};
+    section.comparison.models = unseen["models"].get<results::UnseenComparison::Models>();
     if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
   }
   if (input.unseen.empty())
     input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
   std::vector<TableRow> rows;
-  for (const JsonView& split : study["splits"].items()) {
-    const SeenAndHeldOut mean = split["reported"]["mean"].get<SeenAndHeldOut>();
+  for (const results::JsonView& split : study["splits"].items()) {
+    const results::SeenAndHeldOut mean = split["reported"]["mean"].get<results::SeenAndHeldOut>();
     rows.push_back({split["name"].text(), split["held_out"].words(), percent_text(mean.seen), percent_text(mean.held_out),
                     percent_text(mean.difference)});
   }
-  const Figure mean = study["splits_mean"]["reported"].get<Figure>();
+  const results::Figure mean = study["splits_mean"]["reported"].get<results::Figure>();
   if (!rows.empty() && std::isfinite(mean.value)) {
     input.remarks.push_back(fmt::format("Over {} random splits, accuracy on a held-out object is {:.2f} points lower on average.",
                                         rows.size(), -100 * mean.value));
@@ -171,16 +173,16 @@ void read_unseen(ReportInput& input, const JsonView& study) {
 }
 
 /// What the chosen model was trained with.
-std::vector<TableRow> model_settings(ReportInput& input, const JsonView& study, const fs::path& folder) {
+std::vector<TableRow> model_settings(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
   std::vector<TableRow> rows;
-  const JsonView choice = study["choice"];
-  for (const JsonView& history : study["histories"].items()) {
-    for (const JsonView& model : history["models"].items()) {
+  const results::JsonView choice = study["choice"];
+  for (const results::JsonView& history : study["histories"].items()) {
+    for (const results::JsonView& model : history["models"].items()) {
       const fs::path file = folder / model["folder"].text() / "model.json";
       if (!rows.empty() || !choice || model["name"].text() != choice["model"].text()) continue;
       if (!is_there(input, file, "The training settings of the chosen model")) continue;
       const nlohmann::json document = read_json(file);
-      const JsonView description(document, file.string());
+      const results::JsonView description(document, file.string());
       for (const std::string key : {"rendering", "split", "training", "network", "result"})
         add_settings(rows, key + " ", description[key]);
     }
@@ -188,7 +190,7 @@ std::vector<TableRow> model_settings(ReportInput& input, const JsonView& study, 
   return rows;
 }
 
-void read_settings(ReportInput& input, const JsonView& study, const fs::path& folder, std::vector<TableRow> models) {
+void read_settings(ReportInput& input, const results::JsonView& study, const fs::path& folder, std::vector<TableRow> models) {
   const auto add = [&](const std::string& caption, TableRow head, std::vector<TableRow> rows) {
     add_table(input.settings, caption, std::move(head), std::move(rows));
   };
@@ -210,7 +212,7 @@ void read_settings(ReportInput& input, const JsonView& study, const fs::path& fo
   add("Models: accuracy is the mean over objects on the reported runs", {"model", "seed", "accuracy", "weights, SHA-256"},
       std::move(models));
   double total = 0;
-  for (const JsonView& step : study["steps"].items()) {
+  for (const results::JsonView& step : study["steps"].items()) {
     const double seconds = step["seconds"].number();
     steps.push_back(
         {step["name"].text(), seconds_text(seconds), step["finished_at"].text(), step["command"] ? step["command"].text() : "-"});
@@ -225,14 +227,14 @@ void read_settings(ReportInput& input, const JsonView& study, const fs::path& fo
 ReportInput read_study(const fs::path& folder) {
   const fs::path file = folder / "study.json";
   const nlohmann::json document = read_json(file);
-  const JsonView study(document, file.string());
+  const results::JsonView study(document, file.string());
   if (const std::string format = study["format"].text(); format != "tactile-study-1")
     throw Error(fmt::format("{}: is of format '{}'; expected 'tactile-study-1'", file.string(), format));
   ReportInput input;
   input.title = study["title"].text();
   input.simulated = study["simulated"].truth();
   input.summary = study["summary"].text();
-  if (const JsonView data = study["settings"]["data"]) input.data = folder / data.text();
+  if (const results::JsonView data = study["settings"]["data"]) input.data = folder / data.text();
   read_claims(input, study);
   read_histories(input, study);
   std::vector<TableRow> models = read_trainings(input, study, folder);
@@ -243,4 +245,4 @@ ReportInput read_study(const fs::path& folder) {
   return input;
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -13,10 +13,10 @@
 #include "tactile/report/dots_plot.hpp"
 #include "tactile/report/figure_parts.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
-using figure_colours::faint_ink;
+using pictures::figure_colours::faint_ink;
 
 std::string titled(const ReportedTrade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
@@ -29,12 +29,12 @@ Dot dot_of(const ReportedSetting& setting) {
 
 }  // namespace
 
-Plot trade_accuracy_plot(const ReportedTrade& trade) {
+pictures::Plot trade_accuracy_plot(const ReportedTrade& trade) {
   std::vector<Dot> dots;
   for (const ReportedSetting& setting : trade.settings) {
     Dot dot = dot_of(setting);
     dot.x = setting.us_p99.value;
-    dot.y = scaled(setting.accuracy, 100);
+    dot.y = results::scaled(setting.accuracy, 100);
     dot.on_front = setting.on_accuracy_front;
     dots.push_back(std::move(dot));
   }
@@ -48,12 +48,12 @@ Plot trade_accuracy_plot(const ReportedTrade& trade) {
                    dots);
 }
 
-Plot trade_delay_plot(const ReportedTrade& trade) {
+pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
   std::vector<Dot> dots;
   for (const ReportedSetting& setting : trade.settings) {
     Dot dot = dot_of(setting);
     dot.x = setting.false_alarms_per_min.value;
-    dot.y = scaled(setting.delay_us, 1e-3);
+    dot.y = results::scaled(setting.delay_us, 1e-3);
     dot.on_front = setting.on_delay_front;
     if (std::isfinite(setting.missed.value)) dot.text += fmt::format(" ({:.1f} % missed)", 100 * setting.missed.value);
     dots.push_back(std::move(dot));
@@ -74,7 +74,7 @@ constexpr int growth_left = 70, growth_right = 20, growth_top = 122, growth_gap 
 constexpr int growth_bottom = growth_top + growth_height;
 
 /// Median times at one point, in the order of the series.
-std::array<double, 4> times_of(const GrowthPoint& point) {
+std::array<double, 4> times_of(const results::GrowthPoint& point) {
   return {point.sparse.p50_us, point.sparse.rendering_us, point.dense.p50_us, point.dense.rendering_us};
 }
 
@@ -82,7 +82,7 @@ std::array<double, 4> times_of(const GrowthPoint& point) {
 struct GrowthStep {
   double position = NAN;
   std::string label;
-  const GrowthPoint* point = nullptr;
+  const results::GrowthPoint* point = nullptr;
 };
 
 struct GrowthPanel {
@@ -99,9 +99,9 @@ std::string short_number(double value) {
 
 /// The positions of the points that have one.
 template <class StepOf>
-std::vector<GrowthStep> steps_of(const std::vector<GrowthPoint>& points, StepOf step_of) {
+std::vector<GrowthStep> steps_of(const std::vector<results::GrowthPoint>& points, StepOf step_of) {
   std::vector<GrowthStep> steps;
-  for (const GrowthPoint& point : points) {
+  for (const results::GrowthPoint& point : points) {
     GrowthStep step = step_of(point);
     step.point = &point;
     if (std::isfinite(step.position)) steps.push_back(std::move(step));
@@ -109,39 +109,41 @@ std::vector<GrowthStep> steps_of(const std::vector<GrowthPoint>& points, StepOf 
   return steps;
 }
 
-std::vector<GrowthPanel> panels_of(const CostGrowth& growth) {
+std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
   constexpr std::array<int, 3> widths{384, 200, 270};  // a panel with more labels is wider
   static_assert(growth_left + widths[0] + widths[1] + widths[2] + 2 * growth_gap + growth_right == page_width);
   // No events at all have a position left of the lowest rate.
   double least_rate = INFINITY;
-  for (const GrowthPoint& point : growth.by_rate) {
+  for (const results::GrowthPoint& point : growth.by_rate) {
     if (point.events_per_s > 0) least_rate = std::min(least_rate, point.events_per_s);
   }
   const double none_at = std::isfinite(least_rate) ? log_position(least_rate) - 0.6 : 0;
-  const auto history_of = [](const GrowthPoint& point) { return fmt::format("t_h {:g} ms", in_ms(point.history)); };
-  const auto rate_of = [](const GrowthPoint& point) { return short_number(point.events_per_s) + " events/s"; };
-  const auto sensor_of = [](const GrowthPoint& point) { return fmt::format("{}x{}", point.sensor.width, point.sensor.height); };
+  const auto history_of = [](const results::GrowthPoint& point) { return fmt::format("t_h {:g} ms", in_ms(point.history)); };
+  const auto rate_of = [](const results::GrowthPoint& point) { return short_number(point.events_per_s) + " events/s"; };
+  const auto sensor_of = [](const results::GrowthPoint& point) {
+    return fmt::format("{}x{}", point.sensor.width, point.sensor.height);
+  };
   // What is the same at all points.
-  const auto conditions = [](const std::vector<GrowthPoint>& points, auto first, auto second) {
+  const auto conditions = [](const std::vector<results::GrowthPoint>& points, auto first, auto second) {
     return points.empty() ? std::string() : first(points.front()) + ", " + second(points.front());
   };
   std::vector<GrowthPanel> panels{
       {.label = "events per second",
        .conditions = conditions(growth.by_rate, history_of, sensor_of),
        .steps = steps_of(growth.by_rate,
-                         [&](const GrowthPoint& point) {
+                         [&](const results::GrowthPoint& point) {
                            return GrowthStep{point.events_per_s == 0 ? none_at : log_position(point.events_per_s),
                                              short_number(point.events_per_s)};
                          })},
       {.label = "history t_h [ms]",
        .conditions = conditions(growth.by_history, rate_of, sensor_of),
        .steps = steps_of(growth.by_history,
-                         [](const GrowthPoint& point) {
+                         [](const results::GrowthPoint& point) {
                            return GrowthStep{log_position(in_ms(point.history)), fmt::format("{:g}", in_ms(point.history))};
                          })},
       {.label = "pixels of the sensor",
        .conditions = conditions(growth.by_resolution, history_of, rate_of),
-       .steps = steps_of(growth.by_resolution, [&](const GrowthPoint& point) {
+       .steps = steps_of(growth.by_resolution, [&](const results::GrowthPoint& point) {
          return GrowthStep{log_position(static_cast<double>(point.sensor.width) * point.sensor.height), sensor_of(point)};
        })}};
   int begin = growth_left;
@@ -153,7 +155,7 @@ std::vector<GrowthPanel> panels_of(const CostGrowth& growth) {
 }
 
 /// Tics at the steps: level where all labels fit, else at an angle.
-PlotAxis x_axis_of(const GrowthPanel& panel) {
+pictures::PlotAxis x_axis_of(const GrowthPanel& panel) {
   double first = INFINITY, last = -INFINITY;
   for (const GrowthStep& step : panel.steps) first = std::min(first, step.position), last = std::max(last, step.position);
   const AxisRange range = range_around(first, last, std::log10(4), panel.width);
@@ -173,7 +175,7 @@ PlotAxis x_axis_of(const GrowthPanel& panel) {
           .tic_style = all_fit ? "center" : "rotate by 45 right"};
 }
 
-void draw_panel(PlotScript& script, const GrowthPanel& panel, const PlotAxis& y) {
+void draw_panel(pictures::PlotScript& script, const GrowthPanel& panel, const pictures::PlotAxis& y) {
   script.begin_panel({.left = panel.left, .top = growth_top, .right = panel.left + panel.width, .bottom = growth_bottom});
   const double middle = panel.left + panel.width / 2.0;
   script.text(panel.label, middle, growth_bottom + 84, "center font ',12'");
@@ -189,7 +191,7 @@ void draw_panel(PlotScript& script, const GrowthPanel& panel, const PlotAxis& y)
     if (step.point->events_per_s <= 0) values.insert(values.end(), 5, NAN);
   }
   const std::string table = script.table(5, std::move(values));
-  const auto ours = figure_colours::network, dense = figure_colours::best;
+  const auto ours = pictures::figure_colours::network, dense = pictures::figure_colours::best;
   script.plot({{table, "1:2", "linespoints", {.colour = ours, .width = 1.8, .mark = 7, .size = 0.8}},
                {table, "1:3", "linespoints", {.colour = ours, .width = 1.4, .dashes = 2, .mark = 6, .size = 0.8}},
                {table, "1:4", "linespoints", {.colour = dense, .width = 1.8, .mark = 5, .size = 0.8}},
@@ -198,15 +200,15 @@ void draw_panel(PlotScript& script, const GrowthPanel& panel, const PlotAxis& y)
 
 }  // namespace
 
-Plot trade_growth_plot(const ReportedTrade& trade) {
+pictures::Plot trade_growth_plot(const ReportedTrade& trade) {
   constexpr int below = 124;
-  PlotScript script(titled(trade, "How the cost of a tick grows"), page_width, growth_bottom + below);
+  pictures::PlotScript script(titled(trade, "How the cost of a tick grows"), page_width, growth_bottom + below);
   script.note("Blue circles: tactile, the whole tick; hollow and dashed: its rendering alone. Orange squares: the dense method,");
   script.note("which computes every pixel and every output of the network.");
   script.text("median time per tick [us]", 20, 100, "left font ',12'");
   double most = -INFINITY, least = INFINITY;
   for (const auto* points : {&trade.growth.by_rate, &trade.growth.by_history, &trade.growth.by_resolution}) {
-    for (const GrowthPoint& point : *points) {
+    for (const results::GrowthPoint& point : *points) {
       for (const double us : times_of(point)) {
         const double position = log_position(us);
         if (std::isfinite(position)) most = std::max(most, position), least = std::min(least, position);
@@ -221,4 +223,4 @@ Plot trade_growth_plot(const ReportedTrade& trade) {
   return std::move(script).finished();
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

@@ -3,19 +3,19 @@
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/report/reported_trade.hpp"
 
-namespace tactile {
+namespace tactile::report {
 
 // The marks of settings are those of `dots_plot`. The front was found on the choice runs by two or three figures. On the reported
 // runs it need not be a front, so no line joins it.
 
 /// Accuracy against the 99th percentile of the time per tick, by its logarithm.
-Plot trade_accuracy_plot(const ReportedTrade& trade);
+pictures::Plot trade_accuracy_plot(const ReportedTrade& trade);
 
 /// Mean delay against false alarms per minute. Their axis is linear near 0 and logarithmic beyond: log10(x + 1).
-Plot trade_delay_plot(const ReportedTrade& trade);
+pictures::Plot trade_delay_plot(const ReportedTrade& trade);
 
 /// Time per tick against event rate, history and resolution, all by their logarithms, with the dense method in orange; tics are
 /// at the measured points.
-Plot trade_growth_plot(const ReportedTrade& trade);
+pictures::Plot trade_growth_plot(const ReportedTrade& trade);
 
-}  // namespace tactile
+}  // namespace tactile::report

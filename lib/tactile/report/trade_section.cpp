@@ -5,7 +5,7 @@
 #include "tactile/report/report_page.hpp"
 #include "tactile/report/trade_plots.hpp"
 
-namespace tactile {
+namespace tactile::report {
 namespace {
 
 constexpr std::size_t most_settings = 80;  // in the table, besides those on a front
@@ -75,7 +75,7 @@ void add_trade(ReportPage& page, const ReportInput& input) {
   add_table(page, trade.settings);
   for (const std::string& sentence : trade.left_out) page.missing.push_back("Speed against accuracy: " + sentence);
   if (trade.growth.by_rate.empty()) return;
-  const GrowthPoint& fastest = trade.growth.by_rate.back();
+  const results::GrowthPoint& fastest = trade.growth.by_rate.back();
   page.html.heading("How the cost grows");
   page.figure("trade-growth", trade_growth_plot(trade),
               fmt::format("Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and "
@@ -85,4 +85,4 @@ void add_trade(ReportPage& page, const ReportInput& input) {
               "computes every pixel and every output of the network.");
 }
 
-}  // namespace tactile
+}  // namespace tactile::report

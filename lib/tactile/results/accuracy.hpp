@@ -6,7 +6,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// The share of balanced samples predicted correctly: of each object over all samples of its runs, and the mean over objects.
 struct Accuracy {
@@ -18,4 +18,4 @@ struct Accuracy {
 void to_json(nlohmann::json& json, const Accuracy& accuracy);
 void from_json(const JsonView& json, Accuracy& accuracy);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -1,6 +1,6 @@
 #include "tactile/results/calibration.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void to_json(nlohmann::json& json, const ReliabilityBin& bin) {
   json = {{"from", bin.from},
@@ -23,4 +23,4 @@ void from_json(const JsonView& json, Calibration& calibration) {
   calibration = {json["ece"].get<Figure>(), json["objects"].map_of<Figure>(), json["bins"].list_of<ReliabilityBin>()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -9,7 +9,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Samples whose largest probability lies in (from, to].
 struct ReliabilityBin {
@@ -30,4 +30,4 @@ struct Calibration {
 void to_json(nlohmann::json& json, const Calibration& calibration);
 void from_json(const JsonView& json, Calibration& calibration);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -6,7 +6,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 nlohmann::json count_or_null(const std::optional<std::size_t>& count) {
@@ -89,4 +89,4 @@ void from_json(const JsonView& json, Claim& claim) {
   if (const JsonView all_test = json["all_test"]) claim.all_test = all_test.get<ClaimOutcome>();
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -11,7 +11,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 enum class Verdict : std::uint8_t { holds, does_not, cannot_tell };
 
@@ -59,4 +59,4 @@ void to_json(nlohmann::json& json, const Claim& claim);
 void from_json(const JsonView& json, ClaimOutcome& outcome);
 void from_json(const JsonView& json, Claim& claim);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -1,6 +1,6 @@
 #include "tactile/results/class_scores.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 nlohmann::json json_of(const ClassScore& score) {
@@ -33,4 +33,4 @@ void from_json(const JsonView& json, ClassScores& scores) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -8,7 +8,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// How well one class is separated from the others:
 ///
@@ -29,4 +29,4 @@ struct ClassScores {
 void to_json(nlohmann::json& json, const ClassScores& scores);
 void from_json(const JsonView& json, ClassScores& scores);
 
-}  // namespace tactile
+}  // namespace tactile::results

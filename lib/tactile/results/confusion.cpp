@@ -4,7 +4,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 Confusion& Confusion::operator+=(const Confusion& other) {
   for (std::size_t i = 0; i < touch_count; ++i) {
@@ -45,4 +45,4 @@ void from_json(const JsonView& json, Confusion& confusion) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

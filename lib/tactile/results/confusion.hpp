@@ -9,7 +9,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// How often each class was predicted for each true class: rows true, columns predicted, in the order none, press, slip.
 struct Confusion {
@@ -34,4 +34,4 @@ struct RunConfusion {
 void to_json(nlohmann::json& json, const Confusion& confusion);
 void from_json(const JsonView& json, Confusion& confusion);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -1,6 +1,6 @@
 #include "tactile/results/cost_growth.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 nlohmann::json json_of(const GrowthPoint::Way& way) {
@@ -12,7 +12,7 @@ GrowthPoint::Way way_in(const JsonView& json) {
 }
 
 /// 0 by 0 where there is none.
-SensorSize size_in(const JsonView& json) {
+events::SensorSize size_in(const JsonView& json) {
   const auto sides = json.items();
   if (sides.size() != 2) return {};
   return {static_cast<int>(sides[0].whole_number()), static_cast<int>(sides[1].whole_number())};
@@ -49,4 +49,4 @@ void from_json(const JsonView& json, CostGrowth& growth) {
             json["resolution"].list_of<GrowthPoint>()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -7,15 +7,15 @@
 #include "tactile/events/event.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// The time of a tick at one point of a curve, by the sparse and by the dense method [us]: rendering, with the events that enter
 /// and leave the window, and the network.
 struct GrowthPoint {
   double events_per_s = 0;
   microseconds history{0};
-  SensorSize sensor{};
-  SensorSize heatmap{};
+  events::SensorSize sensor{};
+  events::SensorSize heatmap{};
   double lit_share = 0;  ///< of the heatmap's cells that are not 0, on average
   struct Way {
     double rendering_us = 0, network_us = 0;  ///< medians over ticks
@@ -37,4 +37,4 @@ void from_json(const JsonView& json, GrowthPoint& point);
 void to_json(nlohmann::json& json, const CostGrowth& growth);
 void from_json(const JsonView& json, CostGrowth& growth);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -1,6 +1,6 @@
 #include "tactile/results/delay_table.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 double DelaySummary::missed_share() const {
   return intervals == 0 ? std::numeric_limits<double>::quiet_NaN()
@@ -27,4 +27,4 @@ void from_json(const JsonView& json, DelayTable& table) {
   table = {json.get<DelaySummary>(), json["objects"].map_of<DelaySummary>()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -8,7 +8,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Delays of one class over runs; missed and early intervals are counted, never averaged in.
 struct DelaySummary {
@@ -33,4 +33,4 @@ void to_json(nlohmann::json& json, const DelayTable& table);
 void from_json(const JsonView& json, DelaySummary& summary);
 void from_json(const JsonView& json, DelayTable& table);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -7,7 +7,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 std::string words_of(const Detection& detection) {
   switch (detection.outcome) {
@@ -53,4 +53,4 @@ void from_json(const JsonView& json, Detection& detection) {
   if (detection.outcome == DetectionOutcome::detected) detection.delay = json["delay_ms"].milliseconds();
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -10,7 +10,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 enum class DetectionOutcome : std::uint8_t { detected, missed, early };
 
@@ -39,4 +39,4 @@ struct RunDetections {
   std::vector<Detection> detections;
 };
 
-}  // namespace tactile
+}  // namespace tactile::results

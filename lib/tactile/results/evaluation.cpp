@@ -5,7 +5,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/version.hpp"
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 nlohmann::json detector_json(const DetectorScore& score) {
@@ -168,4 +168,4 @@ std::string title_of(const Evaluation& evaluation) {
                      evaluation.simulated ? "simulated" : "real");
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

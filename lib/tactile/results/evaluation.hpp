@@ -18,7 +18,7 @@
 #include "tactile/results/operating_point.hpp"
 #include "tactile/results/over_time.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Delays and false alarms of one detector over full runs.
 struct DetectorScore {
@@ -97,4 +97,4 @@ void from_json(const JsonView& json, Evaluation& evaluation);
 /// "Evaluation of th040-single-run-01-s1 on simulated runs"
 std::string title_of(const Evaluation& evaluation);
 
-}  // namespace tactile
+}  // namespace tactile::results

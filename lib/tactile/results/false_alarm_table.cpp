@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::results {
 namespace {
 
 microseconds minutes_in(const JsonView& json) { return microseconds{std::llround(60e6 * json.number_if_there().value_or(0))}; }
@@ -47,4 +47,4 @@ void from_json(const JsonView& json, FalseAlarmTable& table) {
                      .unlabelled_time = minutes_in(unlabelled["min"])}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -9,7 +9,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Episodes of one run that began without a touch, and the time without a touch.
 struct FalseAlarms {
@@ -38,4 +38,4 @@ void from_json(const JsonView& json, FalseAlarmTable& table);
 
 double in_minutes(microseconds time);
 
-}  // namespace tactile
+}  // namespace tactile::results

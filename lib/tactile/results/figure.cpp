@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::results {
 
 Figure scaled(Figure figure, double factor) {
   figure.value *= factor;
@@ -36,4 +36,4 @@ void from_json(const JsonView& json, BootstrapOptions& options) {
   options = {json["draws"].count(), json["confidence"].number(), json["seed"].count()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

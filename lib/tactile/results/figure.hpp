@@ -8,7 +8,7 @@
 
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// A value and its 95 % interval.
 struct Figure {
@@ -40,4 +40,4 @@ struct BootstrapOptions {
 void to_json(nlohmann::json& json, const BootstrapOptions& options);
 void from_json(const JsonView& json, BootstrapOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -2,7 +2,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void to_json(nlohmann::json& json, const FullRun& run) {
   std::string digits;
@@ -29,4 +29,4 @@ void from_json(const JsonView& json, FullRun& run) {
     throw Error(json.where() + ": the numbers of verdicts and event counts differ; expected a full run of a model");
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -10,7 +10,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// What a model predicts at every full tick of a run; one entry for each tick.
 struct FullRun {
@@ -26,4 +26,4 @@ struct FullRun {
 void to_json(nlohmann::json& json, const FullRun& run);
 void from_json(const JsonView& json, FullRun& run);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void JsonView::refuse(std::string_view expected) const {
   throw Error(fmt::format("{} is {}; expected {}", where_, json_->type_name(), expected));
@@ -110,4 +110,4 @@ std::string JsonView::words() const {
   return json_->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

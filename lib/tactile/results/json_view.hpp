@@ -11,7 +11,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// How a missing member is read: as null, since files of older versions lack members, or as an error.
 enum class MissingMember : std::uint8_t { is_null, is_error };
@@ -81,4 +81,4 @@ class JsonView {
   MissingMember missing_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -1,6 +1,6 @@
 #include "tactile/results/operating_point.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void to_json(nlohmann::json& json, const OperatingPoint& point) {
   json = {{"threshold", point.threshold},
@@ -15,4 +15,4 @@ void from_json(const JsonView& json, OperatingPoint& point) {
            json["false_alarms_per_min"].get<Figure>(), json["false_alarms"].count()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -7,7 +7,7 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Delays and false alarms at one probability threshold of press and slip.
 struct OperatingPoint {
@@ -21,4 +21,4 @@ struct OperatingPoint {
 void to_json(nlohmann::json& json, const OperatingPoint& point);
 void from_json(const JsonView& json, OperatingPoint& point);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -2,7 +2,7 @@
 
 #include "tactile/core/duration_units.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void to_json(nlohmann::json& json, const ShareOverTime& share) {
   json = {{"first", share.first},
@@ -71,4 +71,4 @@ void from_json(const JsonView& json, OverTime& over_time) {
                json["both"].get<AccuracyOverTime>()};
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

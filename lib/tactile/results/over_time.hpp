@@ -9,7 +9,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 struct OverTimeOptions {
   microseconds bin{50'000};         ///< of the curves, > 0
@@ -58,4 +58,4 @@ void from_json(const JsonView& json, AccuracyOverTime& accuracy);
 void to_json(nlohmann::json& json, const OverTime& over_time);
 void from_json(const JsonView& json, OverTime& over_time);
 
-}  // namespace tactile
+}  // namespace tactile::results

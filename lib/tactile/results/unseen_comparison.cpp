@@ -1,6 +1,6 @@
 #include "tactile/results/unseen_comparison.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 void to_json(nlohmann::json& json, const SeenAndHeldOut& of) {
   json = {{"seen", of.seen}, {"held_out", of.held_out}, {"difference", of.difference}};
@@ -28,4 +28,4 @@ void from_json(const JsonView& json, UnseenComparison& comparison) {
   if (const JsonView models = json["models"]) comparison.models = models.get<UnseenComparison::Models>();
 }
 
-}  // namespace tactile
+}  // namespace tactile::results

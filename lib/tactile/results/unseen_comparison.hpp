@@ -8,7 +8,7 @@
 
 #include "tactile/results/figure.hpp"
 
-namespace tactile {
+namespace tactile::results {
 
 /// Accuracy with an object in training, and without it; in [0, 1].
 struct SeenAndHeldOut {
@@ -36,4 +36,4 @@ void from_json(const JsonView& json, SeenAndHeldOut& of);
 void from_json(const JsonView& json, UnseenComparison::Models& models);
 void from_json(const JsonView& json, UnseenComparison& comparison);
 
-}  // namespace tactile
+}  // namespace tactile::results

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 struct Links {
@@ -90,4 +90,4 @@ std::array<double, 3> turn_from_to(const RotationMatrix& before, const RotationM
   return rotation_vector_of(turn);
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

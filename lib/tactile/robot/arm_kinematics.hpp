@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::robot {
 
 enum class ArmModel { ur10, ur10e };
 
@@ -35,4 +35,4 @@ RotationMatrix rotation_matrix_of(const std::array<double, 3>& rotation_vector);
 /// The rotation from `before` to `after`, as a rotation vector in the base frame.
 std::array<double, 3> turn_from_to(const RotationMatrix& before, const RotationMatrix& after);
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -16,7 +16,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace fs = std::filesystem;
 namespace {
 
@@ -183,4 +183,4 @@ std::string GrowingLog::error() const {
   return state_->error;
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::robot {
 
 /// A text file that grows by rows. It appears with its whole header. A thread writes appended rows ten times a second and syncs
 /// the file every second. A kill or a full disk leaves whole rows, except perhaps the last one after a kill.
@@ -30,4 +30,4 @@ class GrowingLog {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -164,4 +164,4 @@ void LogTable::refuse(std::size_t column, std::string_view expected) const {
                           shown(cells_[column]), expected));
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactile {
+namespace tactile::robot {
 
 /// A text file of rows, as recorders of robots write it; the first row names the columns. Cells are separated by commas,
 /// semicolons, tabs or blanks, as in the header, and quoted where they hold that separator. Rows end with LF, CR LF, CR CR LF
@@ -63,4 +63,4 @@ class LogTable {
   std::vector<std::string_view> cells_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

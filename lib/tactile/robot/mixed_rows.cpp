@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr double least_change = 5e-4;  // [m/s] from row to row: a smaller one does not matter
@@ -75,4 +75,4 @@ void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
   log.states.resize(kept);
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

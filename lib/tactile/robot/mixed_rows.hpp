@@ -2,7 +2,7 @@
 
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 
 constexpr microseconds longest_row_step = 100ms;  ///< a recorder loses single packages now and then; longer steps are gaps
 
@@ -10,4 +10,4 @@ constexpr microseconds longest_row_step = 100ms;  ///< a recorder loses single p
 /// 0.5 mm/s) and the arm moves (5 mm/s). Of the two, the row that fits their neighbours worse is dropped and counted.
 void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses);
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -8,7 +8,7 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/robot/arm_kinematics.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr microseconds reach{8'500};   // 8 ms, however the stamps are rounded
@@ -126,4 +126,4 @@ void set_poses_from_speeds(std::vector<RobotState>& states) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -4,7 +4,7 @@
 
 #include "tactile/robot/robot_log.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 
 /// Sets `tcp_speed` from `tcp_pose`, for a log without speeds: at each row the gradient of the parabola of least squares through
 /// the rows within 8 ms of it, and at least one row on either side, at their own times. At the ends, and next to a gap of more
@@ -23,4 +23,4 @@ microseconds smoothing_of(const std::vector<RobotState>& states);
 /// nothing over a gap; the rotation stays 0.
 void set_poses_from_speeds(std::vector<RobotState>& states);
 
-}  // namespace tactile
+}  // namespace tactile::robot

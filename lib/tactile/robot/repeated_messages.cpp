@@ -4,7 +4,7 @@
 
 #include "tactile/core/host_clock.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr std::size_t most_kept = 64;
@@ -34,4 +34,4 @@ void RepeatedMessages::forget_before(HostTime moment) {
   });
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -8,7 +8,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 
 /// Some controllers send the same message with every package. A message is reported when it first arrives, and then counted until
 /// it has not arrived for 10 s; then its count is reported if it arrived more than once. At most 64 different messages are kept.
@@ -32,4 +32,4 @@ class RepeatedMessages {
   std::map<std::string, Heard> heard_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

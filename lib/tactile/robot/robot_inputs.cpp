@@ -12,7 +12,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/robot/rtde_session.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using std::chrono::milliseconds;
@@ -25,7 +25,7 @@ constexpr milliseconds first_pause{100}, longest_pause{5'000};
 
 struct RobotInputs::State {
   RobotInputsOptions options;
-  NetworkAddress address;
+  transport::NetworkAddress address;
   std::vector<std::string> names;
   std::optional<RtdeSession> session;  ///< used by the thread only, once that runs
   RtdeRecipe recipe;
@@ -140,7 +140,8 @@ void RobotInputs::State::work() {
 RobotInputs::RobotInputs(RobotInputsOptions options) : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.options = std::move(options);
-  state.address = {.kind = NetworkAddress::Kind::tcp, .host = state.options.host, .port = state.options.port, .path = {}};
+  state.address = {
+      .kind = transport::NetworkAddress::Kind::tcp, .host = state.options.host, .port = state.options.port, .path = {}};
   for (const int bit : state.options.bits) {
     if (bit < 64 || bit > 127)
       throw Error(fmt::format("input bit register {}; expected one from 64 to 127, which RTDE clients may write", bit));
@@ -178,4 +179,4 @@ RobotInputsState RobotInputs::state() const {
   return state_->told;
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tactile {
+namespace tactile::robot {
 
 struct RobotInputsOptions {
   std::string host;
@@ -49,4 +49,4 @@ class RobotInputs {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

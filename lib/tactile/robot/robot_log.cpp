@@ -16,7 +16,7 @@
 #include "tactile/robot/mixed_rows.hpp"
 #include "tactile/robot/pose_speeds.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr std::string_view pose_name = "actual_TCP_pose_";
@@ -397,4 +397,4 @@ void write_robot_log(const std::filesystem::path& file, const RobotLog& log) {
   write_whole(file, text);
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

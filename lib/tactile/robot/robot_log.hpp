@@ -11,7 +11,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/robot/arm_kinematics.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 
 /// No arm is so far [m, rad] or so fast [m/s, rad/s]; beyond it sums would overflow their precision.
 inline constexpr double beyond_any_arm = 1e6;
@@ -105,4 +105,4 @@ RobotLogFile read_robot_log(const std::filesystem::path& file, const RobotLogOpt
 /// Writes the states, separated by commas, whole or not at all. `timestamp` has six decimals.
 void write_robot_log(const std::filesystem::path& file, const RobotLog& log);
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -19,7 +19,7 @@
 #include "tactile/robot/rtde_protocol.hpp"
 #include "tactile/robot/rtde_session.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using std::chrono::milliseconds;
@@ -84,7 +84,7 @@ bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
 
 struct RobotMonitor::State {
   RobotMonitorOptions options;
-  NetworkAddress address;
+  transport::NetworkAddress address;
   std::vector<std::string> fields;   ///< the requested ones that the controller has
   std::vector<std::string> columns;  ///< of a data package
   std::size_t time_column = 0;
@@ -139,7 +139,7 @@ void RobotMonitor::State::take(const RtdeAgreement& agreed) {
 void RobotMonitor::State::first_connection() {
   if (!(options.frequency_hz >= 0 && std::isfinite(options.frequency_hz)))
     throw Error(fmt::format("a robot frequency of {} Hz; expected more than 0, or 0 for the highest", options.frequency_hz));
-  address = {.kind = NetworkAddress::Kind::tcp, .host = options.host, .port = options.port, .path = {}};
+  address = {.kind = transport::NetworkAddress::Kind::tcp, .host = options.host, .port = options.port, .path = {}};
   const auto told = [this](const std::string& text) { messages.hear(text); };
 
   fields = wanted_fields(options);
@@ -414,4 +414,4 @@ std::optional<double> RobotMonitor::newest(const std::string& field) const {
   return as_double(state_->newest[static_cast<std::size_t>(column - state_->columns.begin())]);
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace tactile {
+namespace tactile::robot {
 
 struct RobotMonitorOptions {
   std::string host;
@@ -67,4 +67,4 @@ class RobotMonitor {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

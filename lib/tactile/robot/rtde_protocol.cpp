@@ -10,7 +10,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 constexpr std::size_t header_size = 3;
@@ -358,4 +358,4 @@ bool read_rtde_data(const RtdeRecipe& recipe, std::span<const std::byte> bytes, 
   return true;
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-namespace tactile {
+namespace tactile::robot {
 
 // RTDE, protocol version 2, of a UR controller on TCP port 30004: a stream of packages, each a uint16 size that includes itself,
 // a uint8 type and a payload; every number is big-endian. The packages of both sides are here, so that tests can simulate a
@@ -134,4 +134,4 @@ RtdeText text_in(std::span<const std::byte> message);
 /// @throws Error  if its size is not the recipe's
 bool read_rtde_data(const RtdeRecipe& recipe, std::span<const std::byte> payload, std::vector<RtdeNumber>& numbers);
 
-}  // namespace tactile
+}  // namespace tactile::robot

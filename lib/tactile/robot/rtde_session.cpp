@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace tactile {
+namespace tactile::robot {
 namespace {
 
 using std::chrono::milliseconds;
@@ -32,7 +32,7 @@ std::string said(const RtdeText& message) {
 
 }  // namespace
 
-RtdeSession::RtdeSession(const NetworkAddress& address, milliseconds patience, Tell tell)
+RtdeSession::RtdeSession(const transport::NetworkAddress& address, milliseconds patience, Tell tell)
     : connection_(address, patience), patience_(patience), tell_(std::move(tell)), buffer_(std::size_t{1} << 16) {}
 
 void RtdeSession::refuse(const std::string& what) const { throw Error(connection_.address().text() + ": " + what); }
@@ -151,4 +151,4 @@ std::optional<RtdePackage> RtdeSession::next() {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::robot

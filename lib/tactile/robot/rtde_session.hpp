@@ -13,7 +13,7 @@
 #include "tactile/robot/rtde_protocol.hpp"
 #include "tactile/transport/connection.hpp"
 
-namespace tactile {
+namespace tactile::robot {
 
 /// The result of the set-up of controller and client.
 struct RtdeAgreement {
@@ -31,7 +31,7 @@ class RtdeSession {
   /// @param patience  with the connection and with each answer, > 0
   /// @param tell      gets the controller's text messages, in printable form
   /// @throws Error    if there is no controller
-  RtdeSession(const NetworkAddress& address, std::chrono::milliseconds patience, Tell tell);
+  RtdeSession(const transport::NetworkAddress& address, std::chrono::milliseconds patience, Tell tell);
 
   /// @param frequency_hz  0: the controller's highest, 125 below version 5, else 500
   /// @throws Error        if it speaks no RTDE 2 or refuses, but not for names that it does not have
@@ -73,7 +73,7 @@ class RtdeSession {
   template <class Answer>
   Answer answer_to(RtdePackageType type, std::string_view what, Answer (*read)(std::span<const std::byte>));
 
-  Connection connection_;
+  transport::Connection connection_;
   std::chrono::milliseconds patience_;
   Tell tell_;
   std::vector<std::byte> buffer_;
@@ -81,4 +81,4 @@ class RtdeSession {
   std::string last_words_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::robot

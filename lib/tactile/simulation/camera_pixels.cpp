@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-namespace tactile {
+namespace tactile::simulation {
 
 PixelLottery::PixelLottery(const std::vector<double>& weights) : keep_(weights.size(), 1.0F), other_(weights.size()) {
   for (const double weight : weights) weight_sum_ += weight;
@@ -91,4 +91,4 @@ std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std
   return hot;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

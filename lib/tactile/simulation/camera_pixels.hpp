@@ -7,7 +7,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/simulation/event_camera_options.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// A pixel that fires by itself.
 struct SimulatedHotPixel {
@@ -50,4 +50,4 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
 /// `hot_turnover`, by another pixel with another rate. Dead pixels are never hot.
 std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double slip_still_s = 0.150;
@@ -139,4 +139,4 @@ double DraggedTips::end_s() const {
   return std::max(gross_s_, middle_s(still - 1) + dt_s_ * share);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -11,7 +11,7 @@
 #include "tactile/simulation/run_plan.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The time until a ringing of this amplitude is below `least_motion_mm` [s].
 inline double ringing_s(double mm, double decay_s) { return decay_s * std::log(std::max(1.0, std::abs(mm) / least_motion_mm)); }
@@ -54,4 +54,4 @@ class DraggedTips {
   std::vector<double> speeds_mm_s_;  ///< of the object against the sliding tips, the fastest of each read-out
 };
 
-}  // namespace tactile
+}  // namespace tactile::simulation

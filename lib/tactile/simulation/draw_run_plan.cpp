@@ -4,7 +4,7 @@
 
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object, const RunVariation& variation, double depth_mm,
@@ -251,4 +251,4 @@ RunPlan draw_run_plan(const ObjectModel& object, const RunPlanOptions& options, 
   return plan;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -5,7 +5,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// A range from which a run's value is drawn uniformly.
 struct Range {
@@ -23,4 +23,4 @@ inline double varied(double typical, double spread, Random& random) {
 /// Normal around 0, limited to 2.5 sigma.
 inline double cut_normal(double sigma, Random& random) { return sigma * std::clamp(random.normal(), -2.5, 2.5); }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -12,7 +12,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double shot_share_at_white = 0.25;    // of the shot noise in the dark (v2e)
@@ -415,4 +415,4 @@ EventCamera::ReadOut EventCamera::read_out(std::span<const MarkerPose> poses) {
   return seen;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

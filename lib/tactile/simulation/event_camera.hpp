@@ -12,7 +12,7 @@
 #include "tactile/simulation/event_camera_options.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// An event camera before moving markers.
 ///
@@ -37,7 +37,7 @@ class EventCamera {
   static constexpr std::size_t max_markers = 32;
 
   struct ReadOut {
-    std::span<const Event> events;  ///< valid until the next read-out
+    std::span<const events::Event> events;  ///< valid until the next read-out
     /// Events due to a moving marker; the others are noise or flicker. With flicker, all events on a moving marker count.
     std::size_t caused = 0;
     std::uint32_t caused_by = 0;  ///< bit i: marker i caused at least one of them
@@ -130,11 +130,11 @@ class EventCamera {
   std::vector<std::uint32_t> in_reset_;  ///< pixels in reset for longer than one read-out
   std::vector<Fired> fired_, sorted_;
   std::vector<std::uint32_t> places_;
-  std::vector<Event> events_;
+  std::vector<events::Event> events_;
   std::vector<float> columns_, intensities_;
   std::size_t intensity_count_ = 0;
   std::vector<Stretch> stretches_;
   std::vector<std::uint8_t> exceeds_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -6,7 +6,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 /// Throws where a field is out of its range.
@@ -20,7 +20,7 @@ struct RangeCheck {
   void operator()(std::string_view name, microseconds& value, double low, double high) const {
     need(name, static_cast<double>(value.count()), low, high);
   }
-  void operator()(std::string_view name, SensorSize& size, double low, double high) const {
+  void operator()(std::string_view name, events::SensorSize& size, double low, double high) const {
     need(name, size.width, low, high);
     need(name, size.height, low, high);
   }
@@ -44,4 +44,4 @@ SkinView view_of(const EventCameraOptions& options) {
   return view;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

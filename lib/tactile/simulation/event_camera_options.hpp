@@ -6,7 +6,7 @@
 #include "tactile/events/event.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The camera's pixels and the light. Thresholds are in ln of the intensity. Intensities are reflectances under constant light,
 /// so 1 is white paper.
@@ -15,7 +15,7 @@ namespace tactile {
 /// for hot pixels that fire more than useful ones. The numbers of hot and dead pixels, how often
 /// they change, and their share of ON events are assumptions.
 struct EventCameraOptions {
-  SensorSize size{640, 480};
+  events::SensorSize size{640, 480};
   double px_per_mm = 0;  ///< 0: the whole skin fits into the image; see view_of
   microseconds readout{200};
 
@@ -87,8 +87,8 @@ void check(const EventCameraOptions& options);
 /// The skin in the middle of this camera's image.
 SkinView view_of(const EventCameraOptions& options);
 
-constexpr std::size_t pixel_count(SensorSize size) {
+constexpr std::size_t pixel_count(events::SensorSize size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::simulation {
 
 MovingTips::MovingTips(const RunPlan& plan, const SkinView& view, double dt_s, Random& random)
     : plan_(plan), view_(view), dragged_(plan, dt_s, random) {
@@ -76,4 +76,4 @@ MovingTips::Sideways MovingTips::sideways_at(const PressPlan& press, const Press
   return sideways;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

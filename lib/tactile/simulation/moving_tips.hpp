@@ -11,7 +11,7 @@
 #include "tactile/simulation/run_plan.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// A micro-slip, and the direction in which it moves each tip.
 struct MicroSlip {
@@ -64,4 +64,4 @@ class MovingTips {
   std::vector<MicroSlip> micro_slips_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The properties of an object under the sensor. They are typical values, around which each run varies. configs/objects.json has
 /// the paper's ten objects. Their numbers are chosen, not measured: they are within the ranges reported for slip sensing
@@ -52,4 +52,4 @@ void list_fields(Fields& fields, ObjectModel& o) {
   fields("weight_g", o.weight_g, 0, 10'000);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -9,7 +9,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/simulation/default_configs.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 [[noreturn]] void refuse_name(std::string_view name, std::string_view what, const std::vector<std::string>& names) {
@@ -125,4 +125,4 @@ nlohmann::json json_of(const SimulationPhysics& physics) {
   return json;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -14,7 +14,7 @@
 #include "tactile/simulation/simulated_robot.hpp"
 #include "tactile/simulation/simulated_video.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// A size of data set.
 struct SimulationPreset {
@@ -80,4 +80,4 @@ void list_fields(Fields& fields, SimulationPhysics& physics) {
   fields("presets", physics.presets);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 // The paper's ten objects, listed here so that adding an object does not change the clocks of another.
@@ -89,4 +89,4 @@ RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, Camer
   return clocks;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -9,7 +9,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/simulation/drawn_value.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The distribution of the clocks of camera, robot, video and host.
 struct ClockPhysics {
@@ -48,4 +48,4 @@ RunClocks clocks_of_run(const ClockPhysics& physics, std::uint64_t seed, std::st
 /// first read-out is at `start`. Robot and video begin as long before it as in `drawn`.
 RunClocks continued_clocks(const RunClocks& drawn, const RunClocks& first, CameraTime start);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

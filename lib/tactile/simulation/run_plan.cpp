@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double stage_ramp_s = 0.020;
@@ -245,4 +245,4 @@ bool RunPlan::stage_commanded_at(double t_s) const {
   });
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

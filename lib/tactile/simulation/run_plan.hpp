@@ -11,7 +11,7 @@
 #include "tactile/simulation/object_model.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The durations of the parts of a run.
 struct RunTimings {
@@ -364,4 +364,4 @@ double longest_run_s(const RunPlanOptions& options);
 /// nor the number of events alone reveals the class.
 RunPlan draw_run_plan(const ObjectModel& object, const RunPlanOptions& options, Random& random);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -1,6 +1,6 @@
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 nlohmann::json json_of(const MarkerContact& m) {
@@ -93,4 +93,4 @@ void to_json(nlohmann::json& json, const RunPlan& p) {
           {"has_imu", p.has_imu}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

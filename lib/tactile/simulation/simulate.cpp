@@ -18,7 +18,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -84,8 +84,8 @@ class TouchCounter {
   }
 
   /// @param events  ascending in time
-  void count(std::span<const Event> events) {
-    const auto is_earlier = [](const Event& event, CameraTime t) { return event.t < t; };
+  void count(std::span<const events::Event> events) {
+    const auto is_earlier = [](const events::Event& event, CameraTime t) { return event.t < t; };
     for (const auto& [start, end] : intervals_) {
       const auto first = std::lower_bound(events.begin(), events.end(), start, is_earlier);
       events_ += static_cast<std::uint64_t>(std::lower_bound(first, events.end(), end, is_earlier) - first);
@@ -108,24 +108,24 @@ void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCo
             const std::function<void(double)>& tell_share) {
   constexpr microseconds piece = 10ms;
   const std::string source = simulated_camera_name(drawn.seed);
-  std::vector<Stream> streams{event_stream_declaration(drawn.camera.size, source)};
-  std::vector<ImuSample> imu;
+  std::vector<events::Stream> streams{events::event_stream_declaration(drawn.camera.size, source)};
+  std::vector<events::ImuSample> imu;
   if (drawn.plan.has_imu) {
     streams.push_back(simulated_imu_stream(source));
     imu = imu_of(drawn);
   }
-  RecordingWriter recording(file, streams);
+  events::RecordingWriter recording(file, streams);
   std::size_t felt = 0;
   const auto write_imu_before = [&](std::optional<CameraTime> t) {
     const std::size_t begin = felt;
     while (felt < imu.size() && (!t || imu[felt].t < *t)) ++felt;
     if (felt > begin) recording.write_imu(streams[1].id, std::span(imu).subspan(begin, felt - begin));
   };
-  const auto write_events = [&](std::span<const Event> events) {
+  const auto write_events = [&](std::span<const events::Event> events) {
     touch.count(events);
     while (!events.empty()) {
       const CameraTime end = events.front().t + piece;
-      const auto later = std::find_if(events.begin(), events.end(), [&](const Event& event) { return event.t >= end; });
+      const auto later = std::find_if(events.begin(), events.end(), [&](const events::Event& event) { return event.t >= end; });
       const auto count = static_cast<std::size_t>(later - events.begin());
       write_imu_before(events.front().t);
       recording.write_events(streams[0].id, events.first(count));
@@ -285,4 +285,4 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
   return outcomes;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -13,7 +13,7 @@
 #include "tactile/simulation/physics.hpp"
 #include "tactile/simulation/simulated_run.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 struct SimulateOptions {
   std::filesystem::path data = "data";
@@ -51,4 +51,4 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
                           const std::function<void(double)>& tell_share = {});
 
-}  // namespace tactile
+}  // namespace tactile::simulation

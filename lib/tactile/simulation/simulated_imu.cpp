@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double standard_gravity_mm_s2 = 9806.65;
@@ -26,7 +26,7 @@ std::array<double, 3> three_normals(double sigma, Random& random) {
 
 }  // namespace
 
-std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const ImuPhysics& physics, Random& random) {
+std::vector<events::ImuSample> feel_run(const RunPlan& plan, CameraTime start, const ImuPhysics& physics, Random& random) {
   const double period_s = 1.0 / (physics.rate_hz * (1.0 + random.uniform(-physics.rate_error, physics.rate_error)));
   const double roll = cut_normal(physics.tilt_rad, random), pitch = cut_normal(physics.tilt_rad, random);
   const std::array<double, 3> up{std::sin(roll) * std::cos(pitch), -std::cos(roll) * std::cos(pitch), std::sin(pitch)};
@@ -35,7 +35,7 @@ std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const Imu
   const double temperature_c = drawn(physics.temperature_c, random);
   const std::int64_t step_us = physics.stamp_step.count(), end_us = std::llround(1e6 * plan.end_s);
 
-  std::vector<ImuSample> samples;
+  std::vector<events::ImuSample> samples;
   samples.reserve(static_cast<std::size_t>(plan.end_s / period_s) + 2);
   std::int64_t last_us = -1;
   float felt_c = 0;
@@ -46,7 +46,7 @@ std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const Imu
     if (t_s > plan.end_s) return samples;
     if (k % samples_per_temperature == 0)
       felt_c = measured(temperature_c + temperature_noise_c * random.normal(), 1000, temperature_step_c);
-    ImuSample sample;
+    events::ImuSample sample;
     sample.temperature_c = felt_c;
     const double upward_g = 1.0 + (plan.arm_acceleration_at(t_s) + plan.vibration_acceleration_at(t_s)) / standard_gravity_mm_s2;
     const std::array<double, 3> acceleration_noise = three_normals(physics.acceleration_noise_g, random);
@@ -63,4 +63,4 @@ std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const Imu
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -8,7 +8,7 @@
 #include "tactile/simulation/drawn_value.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// Properties of the inertial sensor of the camera, which moves with the arm. Noise and steps are those of a DVXplorer at rest: 3
 /// mg, 0.1 degrees/s, a sample every 1.242 ms instead of the nominal 1.25 ms. The ranges are 4 g and 500 degrees/s.
@@ -44,6 +44,6 @@ void list_fields(Fields& fields, ImuPhysics& imu) {
 /// The stream during the camera's recording: gravity, the arm's acceleration and ringing, and noise. The image's y axis points
 /// down, so a camera at rest measures about (0, -1, 0) g. Times are strictly ascending.
 /// @param start  the camera's first read-out
-std::vector<ImuSample> feel_run(const RunPlan& plan, CameraTime start, const ImuPhysics& physics, Random& random);
+std::vector<events::ImuSample> feel_run(const RunPlan& plan, CameraTime start, const ImuPhysics& physics, Random& random);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

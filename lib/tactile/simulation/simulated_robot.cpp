@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double rotation_noise_rad_per_mm = 1e-3;   // joints of an arm about a metre long
@@ -49,7 +49,7 @@ LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotP
 
   LoggedRobot robot;
   for (std::int64_t k = 0;; ++k) {
-    RobotState state;
+    robot::RobotState state;
     state.t = RobotTime{microseconds{clocks.robot.reference_us + (2'000'000 * k + physics.rate_hz) / (2 * physics.rate_hz)}};
     const double t_s = 1e-6 * static_cast<double>(us_of(clocks.robot.camera_from(state.t)) - clocks.camera_start_us);
     if (t_s > end_s) break;
@@ -74,4 +74,4 @@ LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotP
   return robot;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -8,7 +8,7 @@
 #include "tactile/simulation/run_clocks.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// Properties of the arm's log.
 struct RobotPhysics {
@@ -29,7 +29,7 @@ void list_fields(Fields& fields, RobotPhysics& robot) {
 }
 
 struct LoggedRobot {
-  RobotLog log;
+  robot::RobotLog log;
   std::uint64_t dropped_packages = 0;
 };
 
@@ -38,4 +38,4 @@ struct LoggedRobot {
 /// it.
 LoggedRobot log_robot(const RunPlan& plan, const RunClocks& clocks, const RobotPhysics& physics, Random& random);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -18,7 +18,7 @@
 #include "tactile/video/video_times.hpp"
 #include "tactile/video/video_writer.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr std::size_t objects_per_round = 10;
@@ -34,7 +34,7 @@ std::size_t runs_before(const SimulationPhysics& physics, const std::string& obj
   return static_cast<std::size_t>(number_of(run) - 1) * objects_per_round + physics.place_of(object);
 }
 
-TruePixel pixel_at(std::size_t index, SensorSize size, double hz) {
+TruePixel pixel_at(std::size_t index, events::SensorSize size, double hz) {
   const auto width = static_cast<std::size_t>(size.width);
   return {static_cast<int>(index % width), static_cast<int>(index / width), hz};
 }
@@ -88,9 +88,9 @@ SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels) {
   return {drawn.motion, pixels, drawn.camera, drawn.start(), drawn.seed_for_use("camera")};
 }
 
-Stream simulated_imu_stream(std::string source) {
+events::Stream simulated_imu_stream(std::string source) {
   return {.id = 1,
-          .type = StreamType::imu,
+          .type = events::StreamType::imu,
           .type_identifier = "IMUS",
           .source = std::move(source),
           .name = "imu",
@@ -98,7 +98,7 @@ Stream simulated_imu_stream(std::string source) {
           .info = {}};
 }
 
-std::vector<ImuSample> imu_of(const DrawnRun& drawn) {
+std::vector<events::ImuSample> imu_of(const DrawnRun& drawn) {
   Random random(drawn.seed_for_use("imu"));
   return feel_run(drawn.plan, drawn.start(), drawn.physics->imu, random);
 }
@@ -107,10 +107,11 @@ std::uint64_t write_robot(const std::filesystem::path& file, const DrawnRun& dra
   Random random(drawn.seed_for_use("robot"));
   LoggedRobot robot = log_robot(drawn.plan, drawn.clocks, drawn.physics->robot, random);
   if (until) {
-    std::erase_if(robot.log.states,
-                  [&](const RobotState& state) { return drawn.clocks.robot.camera_from(state.t) > *until + robot_after_end; });
+    std::erase_if(robot.log.states, [&](const robot::RobotState& state) {
+      return drawn.clocks.robot.camera_from(state.t) > *until + robot_after_end;
+    });
   }
-  write_robot_log(file, robot.log);
+  robot::write_robot_log(file, robot.log);
   return robot.dropped_packages;
 }
 
@@ -121,11 +122,11 @@ void write_video(const std::filesystem::path& film, const std::filesystem::path&
   if (until) {
     std::erase_if(frames, [&](VideoTime t) { return drawn.clocks.video.camera_from(t) > *until + video_after_end; });
   }
-  VideoWriter writer(film, {.quality = drawn.physics->video.quantiser, .fast = true});
+  video::VideoWriter writer(film, {.quality = drawn.physics->video.quantiser, .fast = true});
   for (std::size_t i = 0; i < frames.size(); ++i) writer.write(video.draw(i), frames[i]);
   writer.close();
   sync_to_disk(film);
-  write_video_times(times, frames);
+  video::write_video_times(times, frames);
 }
 
 Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSkin& filmed, std::optional<CameraTime> until) {
@@ -167,4 +168,4 @@ Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSk
   return truth;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -18,7 +18,7 @@
 #include "tactile/simulation/skin_film.hpp"
 #include "tactile/simulation/skin_motion.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 inline constexpr int simulation_model_version = 2;  ///< increased whenever the same settings give other runs
 
@@ -56,8 +56,8 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
 /// The camera's film of the run. `drawn` and `pixels` must outlive it.
 SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels);
 
-Stream simulated_imu_stream(std::string source);       ///< id 1, "imu"
-std::vector<ImuSample> imu_of(const DrawnRun& drawn);  ///< even if the plan records none
+events::Stream simulated_imu_stream(std::string source);       ///< id 1, "imu"
+std::vector<events::ImuSample> imu_of(const DrawnRun& drawn);  ///< even if the plan records none
 
 // If the recording ends before the run, at `until`, robot and video end just after it. The truth omits later motion, and an
 // interval in progress ends there.
@@ -68,4 +68,4 @@ void write_video(const std::filesystem::path& film, const std::filesystem::path&
                  std::optional<CameraTime> until = {});
 Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSkin& filmed, std::optional<CameraTime> until = {});
 
-}  // namespace tactile
+}  // namespace tactile::simulation

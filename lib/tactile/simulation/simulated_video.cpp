@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr int width = 320, height = 240;
@@ -123,4 +123,4 @@ cv::Mat SimulatedVideo::draw(std::size_t index) {
   return frame;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -12,7 +12,7 @@
 #include "tactile/simulation/run_clocks.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// Properties of the webcam.
 struct VideoPhysics {
@@ -66,4 +66,4 @@ class SimulatedVideo {
   double still_exposure_ = 0;
 };
 
-}  // namespace tactile
+}  // namespace tactile::simulation

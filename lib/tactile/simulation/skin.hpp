@@ -6,7 +6,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// The sensor's skin as seen by its camera: nine pairs of markers, a black one above a white one, on white skin.
 ///
@@ -31,7 +31,7 @@ struct SkinView {
 };
 
 /// The view with the whole skin in the middle of an image of this size: 640 x 480 has 16 px/mm, 320 x 240 has 8.
-constexpr SkinView view_of_skin(SensorSize size) {
+constexpr SkinView view_of_skin(events::SensorSize size) {
   return {.px_per_mm = std::min(size.width / view_width_mm, size.height / view_height_mm),
           .centre_x_px = 0.5 * size.width,
           .centre_y_px = 0.5 * size.height};
@@ -67,4 +67,4 @@ constexpr SkinPose skin_at_rest(const SkinView& view) {
   return pose;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -1,6 +1,6 @@
 #include "tactile/simulation/skin_film.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr std::size_t batch_events = 1 << 15;
@@ -13,7 +13,7 @@ SkinFilm::SkinFilm(const SkinMotion& motion, const CameraPixels& pixels, const E
   filmed_.first_events.resize(motion.motions.size());
 }
 
-std::span<const Event> SkinFilm::next() {
+std::span<const events::Event> SkinFilm::next() {
   const EventCamera::ReadOut seen = camera_.read_out(motion_->poses[next_]);
   const microseconds since = readout_ * static_cast<std::int64_t>(next_);
   ++next_;
@@ -31,12 +31,12 @@ std::span<const Event> SkinFilm::next() {
   return seen.events;
 }
 
-void film_whole(SkinFilm& film, const std::function<void(std::span<const Event>)>& use,
+void film_whole(SkinFilm& film, const std::function<void(std::span<const events::Event>)>& use,
                 const std::function<void(double)>& tell_share) {
-  std::vector<Event> batch;
+  std::vector<events::Event> batch;
   for (std::size_t k = 0; !film.ended(); ++k) {
     const double share = film.share_done();
-    const std::span<const Event> events = film.next();
+    const std::span<const events::Event> events = film.next();
     batch.insert(batch.end(), events.begin(), events.end());
     if (batch.size() >= batch_events) {
       use(batch);
@@ -47,4 +47,4 @@ void film_whole(SkinFilm& film, const std::function<void(std::span<const Event>)
   if (!batch.empty()) use(batch);
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

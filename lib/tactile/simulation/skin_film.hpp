@@ -10,7 +10,7 @@
 #include "tactile/simulation/event_camera.hpp"
 #include "tactile/simulation/skin_motion.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 /// Statistics of the events that the camera recorded of a run.
 struct FilmedSkin {
@@ -32,7 +32,7 @@ class SkinFilm {
   bool ended() const { return next_ == motion_->poses.size(); }
   double share_done() const { return static_cast<double>(next_) / static_cast<double>(motion_->poses.size()); }
   /// The events of the next read-out, valid until the next call. Must not be called after the end.
-  std::span<const Event> next();
+  std::span<const events::Event> next();
   const FilmedSkin& filmed() const { return filmed_; }  ///< up to the last read-out
 
  private:
@@ -46,7 +46,7 @@ class SkinFilm {
 
 /// Runs the film to its end and passes the events on in batches, ascending in time.
 /// @param tell_share  receives the finished share of the run, 0 to 1; may throw to stop
-void film_whole(SkinFilm& film, const std::function<void(std::span<const Event>)>& use,
+void film_whole(SkinFilm& film, const std::function<void(std::span<const events::Event>)>& use,
                 const std::function<void(double)>& tell_share = {});
 
-}  // namespace tactile
+}  // namespace tactile::simulation

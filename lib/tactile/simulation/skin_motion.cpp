@@ -9,7 +9,7 @@
 
 #include "tactile/simulation/moving_tips.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 namespace {
 
 constexpr double press_still_s = 0.020;
@@ -185,4 +185,4 @@ SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds rea
   return motion;
 }
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -10,7 +10,7 @@
 #include "tactile/simulation/run_plan.hpp"
 #include "tactile/simulation/skin.hpp"
 
-namespace tactile {
+namespace tactile::simulation {
 
 inline constexpr unsigned all_markers = (1U << marker_count) - 1U;
 
@@ -48,4 +48,4 @@ struct SkinMotion {
 /// @param readout  > 0
 SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random);
 
-}  // namespace tactile
+}  // namespace tactile::simulation

@@ -21,7 +21,7 @@
 #include "tactile/core/host_clock.hpp"
 #include "tactile/transport/deadline.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 namespace {
 
 constexpr microseconds clock_rounding{50};  // largest difference between the system's clock and the host's for one instant
@@ -255,4 +255,4 @@ void Connection::send(std::span<const std::byte> bytes, milliseconds patience) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -9,7 +9,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 /// A client's connection. Every wait has a limit.
 class Connection {
@@ -41,4 +41,4 @@ class Connection {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::transport

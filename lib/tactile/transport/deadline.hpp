@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace tactile {
+namespace tactile::transport {
 
 using SteadyClock = std::chrono::steady_clock;
 
@@ -27,4 +27,4 @@ inline std::string seconds_text(std::chrono::milliseconds patience) {
   return text + " s";
 }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -5,7 +5,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 namespace {
 
 constexpr std::string_view tcp_prefix = "tcp://";
@@ -69,4 +69,4 @@ NetworkAddress network_address(std::string_view text) {
   refuse(text, "is no address; expected tcp://host:port or unix:PATH");
 }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::transport {
 
 /// Where a server listens: `tcp://host:port` or `unix:PATH`.
 struct NetworkAddress {
@@ -21,4 +21,4 @@ struct NetworkAddress {
 /// @throws Error  if `text` is neither `tcp://host:port` with a port of 1 to 65535 nor `unix:PATH` with a path of 1 to 107 bytes
 NetworkAddress network_address(std::string_view text);
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace tactile {
+namespace tactile::video {
 
 cv::Size film_size(cv::Size size) { return {size.width + size.width % 2, size.height + size.height % 2}; }
 
@@ -19,4 +19,4 @@ cv::Mat film_picture(const cv::Mat& picture, cv::Size size) {
   return plain;
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
-namespace tactile {
+namespace tactile::video {
 
 /// Makes of a picture what `VideoWriter` takes for a film of `size`: [height, width] 8-bit grey or BGR, both sides even.
 ///
@@ -16,4 +16,4 @@ cv::Mat film_picture(const cv::Mat& picture, cv::Size size);
 /// The size of the pictures that `film_picture` returns.
 cv::Size film_size(cv::Size size);
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -18,7 +18,7 @@ extern "C" {
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 constexpr std::int64_t most_pixels = std::int64_t{8192} * 4320;
@@ -217,4 +217,4 @@ std::vector<std::int64_t> FilmReader::frame_times() const {
 void FilmReader::refuse_length() const { state_->refuse_length(); }
 const std::string& FilmReader::file() const { return state_->file; }
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -12,7 +12,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::video {
 
 /// A film's frames, decoded one after the other by the calling thread.
 class FilmReader {
@@ -47,4 +47,4 @@ class FilmReader {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 constexpr microseconds ahead_of_host = 5s;
@@ -44,4 +44,4 @@ std::optional<microseconds> FrameClock::time_of(double source_ms, HostTime arriv
   return t_ += step;
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

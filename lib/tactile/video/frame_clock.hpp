@@ -5,7 +5,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::video {
 
 /// Gives a source's frames times that always ascend. The first frame is at 0.
 ///
@@ -36,4 +36,4 @@ class FrameClock {
   microseconds t_{0};
 };
 
-}  // namespace tactile
+}  // namespace tactile::video

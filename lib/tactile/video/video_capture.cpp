@@ -29,7 +29,7 @@
 #include "tactile/video/video_source.hpp"
 #include "tactile/video/video_writer.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace fs = std::filesystem;
 namespace {
 
@@ -398,4 +398,4 @@ VideoCaptureState VideoCapture::state() const {
           .error = state.error};
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace tactile {
+namespace tactile::video {
 
 struct VideoCaptureOptions {
   std::string source;      ///< a device's number ("0") or path ("/dev/video0"), a file, or a URL
@@ -54,4 +54,4 @@ class VideoCapture {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::video

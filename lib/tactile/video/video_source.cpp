@@ -16,7 +16,7 @@ extern "C" {
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace fs = std::filesystem;
 namespace {
 
@@ -72,4 +72,4 @@ microseconds nominal_step(const cv::VideoCapture& capture) {
   return microseconds{std::isfinite(rate) && rate >= 1 && rate <= 1000 ? std::llround(1e6 / rate) : 40'000};
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

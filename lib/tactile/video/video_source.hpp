@@ -6,7 +6,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::video {
 
 /// An open device, file or URL.
 struct VideoSource {
@@ -25,4 +25,4 @@ VideoSource open_video_source(const std::string& source);
 /// The time from frame to frame by the source's own rate; 40 ms where it has none.
 microseconds nominal_step(const cv::VideoCapture& capture);
 
-}  // namespace tactile
+}  // namespace tactile::video

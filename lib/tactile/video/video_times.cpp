@@ -14,7 +14,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 std::vector<std::string> cells_of(std::string_view line) {
@@ -92,4 +92,4 @@ void write_video_times(const std::filesystem::path& file, std::span<const VideoT
   write_whole(file, text);
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -6,7 +6,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::video {
 
 /// The times of a video's frames, in the order of the frames: column `pts_us` of `video.csv`, whose `index` counts from 0.
 /// Further columns are ignored, and so is a last row without its newline, which a kill has cut.
@@ -17,4 +17,4 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& file);
 /// Writes `index,pts_us`, whole or not at all.
 void write_video_times(const std::filesystem::path& file, std::span<const VideoTime> times);
 
-}  // namespace tactile
+}  // namespace tactile::video

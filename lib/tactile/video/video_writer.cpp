@@ -21,7 +21,7 @@ extern "C" {
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::video {
 namespace {
 
 constexpr AVRational microsecond{1, 1'000'000};
@@ -247,4 +247,4 @@ void VideoWriter::close() {
   state_->check(avio_closep(&state_->format->pb), "closing the file");
 }
 
-}  // namespace tactile
+}  // namespace tactile::video

@@ -6,7 +6,7 @@
 
 #include "tactile/core/time.hpp"
 
-namespace tactile {
+namespace tactile::video {
 
 struct VideoWriterOptions {
   int width = 320;               ///< [px], even, > 0
@@ -42,4 +42,4 @@ class VideoWriter {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::video

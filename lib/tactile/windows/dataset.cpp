@@ -12,7 +12,7 @@
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 namespace h5 = hdf5;
 
@@ -94,7 +94,7 @@ h5::Id open_heatmaps(hid_t group, const std::string& name, const fs::path& datas
 struct Dataset::State {
   fs::path file;
   h5::Id id;
-  SensorSize sensor;
+  events::SensorSize sensor;
   bool simulated = false;
   std::vector<DatasetRun> runs;
   std::vector<DatasetInterval> intervals;
@@ -212,7 +212,7 @@ Dataset::Dataset(Dataset&&) noexcept = default;
 Dataset& Dataset::operator=(Dataset&&) noexcept = default;
 
 const fs::path& Dataset::file() const { return state_->file; }
-SensorSize Dataset::sensor() const { return state_->sensor; }
+events::SensorSize Dataset::sensor() const { return state_->sensor; }
 bool Dataset::simulated() const { return state_->simulated; }
 std::span<const DatasetRun> Dataset::runs() const { return state_->runs; }
 std::span<const DatasetInterval> Dataset::intervals() const { return state_->intervals; }
@@ -225,11 +225,11 @@ fs::path Dataset::run_folder(std::uint32_t run_index) const {
   return state_->file.parent_path() / state_->runs.at(run_index).folder;  // an absolute folder replaces the parent
 }
 
-std::vector<Event> Dataset::events(std::uint32_t run_index) const {
+std::vector<events::Event> Dataset::events(std::uint32_t run_index) const {
   return events(run_index, 0, state_->runs.at(run_index).events);
 }
 
-std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const {
+std::vector<events::Event> Dataset::events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const {
   const h5::Session session;
   const DatasetRun& run = state_->runs.at(run_index);
   if (first > run.events || count > run.events - first) {
@@ -239,7 +239,7 @@ std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first,
   const std::string where = state_->file.string() + ": /events";
   const std::string remedy = remove_and_make(state_->file, "events", "windows");
   with_remedy(remedy, [&] { state_->check_events(state_->file.string()); });  // the file may have been replaced
-  std::vector<Event> events(count);
+  std::vector<events::Event> events(count);
   const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
     std::vector<T> values(count);
     with_remedy(remedy, [&] {
@@ -248,17 +248,17 @@ std::vector<Event> Dataset::events(std::uint32_t run_index, std::uint64_t first,
     });
     for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
   };
-  const SensorSize sensor = state_->sensor;
-  read_column("t_us", std::int64_t{}, [](Event& event, std::int64_t t) { event.t = camera_time(t); });
-  read_column("x", std::uint16_t{}, [&](Event& event, std::uint16_t x) {
+  const events::SensorSize sensor = state_->sensor;
+  read_column("t_us", std::int64_t{}, [](events::Event& event, std::int64_t t) { event.t = camera_time(t); });
+  read_column("x", std::uint16_t{}, [&](events::Event& event, std::uint16_t x) {
     if (x >= sensor.width) throw_inconsistent(where, "an event lies outside the sensor");
     event.x = static_cast<std::int16_t>(x);
   });
-  read_column("y", std::uint16_t{}, [&](Event& event, std::uint16_t y) {
+  read_column("y", std::uint16_t{}, [&](events::Event& event, std::uint16_t y) {
     if (y >= sensor.height) throw_inconsistent(where, "an event lies outside the sensor");
     event.y = static_cast<std::int16_t>(y);
   });
-  read_column("on", std::uint8_t{}, [](Event& event, std::uint8_t on) { event.on = on; });
+  read_column("on", std::uint8_t{}, [](events::Event& event, std::uint8_t on) { event.on = on; });
   return events;
 }
 
@@ -351,4 +351,12 @@ void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
   }
 }
 
-}  // namespace tactile
+std::string name_of(const DatasetRun& run) { return run.object + "/" + run.run; }
+
+std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs) {
+  std::vector<std::string> names;
+  for (const std::uint32_t run : runs) names.push_back(name_of(dataset.runs()[run]));
+  return names;
+}
+
+}  // namespace tactile::windows

@@ -12,7 +12,7 @@
 #include "tactile/events/event.hpp"
 #include "tactile/windows/sample.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 /// One run of a dataset: its events, and the files it was made from.
 struct DatasetRun {
@@ -47,7 +47,7 @@ class Dataset {
   Dataset& operator=(Dataset&&) noexcept;
 
   const std::filesystem::path& file() const;
-  SensorSize sensor() const;
+  events::SensorSize sensor() const;
   bool simulated() const;
   std::span<const DatasetRun> runs() const;
   std::span<const DatasetInterval> intervals() const;
@@ -58,9 +58,9 @@ class Dataset {
   const std::string& manifest_hash() const;
   std::filesystem::path run_folder(std::uint32_t run_index) const;
 
-  std::vector<Event> events(std::uint32_t run_index) const;  ///< ascending in time
+  std::vector<events::Event> events(std::uint32_t run_index) const;  ///< ascending in time
   /// `count` events of the run, from number `first` on. @throws Error  also if the run has fewer
-  std::vector<Event> events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const;
+  std::vector<events::Event> events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const;
   std::vector<StoredHeatmaps> heatmaps() const;  ///< all listed histories
 
   /// One history; nothing if it is not listed, or its file is missing, damaged or of another dataset.
@@ -81,6 +81,13 @@ class Dataset {
 
 /// @throws Error  that names the run, if its events or labels differ from those that the dataset was made from
 void check_unchanged(const Dataset& dataset, std::uint32_t run_index);
+
+/// "fan/01"
+std::string name_of(const DatasetRun& run);
+
+/// "fan/03" of each run, in the given order.
+/// @param runs  indexes into `Dataset::runs`
+std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs);
 
 /// Writes the heatmaps of one history to a separate file beside the dataset. When that is complete, the dataset links to it. The
 /// dataset's file is replaced in one step, so it is readable at every moment.
@@ -103,4 +110,4 @@ class HeatmapsWriter {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::windows

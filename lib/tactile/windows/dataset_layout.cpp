@@ -4,9 +4,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-namespace tactile::dataset_layout {
+namespace tactile::windows::dataset_layout {
 
-nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs) {
+nlohmann::json manifest_of(const nlohmann::json& settings, events::SensorSize sensor, bool simulated,
+                           std::span<const DatasetRun> runs) {
   nlohmann::json manifest = settings;
   manifest["format"] = format;
   manifest["sensor"] = {{"width", sensor.width}, {"height", sensor.height}};
@@ -30,4 +31,4 @@ FolderLock::~FolderLock() {
   if (folder_ >= 0) ::close(folder_);
 }
 
-}  // namespace tactile::dataset_layout
+}  // namespace tactile::windows::dataset_layout

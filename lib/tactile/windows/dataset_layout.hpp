@@ -9,7 +9,7 @@
 #include "tactile/windows/dataset.hpp"
 
 // Names and rules for both reading and writing a dataset.
-namespace tactile::dataset_layout {
+namespace tactile::windows::dataset_layout {
 
 inline constexpr std::int64_t format = 1;
 
@@ -19,7 +19,8 @@ inline std::filesystem::path file_beside(const std::filesystem::path& dataset, c
 }
 
 /// The manifest, whose hash identifies a dataset. `settings` = sampling options, mix, include_flagged.
-nlohmann::json manifest_of(const nlohmann::json& settings, SensorSize sensor, bool simulated, std::span<const DatasetRun> runs);
+nlohmann::json manifest_of(const nlohmann::json& settings, events::SensorSize sensor, bool simulated,
+                           std::span<const DatasetRun> runs);
 
 /// Locks the folder of a dataset, so that only one process replaces files in it.
 class FolderLock {
@@ -33,4 +34,4 @@ class FolderLock {
   int folder_ = -1;
 };
 
-}  // namespace tactile::dataset_layout
+}  // namespace tactile::windows::dataset_layout

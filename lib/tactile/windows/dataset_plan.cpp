@@ -21,7 +21,7 @@
 #include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 
 namespace {
@@ -29,7 +29,7 @@ namespace {
 void find_ends(PlannedRun& run) {
   OpenRun open(run.folder);
   const std::string where = run.folder.events().string();
-  const SensorSize declared{run.info.width, run.info.height};  // no area without run.json
+  const events::SensorSize declared{run.info.width, run.info.height};  // no area without run.json
   run.sensor = open.recording.stream(open.stream_id).size.value_or(declared);
   if (declared.width > 0 && run.sensor != declared) {
     throw Error(where + ": of a sensor of " + std::to_string(run.sensor.width) + "x" + std::to_string(run.sensor.height) +
@@ -37,8 +37,8 @@ void find_ends(PlannedRun& run) {
                 " px in run.json");
   }
   std::optional<CameraTime> last;
-  for_all_events(open.recording, open.stream_id, [&](std::span<const Event> events) {
-    for (const Event& event : events) {
+  events::for_all_events(open.recording, open.stream_id, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
       if (!last) run.first_event = event.t;
       if (last && event.t < *last) {
         throw Error(where + ": events go back in time at " + std::to_string(us_of(event.t)) +
@@ -59,7 +59,7 @@ std::string list_of(const std::vector<std::string>& names, std::string_view betw
 }
 
 /// Draws the run's samples. @return  why it has none; nothing if it has some
-std::optional<NoSamples> draw_samples(PlannedRun& run, const Labels& labels, const WindowsOptions& options) {
+std::optional<NoSamples> draw_samples(PlannedRun& run, const labels::Labels& labels, const WindowsOptions& options) {
   std::vector<SampledInterval> intervals;
   std::vector<std::string> flagged;
   for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
@@ -115,7 +115,7 @@ RunInfo info_of(const RunFolder& folder) {
     info.run = folder.run;
     info.complete = true;
   }
-  info.simulated = is_simulated(folder);
+  info.simulated = events::is_simulated(folder);
   return info;
 }
 
@@ -199,13 +199,13 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
 }
 
 /// The most common sensor size; the first one if there are several.
-SensorSize common_sensor(const std::vector<PlannedRun>& runs) {
-  const auto runs_of = [&](SensorSize size) {
+events::SensorSize common_sensor(const std::vector<PlannedRun>& runs) {
+  const auto runs_of = [&](events::SensorSize size) {
     return std::count_if(runs.begin(), runs.end(), [&](const PlannedRun& run) { return run.sensor == size; });
   };
-  const SensorSize common = std::max_element(runs.begin(), runs.end(), [&](const PlannedRun& a, const PlannedRun& b) {
-                              return runs_of(a.sensor) < runs_of(b.sensor);
-                            })->sensor;
+  const events::SensorSize common = std::max_element(runs.begin(), runs.end(), [&](const PlannedRun& a, const PlannedRun& b) {
+                                      return runs_of(a.sensor) < runs_of(b.sensor);
+                                    })->sensor;
   for (const PlannedRun& run : runs) {
     if (run.sensor != common) {
       throw Error(run.folder.name() + ": of a sensor of " + std::to_string(run.sensor.width) + "x" +
@@ -246,7 +246,7 @@ void warn_of_runs_without_samples(DatasetPlan& plan, const fs::path& data, const
 }
 
 /// Whether the labels belong to these events; true if they name no events, such as labels that a person wrote.
-bool made_from(const Labels& labels, const std::string& events_sha256) {
+bool made_from(const labels::Labels& labels, const std::string& events_sha256) {
   const nlohmann::json inputs =
       labels.provenance.is_object() ? labels.provenance.value("inputs", nlohmann::json::object()) : nlohmann::json::object();
   return !inputs.is_object() || !inputs.contains("events.aedat4") || inputs.at("events.aedat4") == events_sha256;
@@ -260,7 +260,7 @@ struct RunOutcome {
 
 /// Reads a run's labels and events, and draws its samples.
 RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options) {
-  const Labels labels = read_labels(run.folder.labels());
+  const labels::Labels labels = labels::read_labels(run.folder.labels());
   if (labels.run_is_flagged() && !options.include_flagged) {
     const std::optional<NoSamples> why = why_no_samples(labels, options.include_flagged);
     return {.why_left_out = "flagged: " + why->flags, .error = {}, .why_no_samples = why};
@@ -366,21 +366,22 @@ std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds
   return histories;
 }
 
-void for_stored_events(const PlannedRun& run, microseconds history, const std::function<void(std::span<const Event>)>& use) {
+void for_stored_events(const PlannedRun& run, microseconds history,
+                       const std::function<void(std::span<const events::Event>)>& use) {
   const std::vector<TimeSpan> histories = histories_of(run.samples, history);
   if (histories.empty()) return;
   OpenRun open(run.folder);
   std::size_t current = 0;
-  std::vector<Event> kept;
-  for_events_between(open.recording, open.stream_id, histories.front().begin, histories.back().end,
-                     [&](std::span<const Event> events) {
-                       kept.clear();
-                       for (const Event& event : events) {
-                         while (current < histories.size() && histories[current].end <= event.t) ++current;
-                         if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
-                       }
-                       use(kept);
-                     });
+  std::vector<events::Event> kept;
+  events::for_events_between(open.recording, open.stream_id, histories.front().begin, histories.back().end,
+                             [&](std::span<const events::Event> events) {
+                               kept.clear();
+                               for (const events::Event& event : events) {
+                                 while (current < histories.size() && histories[current].end <= event.t) ++current;
+                                 if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
+                               }
+                               use(kept);
+                             });
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

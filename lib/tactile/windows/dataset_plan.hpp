@@ -15,7 +15,7 @@
 #include "tactile/windows/write_dataset.hpp"
 
 // The planned contents of a dataset, derived from run folders. Writing and verifying a dataset both use it.
-namespace tactile {
+namespace tactile::windows {
 
 /// Camera time in [begin, end).
 struct TimeSpan {
@@ -28,7 +28,7 @@ struct PlannedRun {
   RunInfo info;
   WindowedRun outcome;
   std::string events_sha256, labels_sha256;
-  SensorSize sensor;
+  events::SensorSize sensor;
   CameraTime first_event{}, last_event{};
   std::uint64_t recorded_events = 0;     ///< in the recording; the dataset stores some of them
   std::vector<TouchInterval> intervals;  ///< those with used labels
@@ -42,7 +42,7 @@ struct DatasetPlan {
   std::vector<RunWithoutSamples> without_samples;  ///< except those passed over; by object, then run
   std::vector<std::string> warnings;
   std::vector<std::string> errors;  ///< a sentence for each run or folder that cannot be read
-  SensorSize sensor;
+  events::SensorSize sensor;
   bool simulated = false;
 
   nlohmann::json settings;
@@ -52,8 +52,8 @@ struct DatasetPlan {
 
 /// Opens a run's recording at its event stream.
 struct OpenRun {
-  explicit OpenRun(const RunFolder& run) : recording(run.events()), stream_id(event_stream(recording).id) {}
-  RecordingReader recording;
+  explicit OpenRun(const RunFolder& run) : recording(run.events()), stream_id(events::event_stream(recording).id) {}
+  events::RecordingReader recording;
   std::int32_t stream_id;
 };
 
@@ -65,6 +65,7 @@ DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesyste
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
 
 /// Passes the events that a dataset stores of a run to `use`, ascending.
-void for_stored_events(const PlannedRun& run, microseconds history, const std::function<void(std::span<const Event>)>& use);
+void for_stored_events(const PlannedRun& run, microseconds history,
+                       const std::function<void(std::span<const events::Event>)>& use);
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 std::string text_of(std::string_view key, const nlohmann::json& value) {
@@ -69,4 +69,4 @@ std::vector<std::string> settings_unlike_those_in(const std::filesystem::path& f
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -7,7 +7,7 @@
 
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 /// The settings of a dataset, as it stores them: {"sampling": {"tick_us", …}, "mix", "include_flagged"}.
 nlohmann::json dataset_settings_of(const WindowsOptions& options);
@@ -21,4 +21,4 @@ std::vector<std::string> differing_settings(const nlohmann::json& now, const nlo
 /// The differences between `options` and the dataset in `file`; empty if there is no readable dataset.
 std::vector<std::string> settings_unlike_those_in(const std::filesystem::path& file, const WindowsOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::windows

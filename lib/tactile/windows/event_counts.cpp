@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
-namespace tactile {
+namespace tactile::windows {
 
 std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
                                         microseconds history) {
-  const std::vector<Event> events = dataset.events(run);
+  const std::vector<events::Event> events = dataset.events(run);
   const auto place_of = [&events](CameraTime t) {
-    return std::lower_bound(events.begin(), events.end(), t, [](const Event& event, CameraTime time) { return event.t < time; });
+    return std::lower_bound(events.begin(), events.end(), t,
+                            [](const events::Event& event, CameraTime time) { return event.t < time; });
   };
   std::vector<std::uint64_t> counts;
   for (const std::uint32_t sample : samples) {
@@ -18,4 +19,4 @@ std::vector<std::uint64_t> event_counts(const Dataset& dataset, std::uint32_t ru
   return counts;
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

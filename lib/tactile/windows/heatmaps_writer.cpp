@@ -9,7 +9,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 namespace h5 = hdf5;
 
@@ -98,4 +98,4 @@ void HeatmapsWriter::commit() {
   copy.commit();
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

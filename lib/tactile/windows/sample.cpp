@@ -8,7 +8,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/ticks.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 using TicksByTouch = std::array<std::vector<CameraTime>, touch_count>;
@@ -100,4 +100,4 @@ std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInt
   return counts;
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

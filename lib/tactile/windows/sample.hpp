@@ -8,7 +8,7 @@
 
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 /// A tick of a run, with its class.
 struct Sample {
@@ -56,4 +56,4 @@ std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const Sa
 std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInterval> intervals, CameraTime first_event,
                                                       CameraTime last_event, const SamplingOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::windows

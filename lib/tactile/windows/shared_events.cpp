@@ -9,7 +9,7 @@
 
 #include "tactile/core/parallel.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 constexpr double events_in_slice = 1 << 19;        // on average; a burst may have many times that
@@ -26,7 +26,7 @@ struct Mark {
 };
 static_assert(sizeof(Mark) == 16);
 
-std::uint32_t place_of(const Event& event) {
+std::uint32_t place_of(const events::Event& event) {
   return static_cast<std::uint32_t>(event.x) << 17 | static_cast<std::uint32_t>(event.y) << 2 | event.on;
 }
 
@@ -42,8 +42,8 @@ class SlicedRecording {
   void read(CameraTime begin, CameraTime end) {
     marks_.clear();
     if (!open_) open_ = std::make_unique<OpenRun>(run_.folder);
-    for_events_between(open_->recording, open_->stream_id, begin, end, [&](std::span<const Event> events) {
-      for (const Event& event : events) {
+    events::for_events_between(open_->recording, open_->stream_id, begin, end, [&](std::span<const events::Event> events) {
+      for (const events::Event& event : events) {
         while (window_ < windows_.size() && windows_[window_].end <= event.t) ++window_;
         const bool in_window = window_ < windows_.size() && windows_[window_].begin <= event.t;
         events_in_windows_ += in_window ? 1 : 0;
@@ -193,4 +193,4 @@ std::vector<SharedEvents> shared_events(std::span<const PlannedRun> runs, micros
   return comparison.result();
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -7,7 +7,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/windows/dataset_plan.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 /// The events in the windows of run `run_index` during the recording of run `other_index`, and how many of them that recording
 /// contains too: with the same time, pixel and polarity.
@@ -30,4 +30,4 @@ struct SharedEvents {
 std::vector<SharedEvents> shared_events(std::span<const PlannedRun> runs, microseconds history, unsigned threads,
                                         const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::windows

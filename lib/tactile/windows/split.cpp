@@ -8,7 +8,7 @@
 #include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace {
 
 constexpr std::array<std::string_view, 2> split_names{"single-run", "unseen"};
@@ -79,4 +79,4 @@ Split split_runs(std::span<const RunName> runs, const SplitOptions& options) {
   return split;
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactile {
+namespace tactile::windows {
 
 enum class SplitKind : std::uint8_t { single_run, unseen };
 
@@ -41,4 +41,4 @@ struct RunName {
 /// @throws Error  if a held-out object does not exist, or no run remains for training or testing
 Split split_runs(std::span<const RunName> runs, const SplitOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::windows

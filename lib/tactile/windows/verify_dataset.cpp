@@ -13,7 +13,7 @@
 #include "tactile/windows/dataset_plan.hpp"
 #include "tactile/windows/shared_events.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 
 namespace {
@@ -28,7 +28,7 @@ class StoredEvents {
   StoredEvents(const Dataset& dataset, std::uint32_t run_index) : dataset_(dataset), run_index_(run_index) {}
 
   /// Whether the next events are these.
-  bool continue_with(std::span<const Event> events) {
+  bool continue_with(std::span<const events::Event> events) {
     while (!events.empty()) {
       if (next_ == block_.size() && !read_block()) return false;
       const std::size_t count = std::min(events.size(), block_.size() - next_);
@@ -55,7 +55,7 @@ class StoredEvents {
   const Dataset& dataset_;
   std::uint32_t run_index_;
   std::uint64_t read_ = 0;
-  std::vector<Event> block_;
+  std::vector<events::Event> block_;
   std::size_t next_ = 0;
 };
 
@@ -101,7 +101,7 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   StoredEvents events(dataset, stored_index);
   bool same = true;
   for_stored_events(run, dataset.sampling().history,
-                    [&](std::span<const Event> expected) { same = same && events.continue_with(expected); });
+                    [&](std::span<const events::Event> expected) { same = same && events.continue_with(expected); });
   if (!same || !events.at_end()) differences.push_back(name + ": its events differ from those in the histories of its samples");
   return differences;
 }
@@ -204,4 +204,4 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
   return check;
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -7,7 +7,7 @@
 
 #include "tactile/core/progress.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 struct DatasetCheck {
   std::vector<std::string> differences;  ///< a sentence each; empty if the dataset is correct
@@ -28,4 +28,4 @@ struct DatasetCheck {
 DatasetCheck verify_dataset(const std::filesystem::path& data, const std::filesystem::path& file, unsigned threads = 0,
                             const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -9,14 +9,14 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<std::string> standing_flags(const Labels& labels, std::optional<std::size_t> interval) {
+std::vector<std::string> standing_flags(const labels::Labels& labels, std::optional<std::size_t> interval) {
   std::vector<std::string> reasons;
-  for (const LabelFlag& flag : labels.flags) {
+  for (const labels::LabelFlag& flag : labels.flags) {
     if (!flag.confirmed && flag.interval_index == interval) reasons.push_back(flag.reason);
   }
   return reasons;
@@ -36,7 +36,7 @@ bool has_samples(const Dataset& dataset, std::uint32_t run) {
 
 NoSamples has_no(const std::string& what) { return {"no " + what, ", which has no " + what, "", false}; }
 
-std::optional<NoSamples> why_no_samples(const Labels& labels, bool include_flagged) {
+std::optional<NoSamples> why_no_samples(const labels::Labels& labels, bool include_flagged) {
   if (labels.run_is_flagged() && !include_flagged) {
     return NoSamples{"the whole run is flagged", ", which is flagged",
                      fmt::format("{}", fmt::join(standing_flags(labels, std::nullopt), "; ")), true};
@@ -81,7 +81,7 @@ std::optional<NoSamples> why_no_samples(const Dataset& dataset, const RunFolder&
   if (!is_in_dataset && !fs::exists(run.labels(), unreadable)) return has_no("labels");
   try {
     const bool include_flagged = member<bool>(dataset.settings(), "include_flagged", dataset.file().string());
-    if (auto reason = why_no_samples(read_labels(run.labels()), include_flagged)) return reason;
+    if (auto reason = why_no_samples(labels::read_labels(run.labels()), include_flagged)) return reason;
   } catch (const Error&) {
     // Labels that cannot be read give no reason.
   }
@@ -177,4 +177,4 @@ std::string sentence_on(std::span<const RunWithoutSamples> runs, std::size_t of_
   return sentence + " " + how_to_lift_flags({data / flagged->object / flagged->run, flagged->object, flagged->run}, command);
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

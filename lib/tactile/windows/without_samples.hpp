@@ -12,7 +12,7 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 /// Why a run has no samples.
 struct NoSamples {
@@ -31,7 +31,7 @@ struct RunWithoutSamples {
 NoSamples has_no(const std::string& what);
 
 /// Why a run with these labels has no samples: it is flagged, or it has no unflagged press or slip. Nothing if it has both.
-std::optional<NoSamples> why_no_samples(const Labels& labels, bool include_flagged);
+std::optional<NoSamples> why_no_samples(const labels::Labels& labels, bool include_flagged);
 
 /// Why this run has no samples in the dataset, according to its present labels; nothing if it has some.
 std::optional<NoSamples> why_no_samples(const Dataset& dataset, const RunFolder& run);
@@ -67,4 +67,4 @@ std::string sentence_on(std::span<const RunWithoutSamples> runs, std::size_t of_
 /// How a person lifts flags. @param run  a flagged run  @param command  to run again, such as "tactile windows"
 std::string how_to_lift_flags(const RunFolder& run, const std::string& command);
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -13,7 +13,7 @@
 #include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_plan.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 namespace fs = std::filesystem;
 namespace h5 = hdf5;
 
@@ -29,8 +29,8 @@ class EventColumns {
     on_table_ = h5::create_table(group, "on", H5T_STD_U8LE, {}, rows_per_chunk, where_);
   }
 
-  void append(std::span<const Event> events) {
-    for (const Event& event : events) {
+  void append(std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
       t_.push_back(us_of(event.t));
       x_.push_back(static_cast<std::uint16_t>(event.x));
       y_.push_back(static_cast<std::uint16_t>(event.y));
@@ -74,7 +74,7 @@ std::uint64_t write_events(DatasetPlan& plan, const fs::path& file, const std::s
     EventColumns columns(group, where);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
       plan.rows[i].first_event = columns.appended();
-      for_stored_events(plan.runs[i], history, [&](std::span<const Event> events) { columns.append(events); });
+      for_stored_events(plan.runs[i], history, [&](std::span<const events::Event> events) { columns.append(events); });
       plan.rows[i].events = columns.appended() - plan.rows[i].first_event;
       tell(progress, plan.runs.size() + i + 1, 2 * plan.runs.size(), plan.runs[i].folder.name());
     }
@@ -273,4 +273,4 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   return summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::windows

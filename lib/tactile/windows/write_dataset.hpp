@@ -9,7 +9,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/windows/sample.hpp"
 
-namespace tactile {
+namespace tactile::windows {
 
 struct WindowsOptions {
   SamplingOptions sampling{};
@@ -58,4 +58,4 @@ struct DatasetSummary {
 DatasetSummary write_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
                              const WindowsOptions& options = {}, unsigned threads = 0, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::windows

@@ -8,20 +8,20 @@
 #include "tactile/core/error.hpp"
 #include "tactile/experiments/study/claim_rules.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 /// A run with 100 samples of none, `right` of them predicted correctly.
-RunConfusion run_of(const std::string& object, unsigned right) {
-  RunConfusion run{object, {}};
+results::RunConfusion run_of(const std::string& object, unsigned right) {
+  results::RunConfusion run{object, {}};
   run.confusion.counts[0][0] = right;
   run.confusion.counts[0][1] = 100 - right;
   return run;
 }
 
 /// Three runs of each of three objects, all alike.
-std::vector<RunConfusion> runs_of(unsigned fan, unsigned hub, unsigned box) {
-  std::vector<RunConfusion> runs;
+std::vector<results::RunConfusion> runs_of(unsigned fan, unsigned hub, unsigned box) {
+  std::vector<results::RunConfusion> runs;
   for (const auto& [object, right] : {std::pair("fan", fan), std::pair("usb-hub", hub), std::pair("white-box", box)}) {
     for (int i = 0; i < 3; ++i) runs.push_back(run_of(object, right));
   }
@@ -29,8 +29,8 @@ std::vector<RunConfusion> runs_of(unsigned fan, unsigned hub, unsigned box) {
 }
 
 /// The same with two more objects, like the box: enough for claims over objects.
-std::vector<RunConfusion> five_objects(unsigned fan, unsigned hub, unsigned others) {
-  std::vector<RunConfusion> runs = runs_of(fan, hub, others);
+std::vector<results::RunConfusion> five_objects(unsigned fan, unsigned hub, unsigned others) {
+  std::vector<results::RunConfusion> runs = runs_of(fan, hub, others);
   for (const char* object : {"x-box", "y-box"}) {
     for (int i = 0; i < 3; ++i) runs.push_back(run_of(object, others));
   }
@@ -38,75 +38,75 @@ std::vector<RunConfusion> five_objects(unsigned fan, unsigned hub, unsigned othe
 }
 
 /// A run with one press and one slip, detected after so long; 0: missed, below: early.
-RunDetections met(const std::string& object, int press_ms, int slip_ms) {
-  RunDetections run{object, {}};
+results::RunDetections met(const std::string& object, int press_ms, int slip_ms) {
+  results::RunDetections run{object, {}};
   for (const auto& [touch, delay_ms] : {std::pair(Touch::press, press_ms), std::pair(Touch::slip, slip_ms)}) {
-    Detection detection;
+    results::Detection detection;
     detection.interval.touch = touch;
-    detection.outcome = delay_ms > 0    ? DetectionOutcome::detected
-                        : delay_ms == 0 ? DetectionOutcome::missed
-                                        : DetectionOutcome::early;
+    detection.outcome = delay_ms > 0    ? results::DetectionOutcome::detected
+                        : delay_ms == 0 ? results::DetectionOutcome::missed
+                                        : results::DetectionOutcome::early;
     detection.delay = microseconds{1000 * std::max(delay_ms, 0)};
     run.detections.push_back(detection);
   }
   return run;
 }
 
-Figure figure(double value, double low, double high) { return {value, low, high, 3}; }
-Figure without_bounds(double value) { return {value, {}, {}, 1}; }
+results::Figure figure(double value, double low, double high) { return {value, low, high, 3}; }
+results::Figure without_bounds(double value) { return {value, {}, {}, 1}; }
 
-Claim claim_named(const ClaimInputs& inputs, const std::string& id) {
+results::Claim claim_named(const ClaimInputs& inputs, const std::string& id) {
   const auto claims = claims_of(inputs);
-  const auto found = std::find_if(claims.begin(), claims.end(), [&](const Claim& claim) { return claim.id == id; });
+  const auto found = std::find_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.id == id; });
   if (found == claims.end()) throw Error(id + ": no such claim");
   return *found;
 }
 
-ClaimInputs with_histories(std::map<microseconds, std::vector<RunConfusion>> histories) {
+ClaimInputs with_histories(std::map<microseconds, std::vector<results::RunConfusion>> histories) {
   ClaimInputs inputs;
   inputs.histories = std::move(histories);
   return inputs;
 }
 
 TEST(Verdict, IsSaidOnlyWhereTheWholeIntervalLiesOnOneSide) {
-  EXPECT_EQ(below(figure(3, 2, 4), 5), Verdict::holds);
-  EXPECT_EQ(below(figure(6, 5.1, 7), 5), Verdict::does_not);
-  EXPECT_EQ(below(figure(6, 5, 7), 5), Verdict::cannot_tell) << "a bound at the limit is on neither side";
-  EXPECT_EQ(below(figure(4, 3, 5), 5), Verdict::cannot_tell);
-  EXPECT_EQ(above(figure(6, 5.1, 7), 5), Verdict::holds);
-  EXPECT_EQ(above(figure(4, 3, 4.9), 5), Verdict::does_not);
-  EXPECT_EQ(above(figure(4, 3, 5), 5), Verdict::cannot_tell);
-  EXPECT_EQ(above(figure(6, 5, 7), 5), Verdict::cannot_tell);
-  EXPECT_EQ(below(without_bounds(1), 5), Verdict::cannot_tell);
-  EXPECT_EQ(above(Figure{}, 5), Verdict::cannot_tell);
-  EXPECT_EQ(name_of(Verdict::does_not), "does not");
+  EXPECT_EQ(below(figure(3, 2, 4), 5), results::Verdict::holds);
+  EXPECT_EQ(below(figure(6, 5.1, 7), 5), results::Verdict::does_not);
+  EXPECT_EQ(below(figure(6, 5, 7), 5), results::Verdict::cannot_tell) << "a bound at the limit is on neither side";
+  EXPECT_EQ(below(figure(4, 3, 5), 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(above(figure(6, 5.1, 7), 5), results::Verdict::holds);
+  EXPECT_EQ(above(figure(4, 3, 4.9), 5), results::Verdict::does_not);
+  EXPECT_EQ(above(figure(4, 3, 5), 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(above(figure(6, 5, 7), 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(below(without_bounds(1), 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(above(results::Figure{}, 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(name_of(results::Verdict::does_not), "does not");
 }
 
 TEST(LargestOf, TakesTheLargestOfEachAndLeavesOpenWhatOneLeavesOpen) {
-  const auto same = [](const std::map<std::string, Figure>& objects) { return ObjectFigures{objects, objects}; };
-  const Figure all = largest_of(same({{"a", figure(3, 1, 9)}, {"b", figure(5, 4, 6)}}));
+  const auto same = [](const std::map<std::string, results::Figure>& objects) { return ObjectFigures{objects, objects}; };
+  const results::Figure all = largest_of(same({{"a", figure(3, 1, 9)}, {"b", figure(5, 4, 6)}}));
   EXPECT_EQ(all.value, 5);
   EXPECT_EQ(all.low, 4);
   EXPECT_EQ(all.high, 9);
   EXPECT_EQ(all.n, 2U);
-  const Figure one_unknown = largest_of(same({{"a", without_bounds(3)}, {"b", figure(5, 4, 6)}}));
+  const results::Figure one_unknown = largest_of(same({{"a", without_bounds(3)}, {"b", figure(5, 4, 6)}}));
   EXPECT_EQ(one_unknown.low, 4) << "whatever the other is, the largest is no lower";
   EXPECT_EQ(one_unknown.high, std::nullopt);
-  const Figure smallest = smallest_of(same({{"a", figure(3, 1, 9)}, {"b", without_bounds(5)}}));
+  const results::Figure smallest = smallest_of(same({{"a", figure(3, 1, 9)}, {"b", without_bounds(5)}}));
   EXPECT_EQ(smallest.value, 3);
   EXPECT_EQ(smallest.high, 9);
   EXPECT_EQ(smallest.low, std::nullopt);
-  const Figure unmeasured = largest_of(same({{"a", Figure{}}, {"b", figure(5, 4, 6)}}));
+  const results::Figure unmeasured = largest_of(same({{"a", results::Figure{}}, {"b", figure(5, 4, 6)}}));
   EXPECT_EQ(unmeasured.high, std::nullopt) << "an object without a figure may be larger";
   EXPECT_TRUE(std::isnan(largest_of({}).value));
 }
 
 TEST(LargestOf, AllowsForManyLooksWhereOneObjectDecides) {
-  const Figure all =
+  const results::Figure all =
       largest_of({{{"a", figure(6, 5.5, 7)}, {"b", figure(5, 4, 8)}}, {{"a", figure(6, 4.5, 7.5)}, {"b", figure(5, 3, 9)}}});
   EXPECT_EQ(all.low, 4.5) << "of the wide interval";
   EXPECT_EQ(all.high, 8) << "of the objects' own";
-  EXPECT_EQ(below(all, 5), Verdict::cannot_tell);
+  EXPECT_EQ(below(all, 5), results::Verdict::cannot_tell);
 }
 
 TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
@@ -114,17 +114,17 @@ TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
       with_histories({{2ms, runs_of(80, 81, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 84, 95)}}), "history-2-worst");
   EXPECT_NEAR(holds.measured.value, -3, 1e-9) << "usb-hub: 81 less 84";
   EXPECT_EQ(holds.measured.n, 3U);
-  EXPECT_EQ(holds.verdict, Verdict::holds);
+  EXPECT_EQ(holds.verdict, results::Verdict::holds);
   EXPECT_NEAR(holds.objects.at("fan").value, -5, 1e-9);
   const auto not_for_one = claim_named(
       with_histories({{2ms, runs_of(80, 91, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 95, 95)}}), "history-2-worst");
   EXPECT_NEAR(not_for_one.measured.value, 1, 1e-9);
-  EXPECT_EQ(not_for_one.verdict, Verdict::does_not);
+  EXPECT_EQ(not_for_one.verdict, results::Verdict::does_not);
   EXPECT_EQ(not_for_one.in_words,
             "2 ms is the worst for 2 of 3 objects; furthest off: usb-hub, where another history is 1.00 points worse.");
   EXPECT_EQ(holds.in_words, "2 ms is the worst for 3 of 3 objects; least so: usb-hub, where it is 3.00 points below the next.");
   const auto tied = claim_named(with_histories({{2ms, runs_of(80, 80, 80)}, {40ms, runs_of(80, 90, 90)}}), "history-2-worst");
-  EXPECT_EQ(tied.verdict, Verdict::cannot_tell) << "a tie is on neither side";
+  EXPECT_EQ(tied.verdict, results::Verdict::cannot_tell) << "a tie is on neither side";
   EXPECT_EQ(tied.kept, 2U);
 }
 
@@ -133,23 +133,23 @@ TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   longer[0] = run_of("fan", 70);  // the mean is 80
   const auto claim = claim_named(with_histories({{2ms, runs_of(79, 80, 80)}, {40ms, longer}}), "history-2-worst");
   EXPECT_NEAR(claim.measured.value, -1, 1e-9);
-  EXPECT_EQ(claim.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim.why, "the interval lies across the limit");
   EXPECT_TRUE(claim.can_be_told);
 }
 
 TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
   // At 2 ms five of the fan's six runs are better and one is worse: its 95 % interval lies above 0, that for ten looks does not.
-  std::vector<RunConfusion> at_2, at_40;
+  std::vector<results::RunConfusion> at_2, at_40;
   const auto add = [&](const std::string& object, unsigned right_at_2, unsigned right_at_40) {
     at_2.push_back(run_of(object, right_at_2));
     at_40.push_back(run_of(object, right_at_40));
   };
   for (const unsigned gain : {14U, 12U, 10U, 8U, 6U}) add("fan", 60 + gain, 60);
   add("fan", 45, 60);
-  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, results::Verdict::cannot_tell);
   at_2.back() = run_of("fan", 54);
-  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, Verdict::does_not)
+  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, results::Verdict::does_not)
       << "one look";
   for (int object = 0; object < 9; ++object) {
     for (int i = 0; i < 3; ++i) add("object-" + std::to_string(object), 50, 90);
@@ -157,20 +157,20 @@ TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
   const auto of_ten = claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst");
   EXPECT_GT(*of_ten.objects.at("fan").low, 0) << "its own interval";
   EXPECT_LT(*of_ten.measured.low, 0) << "ten looks";
-  EXPECT_EQ(of_ten.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(of_ten.verdict, results::Verdict::cannot_tell);
 }
 
 TEST(Claims, OneRunOfAnObjectTellsNothingOfEveryObject) {
-  const std::vector<RunConfusion> low{run_of("fan", 50), run_of("usb-hub", 50), run_of("white-box", 50)};
-  const std::vector<RunConfusion> high{run_of("fan", 99), run_of("usb-hub", 99), run_of("white-box", 99)};
+  const std::vector<results::RunConfusion> low{run_of("fan", 50), run_of("usb-hub", 50), run_of("white-box", 50)};
+  const std::vector<results::RunConfusion> high{run_of("fan", 99), run_of("usb-hub", 99), run_of("white-box", 99)};
   const ClaimInputs inputs = with_histories({{2ms, low}, {20ms, high}, {40ms, high}});
-  EXPECT_EQ(claim_named(inputs, "history-2-worst").verdict, Verdict::cannot_tell);
-  EXPECT_EQ(claim_named(inputs, "accuracy-at-40").verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "history-2-worst").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "accuracy-at-40").verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "history-2-worst").why, "too few runs: 1 each, 3 needed");
   EXPECT_FALSE(claim_named(inputs, "history-2-worst").can_be_told);
-  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "marginal-past-20").why, "too few objects: 3, 5 needed");
-  std::vector<RunConfusion> some = runs_of(50, 50, 50);
+  std::vector<results::RunConfusion> some = runs_of(50, 50, 50);
   some.pop_back();
   EXPECT_EQ(claim_named(with_histories({{2ms, some}, {40ms, some}}), "history-2-worst").why,
             "too few runs of white-box: 2, 3 needed of each object");
@@ -187,17 +187,17 @@ TEST(Claims, BestHistoryCountsObjectsAndTheShorterOfEquals) {
   const auto all =
       claim_named(with_histories({{2ms, five_objects(50, 50, 50)}, {40ms, five_objects(90, 92, 90)}}), "best-history-40");
   EXPECT_NEAR(all.measured.value, 5, 1e-9);
-  EXPECT_EQ(all.verdict, Verdict::holds);
+  EXPECT_EQ(all.verdict, results::Verdict::holds);
 }
 
 TEST(Claims, NoHistoryIsTheBestOfThoseThatWereNotTrained) {
   ClaimInputs inputs = with_histories({{20ms, five_objects(50, 50, 50)}, {40ms, five_objects(90, 92, 90)}});
-  ASSERT_EQ(claim_named(inputs, "best-history-40").verdict, Verdict::holds);
+  ASSERT_EQ(claim_named(inputs, "best-history-40").verdict, results::Verdict::holds);
   inputs.untrained = {2ms, 50ms};
   const auto open = claim_named(inputs, "best-history-40");
-  EXPECT_EQ(open.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(open.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(open.why, "no model was trained for 2, 50 ms, which the paper compares");
-  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, Verdict::does_not) << "one history suffices for that";
+  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, results::Verdict::does_not) << "one history suffices for that";
 }
 
 TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
@@ -206,18 +206,19 @@ TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
       "marginal-past-20");
   EXPECT_NEAR(claim.measured.value, 3, 1e-9);
   EXPECT_EQ(claim.in_words, "The mean over 5 objects is 90.00 % at 20 ms, and past that 93.00 % at best, at 40 ms.");
-  EXPECT_EQ(claim.verdict, Verdict::does_not);
-  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(93, 93, 93)}}), "marginal-past-20").verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim.verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(93, 93, 93)}}), "marginal-past-20").verdict,
+            results::Verdict::cannot_tell);
 }
 
 TEST(Claims, AccuracyAt40IsThatOfTheLowestObject) {
   const auto claim = claim_named(with_histories({{40ms, runs_of(99, 96, 97)}}), "accuracy-at-40");
   EXPECT_NEAR(claim.measured.value, 96, 1e-9);
-  EXPECT_EQ(claim.verdict, Verdict::holds);
-  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(99, 95, 97)}}), "accuracy-at-40").verdict, Verdict::cannot_tell)
+  EXPECT_EQ(claim.verdict, results::Verdict::holds);
+  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(99, 95, 97)}}), "accuracy-at-40").verdict, results::Verdict::cannot_tell)
       << "95 is on neither side of 95";
   const auto low = claim_named(with_histories({{40ms, runs_of(99, 94, 97)}}), "accuracy-at-40");
-  EXPECT_EQ(low.verdict, Verdict::does_not);
+  EXPECT_EQ(low.verdict, results::Verdict::does_not);
   EXPECT_EQ(low.why, "");
   EXPECT_EQ(low.in_words, "Above 95 % for 2 of 3 objects; the lowest is usb-hub with 94.00 %.");
 }
@@ -226,15 +227,15 @@ TEST(Claims, DelayIsThatOfTheSlowestObjectAndMissesKeepItFromHolding) {
   ClaimInputs inputs;
   for (int i = 0; i < 3; ++i) inputs.detections.insert(inputs.detections.end(), {met("fan", 2, 2), met("usb-hub", 4, 4)});
   inputs.detections.push_back(met("fan", 2, 0));
-  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::holds);
   EXPECT_NEAR(claim_named(inputs, "press-delay").measured.value, 4, 1e-9);
   EXPECT_EQ(claim_named(inputs, "press-delay").in_words, "Below 5 ms for 2 of 2 objects; the slowest is usb-hub with 4.00 ms.");
   const auto slip = claim_named(inputs, "slip-delay");
-  EXPECT_EQ(slip.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(slip.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(slip.why, "some intervals have no delay; of the others the claim would hold");
   EXPECT_NE(slip.note.find("Of 7 intervals 1 were missed"), std::string::npos) << slip.note;
   for (int i = 0; i < 3; ++i) inputs.detections.push_back(met("white-box", 30, 2));
-  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::does_not);
 }
 
 TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
@@ -245,10 +246,10 @@ TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
   EXPECT_NEAR(claim.measured.value, 40, 1e-9);
   EXPECT_EQ(claim.measured.n, 5U) << "an object without a slip is none of them";
   EXPECT_EQ(claim.in_words, "Every slip was detected at its first tick for 2 of 5 objects.");
-  for (RunDetections& run : inputs.detections) {
+  for (results::RunDetections& run : inputs.detections) {
     if (run.object != "none") run = met(run.object, 2, 2);
   }
-  EXPECT_EQ(claim_named(inputs, "slip-at-once").verdict, Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "slip-at-once").verdict, results::Verdict::holds);
 }
 
 TEST(Claims, SlipAtOnceDrawsRunsWithinObjectsToo) {
@@ -262,7 +263,7 @@ TEST(Claims, SlipAtOnceDrawsRunsWithinObjectsToo) {
 }
 
 TEST(Claims, BeginningAndEndOfIntervals) {
-  const auto of_five = [](double value, double low, double high) { return Figure{value, low, high, 5}; };
+  const auto of_five = [](double value, double low, double high) { return results::Figure{value, low, high, 5}; };
   ClaimInputs inputs;
   inputs.history_ms = 30;
   inputs.over_time = {.first = of_five(0.97, 0.96, 0.98),
@@ -270,18 +271,18 @@ TEST(Claims, BeginningAndEndOfIntervals) {
                       .still_said = of_five(0.35, 0.3, 0.4),
                       .intervals = 20,
                       .short_ones = 12};
-  EXPECT_EQ(claim_named(inputs, "right-at-first").verdict, Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "right-at-first").verdict, results::Verdict::holds);
   EXPECT_NEAR(claim_named(inputs, "right-at-first").measured.value, 97, 1e-9);
   const auto end = claim_named(inputs, "worse-near-the-end");
-  EXPECT_EQ(end.verdict, Verdict::holds);
+  EXPECT_EQ(end.verdict, results::Verdict::holds);
   EXPECT_NE(end.in_words.find("10.00 points lower than before"), std::string::npos) << end.in_words;
   EXPECT_NE(end.in_words.find("8 of 20 intervals; 12 have no tick before"), std::string::npos) << end.in_words;
   EXPECT_NE(end.note.find("in the 100 ms after an interval 35.0 %"), std::string::npos) << end.note;
   EXPECT_NE(end.note.find("which looks 30 ms back"), std::string::npos) << end.note;
   inputs.over_time.last_minus_before = of_five(0.1, 0.05, 0.2);
-  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, results::Verdict::does_not);
   inputs.over_time.last_minus_before.n = 4;
-  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, results::Verdict::cannot_tell);
 }
 
 TEST(Claims, PlasticContainerIsTheExceptionAndNotAmongTheOthers) {
@@ -296,27 +297,27 @@ TEST(Claims, PlasticContainerIsTheExceptionAndNotAmongTheOthers) {
   EXPECT_NEAR(near.measured.value, -2, 1e-9);
   EXPECT_EQ(near.measured.n, 3U);
   EXPECT_FALSE(near.objects.contains("plastic-container"));
-  EXPECT_EQ(near.verdict, Verdict::holds);
+  EXPECT_EQ(near.verdict, results::Verdict::holds);
   ClaimInputs one_far = inputs;
-  for (RunConfusion& run : one_far.held_out) {
+  for (results::RunConfusion& run : one_far.held_out) {
     if (run.object == "sprayer") run = run_of("sprayer", 90);
   }
   const auto far = claim_named(one_far, "unseen-near-seen");
-  EXPECT_EQ(far.verdict, Verdict::does_not) << "the mean is -4";
+  EXPECT_EQ(far.verdict, results::Verdict::does_not) << "the mean is -4";
   EXPECT_EQ(far.in_words, "Less than 5 points are lost for 2 of 3 objects; sprayer loses most, 8.00 points.");
   EXPECT_NE(far.note.find("-4.00 points"), std::string::npos) << far.note;
   const auto exception = claim_named(inputs, "unseen-plastic-container");
   EXPECT_NEAR(exception.measured.value, -28, 1e-9);
-  EXPECT_EQ(exception.verdict, Verdict::holds);
+  EXPECT_EQ(exception.verdict, results::Verdict::holds);
   inputs.held_out = inputs.seen;
-  EXPECT_EQ(claim_named(inputs, "unseen-plastic-container").verdict, Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "unseen-plastic-container").verdict, results::Verdict::does_not);
 }
 
 TEST(Claims, OfNoInputsAreAllPresentAndCannotTell) {
   const auto claims = claims_of({});
   EXPECT_EQ(claims.size(), 11U);
-  for (const Claim& claim : claims) {
-    EXPECT_EQ(claim.verdict, Verdict::cannot_tell) << claim.id;
+  for (const results::Claim& claim : claims) {
+    EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell) << claim.id;
     EXPECT_EQ(claim.note, "Not measured in this study.") << claim.id;
   }
   EXPECT_EQ(
@@ -330,4 +331,4 @@ TEST(Claims, HistoriesOfDifferentRunsAreAnError) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

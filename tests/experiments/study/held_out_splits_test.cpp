@@ -7,7 +7,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 std::vector<std::string> ten() { return {"j", "b", "c", "d", "e", "f", "g", "h", "i", "a"}; }
@@ -57,4 +57,4 @@ TEST(DrawnSplits, AreTheSameForTheSameSeedAndGrowWithTheirNumber) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

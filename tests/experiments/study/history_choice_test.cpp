@@ -4,11 +4,11 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
-Accuracy accuracy_with(double mean, std::map<std::string, double> objects) {
-  Accuracy accuracy;
+results::Accuracy accuracy_with(double mean, std::map<std::string, double> objects) {
+  results::Accuracy accuracy;
   accuracy.mean.value = mean;
   for (const auto& [object, value] : objects) accuracy.objects[object].value = value;
   return accuracy;
@@ -48,4 +48,4 @@ TEST(ChooseHistory, JsonIsInMilliseconds) {
 TEST(ChooseHistory, NothingToChooseFromIsAnError) { EXPECT_THROW(choose_history({}), Error); }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

@@ -4,13 +4,13 @@
 
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
-  Detection late, missed;
+  results::Detection late, missed;
   late.interval = {Touch::slip, camera_time(1'700'000'000'000'001), camera_time(1'700'000'000'400'000)};
-  late.outcome = DetectionOutcome::detected;
+  late.outcome = results::DetectionOutcome::detected;
   late.delay = 6ms;
   missed.interval = {Touch::press, camera_time(5), camera_time(7)};
   nlohmann::json evaluation = {{"runs", {{{"object", "fan"}, {"intervals", {late, missed}}}}}};
@@ -20,7 +20,7 @@ TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
   ASSERT_EQ(runs[0].detections.size(), 2U);
   EXPECT_EQ(runs[0].detections[0].interval.start, late.interval.start);
   EXPECT_EQ(runs[0].detections[0].delay, 6ms);
-  EXPECT_EQ(runs[0].detections[1].outcome, DetectionOutcome::missed);
+  EXPECT_EQ(runs[0].detections[1].outcome, results::DetectionOutcome::missed);
   evaluation.at("runs")[0].at("intervals")[1].at("outcome") = "late";
   EXPECT_EQ(test::error_of([&] { detections_in(evaluation, "eval.json"); }),
             "eval.json: 'runs': 'intervals': 'outcome' is 'late'; expected detected, missed or early");
@@ -37,4 +37,4 @@ TEST(JudgedModels, AtTheFirstTickMeansWithoutDelayMissOrEarlyDetection) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

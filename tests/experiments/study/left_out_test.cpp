@@ -6,7 +6,7 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 TEST(LeftOut, NamesRunsAndIntervalsWithTheirReasons) {
@@ -15,9 +15,9 @@ TEST(LeftOut, NamesRunsAndIntervalsWithTheirReasons) {
   test::make_run(data.path(), {.object = "fan", .run = "02", .seed = 2, .flags = {{std::nullopt, "two sessions mixed", false}}});
   test::make_run(data.path(), {.object = "fan", .run = "03", .seed = 3, .flags = {{0, "it rings", false}}});
   test::make_run(data.path(), {.object = "fan", .run = "04", .seed = 4, .flags = {{1, "looked at", true}}});
-  write_dataset(data.path(), data / "dataset.h5", {}, 1);
+  windows::write_dataset(data.path(), data / "dataset.h5", {}, 1);
   test::make_run(data.path(), {.object = "fan", .run = "05", .seed = 5, .labelled = false});
-  const auto left_out = left_out_of(Dataset(data / "dataset.h5"), find_runs(data.path()));
+  const auto left_out = left_out_of(windows::Dataset(data / "dataset.h5"), find_runs(data.path()));
   const std::vector<std::vector<std::string>> expected{{"fan/02", "run", "flagged: two sessions mixed"},
                                                        {"fan/03", "run", "no samples: press-1 is flagged"},
                                                        {"fan/03", "press-1", "flagged: it rings"},
@@ -28,4 +28,4 @@ TEST(LeftOut, NamesRunsAndIntervalsWithTheirReasons) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,7 +8,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -17,11 +17,11 @@ using Names = std::vector<std::string>;
 /// What a person, or 'tactile label', finds doubtful about the run's slip.
 void flag_slip(const fs::path& run) {
   const fs::path file = run / "labels.json";
-  Labels labels = read_labels(file);
+  labels::Labels labels = labels::read_labels(file);
   for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
     if (labels.intervals[i].touch == Touch::slip) labels.flags.push_back({i, "it slides", false});
   }
-  write_labels(file, labels);
+  labels::write_labels(file, labels);
 }
 
 /// The README's commands on the preset `tiny`, with one epoch, each expected to end with 0.
@@ -139,4 +139,4 @@ TEST_F(ReadmeCommands, EndWith1OnceTheOtherRunsAreDoneWhereOneCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

@@ -16,7 +16,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -297,4 +297,4 @@ TEST(ReproduceCommand, BadOptionsAreRefusedBeforeAnythingIsMade) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

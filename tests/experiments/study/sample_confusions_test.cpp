@@ -6,7 +6,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 NamedConfusion confusion_of_run(const std::string& object, const std::string& run, std::uint64_t right) {
@@ -40,13 +40,13 @@ TEST(SampleConfusions, OfChosenRunsInTheirOrder) {
 }
 
 TEST(SampleConfusions, OfSeveralModelsAreCountedTogether) {
-  const std::vector<std::vector<RunConfusion>> models{{{"fan", confusion_of_run("fan", "02", 5).confusion}},
-                                                      {{"fan", confusion_of_run("fan", "02", 7).confusion}}};
+  const std::vector<std::vector<results::RunConfusion>> models{{{"fan", confusion_of_run("fan", "02", 5).confusion}},
+                                                               {{"fan", confusion_of_run("fan", "02", 7).confusion}}};
   const auto sum = sum_over_models(models);
   ASSERT_EQ(sum.size(), 1U);
   EXPECT_EQ(sum[0].confusion.correct(), 12U);
   EXPECT_EQ(sum[0].confusion.samples(), 18U);
-  const std::vector<std::vector<RunConfusion>> different{models[0], {{"usb-hub", {}}}};
+  const std::vector<std::vector<results::RunConfusion>> different{models[0], {{"usb-hub", {}}}};
   EXPECT_THROW(sum_over_models(different), Error);
 }
 
@@ -58,4 +58,4 @@ TEST(SampleConfusions, DamagedFilesAreAnError) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

@@ -2,18 +2,18 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 TEST(StudyTables, HaveARowForEachFigure) {
-  Accuracy accuracy;
+  results::Accuracy accuracy;
   accuracy.mean = {0.5, 0.25, 0.75, 3};
   accuracy.objects["fan"] = {0.25, {}, {}, 1};
   EXPECT_EQ(accuracy_csv({{2.5, "reported", &accuracy}}),
             "th_ms,runs,object,value,low,high,n\n"
             "2.5,reported,all,0.5,0.25,0.75,3\n"
             "2.5,reported,fan,0.25,,,1\n");
-  UnseenComparison comparison;
+  results::UnseenComparison comparison;
   comparison.mean.seen = accuracy.mean;
   comparison.objects["fan"].held_out = accuracy.objects.at("fan");
   EXPECT_EQ(unseen_csv({{"paper", "reported", comparison}}),
@@ -24,18 +24,18 @@ TEST(StudyTables, HaveARowForEachFigure) {
             "paper,reported,fan,held_out,0.25,,,1\n"
             "paper,reported,all,difference,,,,0\n"
             "paper,reported,fan,difference,,,,0\n");
-  Claim claim;
+  results::Claim claim;
   claim.id = "x";
   claim.unit = "ms";
-  claim.asked = Asked::below;
+  claim.asked = results::Asked::below;
   claim.limit = 5;
   claim.kept = 4;
   claim.of = 6;
   claim.measured = {3, 2, 4, 3};
-  claim.verdict = Verdict::holds;
+  claim.verdict = results::Verdict::holds;
   EXPECT_EQ(claims_csv({claim}),
             "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\nx,reported,3.0,2.0,4.0,3,ms,below,5,4,6,holds\n");
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::study

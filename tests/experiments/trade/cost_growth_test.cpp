@@ -9,15 +9,15 @@
 #include "tactile/experiments/trade/dense_heatmaps.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
-constexpr SensorSize sensor{640, 480};
+constexpr events::SensorSize sensor{640, 480};
 
 /// At random places, some of them hot, one a microsecond.
-std::vector<Event> events_of(std::size_t count) {
+std::vector<events::Event> events_of(std::size_t count) {
   Random random(2);
-  std::vector<Event> events(count);
+  std::vector<events::Event> events(count);
   for (std::size_t i = 0; i < count; ++i) {
     const bool hot = random.below(4) == 0;
     events[i].x = static_cast<std::int16_t>(hot ? 33 : random.below(640));
@@ -28,8 +28,8 @@ std::vector<Event> events_of(std::size_t count) {
 }
 
 TEST(DenseHeatmaps, AreTheRenderersButForRounding) {
-  const std::vector<Event> events = events_of(20'000);
-  HeatmapRenderer renderer(sensor, {.history = 10ms, .tick = 2ms});
+  const std::vector<events::Event> events = events_of(20'000);
+  heatmaps::HeatmapRenderer renderer(sensor, {.history = 10ms, .tick = 2ms});
   DenseHeatmaps dense(sensor, 0.2);
   renderer.add(events);
   std::vector<std::uint8_t> heatmap(128 * 96);
@@ -59,21 +59,21 @@ TEST(DenseHeatmaps, OfNoEventsAreEmpty) {
 }
 
 TEST(MeasureGrowth, HasAPointForEachPlaceAndBothWays) {
-  const std::vector<Event> events = events_of(50'000);
+  const std::vector<events::Event> events = events_of(50'000);
   GrowthOptions options;
   options.rates = {0, 1e6};
   options.histories = {2ms, 4ms, 8ms};
   options.sensors = {{160, 120}};
   options.pieces = options.turns = 1;
   options.ticks = 2;
-  const CostGrowth growth = measure_growth(events, sensor, options);
+  const results::CostGrowth growth = measure_growth(events, sensor, options);
   ASSERT_EQ(growth.by_rate.size(), 2U);
   ASSERT_EQ(growth.by_history.size(), 3U);
   ASSERT_EQ(growth.by_resolution.size(), 1U);
   EXPECT_EQ(growth.by_rate[0].lit_share, 0);
   EXPECT_GT(growth.by_rate[1].lit_share, 0.1);
   EXPECT_EQ(growth.by_history[2].history, microseconds(8000));
-  EXPECT_EQ(growth.by_resolution[0].heatmap, (SensorSize{32, 24}));
+  EXPECT_EQ(growth.by_resolution[0].heatmap, (events::SensorSize{32, 24}));
   for (const auto& point : {growth.by_rate[0], growth.by_rate[1], growth.by_history[0], growth.by_resolution[0]}) {
     for (const auto& way : {point.sparse, point.dense}) {
       EXPECT_GT(way.rendering_us, 0);
@@ -85,4 +85,4 @@ TEST(MeasureGrowth, HasAPointForEachPlaceAndBothWays) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
@@ -50,8 +50,8 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.histories = {2ms, 40ms};
   levels.ticks = {2ms, 4ms};
   levels.factors = {0.2};
-  levels.resizes = {Resize::area};
-  levels.denoises = {Denoise::mean};
+  levels.resizes = {heatmaps::Resize::area};
+  levels.denoises = {heatmaps::Denoise::mean};
   levels.confirmations = {{1, 1}};
   levels.gate = {false};
   const auto settings = all_combinations({}, levels);
@@ -72,10 +72,10 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   levels.histories = {20ms, 40ms, 50ms};
   levels.ticks = {2ms, 4ms};
   levels.factors = {0.1, 0.2};
-  levels.resizes = {Resize::area};
-  levels.denoises = {Denoise::mean};
-  levels.engines = {EngineKind::fast, EngineKind::libtorch};
-  levels.precisions = {Precision::fp32};
+  levels.resizes = {heatmaps::Resize::area};
+  levels.denoises = {heatmaps::Denoise::mean};
+  levels.engines = {model::EngineKind::fast, model::EngineKind::libtorch};
+  levels.precisions = {model::Precision::fp32};
   levels.sparse = {true};
   levels.confirmations = {{1, 1}};
   levels.gate = {false};
@@ -84,7 +84,7 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   TradeSetting usual, shorter, smaller, slow;
   shorter.rendering.history = 20ms;
   smaller.rendering.factor = 0.1;
-  slow.engine = EngineKind::libtorch;
+  slow.engine = model::EngineKind::libtorch;
   measured[id_of(shorter)] = {0.92, 90, 4000, 1.0, 0.1};  // better in everything
   measured[id_of(smaller)] = {0.89, 50, 5000, 1.0, 0.1};  // faster, a little less accurate
   measured[id_of(slow)] = {0.9, 900, 5000, 1.0, 0.1};     // slower for nothing
@@ -93,7 +93,7 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   both.rendering.factor = 0.1;
   EXPECT_NE(std::find(corners.begin(), corners.end(), both), corners.end());
   for (const TradeSetting& corner : corners) {
-    EXPECT_EQ(corner.engine, EngineKind::fast);
+    EXPECT_EQ(corner.engine, model::EngineKind::fast);
     EXPECT_GE(differing(corner, usual), 2U);
   }
 }
@@ -122,4 +122,4 @@ TEST(TradeSetting, IsToldByWhatIsOther) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

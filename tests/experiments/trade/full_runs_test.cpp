@@ -6,23 +6,23 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 /// Ticks of 2 ms from 6 ms on.
-FullRun predicted_as(std::vector<Touch> verdicts, std::vector<std::uint64_t> events) {
-  FullRun run{.run = "fan/03",
-              .ticks = {.first = camera_time(6000), .count = 0, .tick = 2ms},
-              .verdicts = std::move(verdicts),
-              .events = std::move(events)};
+results::FullRun predicted_as(std::vector<Touch> verdicts, std::vector<std::uint64_t> events) {
+  results::FullRun run{.run = "fan/03",
+                       .ticks = {.first = camera_time(6000), .count = 0, .tick = 2ms},
+                       .verdicts = std::move(verdicts),
+                       .events = std::move(events)};
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
   return run;
 }
 
 TEST(AtTick, TakesTheTicksThatLieAtWholeMultiples) {
-  const FullRun predicted =
+  const results::FullRun predicted =
       predicted_as({Touch::press, Touch::slip, Touch::none, Touch::press}, {1, 2, 3, 4});  // 6, 8, 10, 12 ms
-  const FullRun fewer = at_tick(predicted, 4ms);
+  const results::FullRun fewer = at_tick(predicted, 4ms);
   EXPECT_EQ(fewer.ticks.first, camera_time(8000));
   EXPECT_EQ(fewer.ticks.count, 2);
   EXPECT_EQ(fewer.ticks.tick, microseconds(4000));
@@ -33,7 +33,7 @@ TEST(AtTick, TakesTheTicksThatLieAtWholeMultiples) {
 }
 
 TEST(VerdictsOf, GateFirstAndThenConfirm) {
-  const FullRun predicted = predicted_as({Touch::press, Touch::press, Touch::press, Touch::press}, {9, 1, 9, 9});
+  const results::FullRun predicted = predicted_as({Touch::press, Touch::press, Touch::press, Touch::press}, {9, 1, 9, 9});
   const std::vector<Touch> all(4, Touch::press);
   EXPECT_EQ(verdicts_of(predicted, std::nullopt, {}), all);
   EXPECT_EQ(verdicts_of(predicted, 5, {}), (std::vector<Touch>{Touch::press, Touch::none, Touch::press, Touch::press}));
@@ -42,7 +42,7 @@ TEST(VerdictsOf, GateFirstAndThenConfirm) {
 
 TEST(WriteFullRuns, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
-  const std::vector<FullRun> runs{predicted_as({Touch::none, Touch::slip}, {0, 70'000'000'000}), predicted_as({}, {})};
+  const std::vector<results::FullRun> runs{predicted_as({Touch::none, Touch::slip}, {0, 70'000'000'000}), predicted_as({}, {})};
   write_full_runs(folder / "predicted.json", runs);
   const auto read = read_full_runs(folder / "predicted.json");
   ASSERT_EQ(read.size(), 2U);
@@ -59,4 +59,4 @@ TEST(WriteFullRuns, ReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -7,7 +7,7 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 using Indexes = std::vector<std::size_t>;
@@ -58,4 +58,4 @@ TEST(ParetoFront, IsWhatEveryPairComparedGives) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
-Figure figure(double value, double half_width, std::size_t n = 10) {
-  Figure made;
+results::Figure figure(double value, double half_width, std::size_t n = 10) {
+  results::Figure made;
   made.value = value, made.low = value - half_width, made.high = value + half_width, made.n = n;
   return made;
 }
@@ -105,4 +105,4 @@ TEST(Recommend, SaysThatNoSettingDoesWhereNonePromisedIt) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

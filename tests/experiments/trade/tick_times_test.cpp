@@ -6,7 +6,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 TEST(TickTime, IsTheCountingAloneWhereTheGateCloses) {
@@ -35,4 +35,4 @@ TEST(WriteTimes, ReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

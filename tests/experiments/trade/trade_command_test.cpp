@@ -9,7 +9,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ TEST(TradeCommand, NeedsRunsToChooseOn) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 JudgedRun run_with_a_press() {
@@ -11,10 +11,10 @@ JudgedRun run_with_a_press() {
   return run;
 }
 
-FullRun predicted_every(microseconds tick, CameraTime first, const std::vector<Touch>& verdicts) {
-  FullRun run{.run = "fan/03",
-              .ticks = {.first = first, .count = static_cast<std::int64_t>(verdicts.size()), .tick = tick},
-              .verdicts = verdicts};
+results::FullRun predicted_every(microseconds tick, CameraTime first, const std::vector<Touch>& verdicts) {
+  results::FullRun run{.run = "fan/03",
+                       .ticks = {.first = first, .count = static_cast<std::int64_t>(verdicts.size()), .tick = tick},
+                       .verdicts = verdicts};
   run.events.assign(verdicts.size(), 100);
   return run;
 }
@@ -25,7 +25,7 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
                  {0, camera_time(30'000), Touch::press},   // at a tick
                  {0, camera_time(38'000), Touch::press},   // 8 ms after it
                  {0, camera_time(42'000), Touch::press}};  // after the last one
-  const FullRun predicted = predicted_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
+  const results::FullRun predicted = predicted_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
   const TradedRun outcome = outcome_of(run, predicted, predicted.verdicts);
   EXPECT_EQ(outcome.confusion.counts[0][0], 1U);
   EXPECT_EQ(outcome.confusion.counts[1][1], 2U);
@@ -34,13 +34,13 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
 
 TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   const JudgedRun run = run_with_a_press();
-  const FullRun predicted =
+  const results::FullRun predicted =
       predicted_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
   const TradedRun outcome = outcome_of(run, predicted, predicted.verdicts);
   EXPECT_EQ(outcome.intervals, 1U);
   EXPECT_EQ(outcome.delays_us, std::vector<double>{40'000 - 21'000});
   EXPECT_EQ(outcome.misses + outcome.early, 0U);
-  const FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
+  const results::FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
   EXPECT_EQ(outcome_of(run, silent, silent.verdicts).misses, 1U);
 }
 
@@ -93,7 +93,7 @@ TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
     runs.back().alarms.alarms = 0;
     runs.back().alarms.none_time = std::chrono::seconds(20);
   }
-  const Figure in_a_minute = result_of(runs).figures.false_alarms_per_min;
+  const results::Figure in_a_minute = result_of(runs).figures.false_alarms_per_min;
   EXPECT_EQ(in_a_minute.value, 0);
   ASSERT_TRUE(in_a_minute.low && in_a_minute.high);
   EXPECT_EQ(*in_a_minute.low, 0);
@@ -135,4 +135,4 @@ TEST(TradedRun, SeedsAreCountedTogether) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -9,8 +9,8 @@ inline constexpr std::int64_t first_event_us = 1'710'534'882'413'934;
 /// A time of the run, in us from its first event.
 inline CameraTime in_run(std::int64_t us) { return camera_time(first_event_us + us); }
 
-inline LabelledInterval interval_of(const std::string& id, Touch touch, std::int64_t start_us, std::int64_t end_us) {
-  LabelledInterval interval;
+inline labels::LabelledInterval interval_of(const std::string& id, Touch touch, std::int64_t start_us, std::int64_t end_us) {
+  labels::LabelledInterval interval;
   interval.id = id;
   interval.touch = touch;
   interval.start = {in_run(start_us), in_run(start_us - 700), in_run(start_us + 900)};
@@ -22,8 +22,8 @@ inline LabelledInterval interval_of(const std::string& id, Touch touch, std::int
 }
 
 /// fan/01: two presses and a slip, none of them on a whole millisecond, in a recording of three seconds.
-inline LabelsToExport exported_run() {
-  LabelsToExport run;
+inline labels::LabelsToExport exported_run() {
+  labels::LabelsToExport run;
   run.run = "fan/01";
   run.labels.intervals = {interval_of("press-1", Touch::press, 929'637, 1'067'241),
                           interval_of("press-2", Touch::press, 1'100'499, 1'200'501),
@@ -34,9 +34,9 @@ inline LabelsToExport exported_run() {
 }
 
 /// The same counting from the first frame of a film that began 1.2 s earlier and runs 80 ppm slow.
-inline LabelsToExport exported_on_film() {
-  LabelsToExport run = exported_run();
-  run.times = {.origin = TimeOrigin::video, .zero_us = -1'203'344, .drift_ppm = 80};
+inline labels::LabelsToExport exported_on_film() {
+  labels::LabelsToExport run = exported_run();
+  run.times = {.origin = labels::TimeOrigin::video, .zero_us = -1'203'344, .drift_ppm = 80};
   return run;
 }
 

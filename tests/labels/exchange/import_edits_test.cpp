@@ -7,7 +7,7 @@
 #include "labels/exchange/exported.hpp"
 #include "support/error_of.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using test::in_run;
@@ -181,4 +181,4 @@ TEST_F(WithEdits, ARejectionEndsWhereAPersonPutsAnIntervalBack) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

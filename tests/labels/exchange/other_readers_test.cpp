@@ -12,7 +12,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 /// What a script prints as JSON, run in `folder`.
@@ -154,4 +154,4 @@ print(json.dumps({'tasks': tasks, 'time': signals[series.get('timeColumn')], 'cu
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -10,7 +10,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 class RefusedFiles : public testing::Test {
@@ -140,4 +140,4 @@ TEST_F(RefusedFiles, AnIdThatAToolWouldLoseIsNotWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

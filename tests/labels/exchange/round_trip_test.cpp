@@ -12,7 +12,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 /// Every format, with times from each origin that it can hold.
@@ -126,4 +126,4 @@ TEST(SecondsIn, RoundsWithItsResolutionAndRefusesOtherTexts) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::labels

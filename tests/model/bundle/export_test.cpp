@@ -13,12 +13,12 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/training/lenet.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr SensorSize small{32, 24};
+constexpr events::SensorSize small{32, 24};
 
 /// A folder with models/<name>: an untrained network for heatmaps of 32 x 24.
 class Export : public testing::Test {
@@ -75,7 +75,7 @@ TEST_F(Export, WritesBothFormatsWithTheirMetadata) {
   EXPECT_EQ(nlohmann::json::parse(of_onnx.at("classes")), nlohmann::json::parse(R"(["none", "press", "slip"])"));
   EXPECT_EQ(nlohmann::json::parse(of_onnx.at("input")).at("shape"), nlohmann::json::parse("[1, 24, 32]"));
   EXPECT_EQ(nlohmann::json::parse(of_onnx.at("input")).at("scale").get<std::string>(), "heatmap / 255, in [0, 1]");
-  EXPECT_EQ(nlohmann::json::parse(of_onnx.at("rendering")).get<HeatmapOptions>(), HeatmapOptions{});
+  EXPECT_EQ(nlohmann::json::parse(of_onnx.at("rendering")).get<heatmaps::HeatmapOptions>(), heatmaps::HeatmapOptions{});
   EXPECT_EQ(nlohmann::json::parse(of_onnx.at("network")).at("activation").get<std::string>(), "tanh");
   EXPECT_EQ(of_onnx.at("weights_sha256"), model.weights_sha256);
   EXPECT_EQ(onnx.graph().node(1).op_type(), "Tanh");
@@ -149,4 +149,4 @@ TEST_F(Export, NeedsNoLibtorch) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 TEST(Gate, TakesNoMorePressesAndSlipsForNoneThanItsShare) {
@@ -36,4 +36,4 @@ TEST(Gate, IsReadBackAsItWasWritten) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

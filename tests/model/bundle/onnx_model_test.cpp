@@ -19,7 +19,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/model/training/lenet.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using test::noise_heatmaps;
@@ -208,7 +208,7 @@ Tensor input_of(const test::NoiseHeatmaps& noise) {
 }
 
 TEST_P(EveryNetwork, EvaluatedByTheOperatorsDefinitionsGivesTheNetworksLogits) {
-  for (const SensorSize size : {SensorSize{128, 96}, SensorSize{31, 22}, SensorSize{16, 16}}) {
+  for (const events::SensorSize size : {events::SensorSize{128, 96}, events::SensorSize{31, 22}, events::SensorSize{16, 16}}) {
     const auto noise = noise_heatmaps(3, size, 5);
     const LeNet network(size, 1, options());
     const auto logits = network.logits(noise.heatmaps, 1);
@@ -229,7 +229,7 @@ TEST_P(EveryNetwork, EvaluatedByTheOperatorsDefinitionsGivesTheNetworksLogits) {
 }
 
 TEST_P(EveryNetwork, IsReadByOpenCVsRuntimeWithTheSameLogitsForAnyBatch) {
-  const SensorSize size{64, 48};
+  const events::SensorSize size{64, 48};
   const LeNet network(size, 2, options());
   const std::string bytes = bytes_of(network, options());
   cv::dnn::Net net = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
@@ -308,7 +308,7 @@ TEST(OnnxModel, IsTheSameBytesForTheSameNetwork) {
 
 TEST(OnnxModel, RefusesWeightsOfAnotherNetwork) {
   Weights weights = LeNet({32, 24}, 3).weights();
-  const auto error = [&](SensorSize size) {
+  const auto error = [&](events::SensorSize size) {
     return test::error_of([&] { onnx_model(lenet_layers(size), {}, weights, "test", {}); });
   };
   EXPECT_NE(error({40, 24}).find("fc1.weight [120,336]"), std::string::npos) << error({40, 24});
@@ -350,4 +350,4 @@ TEST(OnnxModel, PassesOnnxsOwnChecker) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 const std::vector<ParameterShape> shapes{{"b.weight", {2, 3}}, {"a.bias", {2}}};
@@ -96,4 +96,4 @@ TEST(Weights, ThatAreNotFiniteAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

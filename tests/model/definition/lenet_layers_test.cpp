@@ -4,14 +4,14 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 TEST(LeNetLayers, OfThePapersHeatmapFlattenTo9744) {
   // 128 x 96 -> 124 x 92 -> 62 x 46 -> 58 x 42 -> 29 x 21, times 16 channels.
   const LeNetLayers layers = lenet_layers({128, 96});
-  EXPECT_EQ(layers.first_pooled, (SensorSize{62, 46}));
-  EXPECT_EQ(layers.second_pooled, (SensorSize{29, 21}));
+  EXPECT_EQ(layers.first_pooled, (events::SensorSize{62, 46}));
+  EXPECT_EQ(layers.second_pooled, (events::SensorSize{29, 21}));
   EXPECT_EQ(layers.flat, 9744U);
   // 6*25+6, 16*150+16, 9744*120+120, 120*84+84, 84*3+3
   EXPECT_EQ(layers.parameter_count(), 156U + 2416U + 1'169'400U + 10'164U + 255U);
@@ -28,7 +28,7 @@ TEST(LeNetLayers, ParametersComeWeightBeforeBias) {
 
 TEST(LeNetLayers, PoolingRoundsDown) {
   // 17 -> 13 -> 6 -> 2 -> 1 and 19 -> 15 -> 7 -> 3 -> 1.
-  EXPECT_EQ(lenet_layers({17, 19}).second_pooled, (SensorSize{1, 1}));
+  EXPECT_EQ(lenet_layers({17, 19}).second_pooled, (events::SensorSize{1, 1}));
 }
 
 TEST(LeNetLayers, RefuseHeatmapsThatDoNotSurviveThem) {
@@ -40,4 +40,4 @@ TEST(LeNetLayers, RefuseHeatmapsThatDoNotSurviveThem) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

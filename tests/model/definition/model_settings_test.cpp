@@ -4,13 +4,13 @@
 
 #include <regex>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 TEST(DefaultName, HasHistorySplitRunAndSeed) {
   ModelSettings settings;
   EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
-  settings.split.kind = SplitKind::unseen;
+  settings.split.kind = windows::SplitKind::unseen;
   settings.split.train_run = "03";
   settings.training.seed = 12;
   settings.rendering.history = 2ms;
@@ -22,7 +22,7 @@ TEST(DefaultName, AppendsAHashOfSettingsOffTheirDefault) {
   ModelSettings epochs, other_epochs, denoise, history;
   epochs.training.epochs = 3;
   other_epochs.training.epochs = 4;
-  denoise.rendering.denoise = Denoise::none;
+  denoise.rendering.denoise = heatmaps::Denoise::none;
   history.rendering.history = 40'500us;
   history.rendering.tick = 500us;
   for (const ModelSettings& settings : {epochs, other_epochs, denoise, history}) {
@@ -36,7 +36,7 @@ TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHel
   ModelSettings settings;
   settings.split.held_out = {"fan"};
   EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
-  settings.split.kind = SplitKind::unseen;
+  settings.split.kind = windows::SplitKind::unseen;
   settings.split.held_out = {"sprayer", "small-box", "fan", "plastic-container", "textured-box"};
   EXPECT_EQ(default_name(settings), "th040-unseen-01-s1");
   settings.split.held_out = {"fan"};
@@ -45,12 +45,12 @@ TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHel
 
 TEST(ModelSettings, ComeBackFromJson) {
   ModelSettings settings;
-  settings.rendering.resize = Resize::linear;
-  settings.split = {.kind = SplitKind::unseen, .train_run = "02", .held_out = {"fan", "sprayer"}};
+  settings.rendering.resize = heatmaps::Resize::linear;
+  settings.split = {.kind = windows::SplitKind::unseen, .train_run = "02", .held_out = {"fan", "sprayer"}};
   settings.training.learning_rate = 0.0123;
   EXPECT_TRUE(same_settings(nlohmann::json(settings).get<ModelSettings>(), settings));
   EXPECT_FALSE(same_settings(settings, {}));
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

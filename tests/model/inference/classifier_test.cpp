@@ -13,7 +13,7 @@
 #include "tactile/model/training/lenet.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 /// A bundle of an untrained network for heatmaps of 32 x 24.
@@ -55,8 +55,8 @@ TEST(Classifier, PredictsLikeTheWrittenNetwork) {
   }
   const auto verdicts = classifier.verdicts(noise.heatmaps);
   for (std::size_t i = 0; i < logits.size(); ++i) EXPECT_EQ(verdicts[i], verdict_of(logits[i]));
-  EXPECT_EQ(classifier.input_size(), (SensorSize{32, 24}));
-  EXPECT_EQ(classifier.rendering(), HeatmapOptions{});
+  EXPECT_EQ(classifier.input_size(), (events::SensorSize{32, 24}));
+  EXPECT_EQ(classifier.rendering(), heatmaps::HeatmapOptions{});
   EXPECT_EQ(classifier.description().at("classes"), nlohmann::json::parse(R"(["none", "press", "slip"])"));
 }
 
@@ -211,4 +211,4 @@ TEST(NewestBundle, IsTheLastTrainedOfTheAcceptedOnes) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -38,20 +38,22 @@ void* operator new(std::size_t bytes, std::align_val_t alignment) { return count
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
-constexpr SensorSize usual{128, 96};
+constexpr events::SensorSize usual{128, 96};
 /// The smallest, odd ones each way, narrower and wider than a vector, those that leave rows and columns unread.
-constexpr std::array<SensorSize, 9> sizes{
+constexpr std::array<events::SensorSize, 9> sizes{
     {{16, 16}, {17, 16}, {16, 19}, {23, 31}, {36, 16}, {45, 37}, {69, 52}, {128, 96}, {200, 17}}};
 
-std::size_t cells_of(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
+std::size_t cells_of(events::SensorSize size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
 
 using Heatmap = std::vector<std::uint8_t>;
 
 /// Each cell lit with this probability.
-Heatmap noise(SensorSize size, double density, Random& random) {
+Heatmap noise(events::SensorSize size, double density, Random& random) {
   Heatmap heatmap(cells_of(size));
   for (std::uint8_t& cell : heatmap)
     cell = static_cast<double>(random.below(1'000'000)) < density * 1e6 ? static_cast<std::uint8_t>(1 + random.below(255))
@@ -60,7 +62,7 @@ Heatmap noise(SensorSize size, double density, Random& random) {
 }
 
 /// All densities, then the extremes: nothing lit, all lit, one pixel at each corner and in the middle.
-std::vector<Heatmap> heatmaps_of(SensorSize size, std::uint64_t seed) {
+std::vector<Heatmap> heatmaps_of(events::SensorSize size, std::uint64_t seed) {
   Random random(seed);
   std::vector<Heatmap> heatmaps;
   for (const double density : {0.0005, 0.002, 0.01, 0.03, 0.1, 0.3, 0.7, 1.0}) heatmaps.push_back(noise(size, density, random));
@@ -75,7 +77,7 @@ std::vector<Heatmap> heatmaps_of(SensorSize size, std::uint64_t seed) {
   return heatmaps;
 }
 
-Weights random_weights(SensorSize size, std::uint64_t seed) { return LeNet(size, seed).weights(); }
+Weights random_weights(events::SensorSize size, std::uint64_t seed) { return LeNet(size, seed).weights(); }
 
 void scale(Weights& weights, const std::string& layer, float by) {
   for (Parameter& parameter : weights) {
@@ -95,7 +97,7 @@ double difference(const Logits& ours, const Logits& theirs) {
   return apart / largest;
 }
 
-void expect_like_libtorch(SensorSize size, const Weights& weights, const std::vector<Heatmap>& heatmaps,
+void expect_like_libtorch(events::SensorSize size, const Weights& weights, const std::vector<Heatmap>& heatmaps,
                           const std::string& target, const std::string& what) {
   const LeNet reference(size, weights);
   LeNetEngine engine(size, weights, {}, {.target = target});
@@ -106,7 +108,7 @@ void expect_like_libtorch(SensorSize size, const Weights& weights, const std::ve
   }
 }
 
-std::string error_of(SensorSize size, const Weights& weights, const LeNetOptions& layers = {},
+std::string error_of(events::SensorSize size, const Weights& weights, const LeNetOptions& layers = {},
                      const EngineOptions& options = {}) {
   try {
     const LeNetEngine engine(size, weights, layers, options);
@@ -144,7 +146,7 @@ TEST(LeNetEngine, DistinguishesHeatmaps) {
 TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBits) {
   for (const std::string& target : LeNetEngine::targets()) {
     for (const Precision precision : {Precision::fp32, Precision::int8}) {
-      for (const SensorSize size : sizes) {
+      for (const events::SensorSize size : sizes) {
         const Weights weights = random_weights(size, 5);
         LeNetEngine sparse(size, weights, {}, {precision, true, target}), dense(size, weights, {}, {precision, false, target});
         auto heatmaps = heatmaps_of(size, 6);
@@ -161,7 +163,7 @@ TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBits) {
 }
 
 TEST(LeNetEngine, FollowsAPixelThatWanders) {
-  constexpr SensorSize size{45, 37};
+  constexpr events::SensorSize size{45, 37};
   const Weights weights = random_weights(size, 2);
   LeNetEngine sparse(size, weights), dense(size, weights, {}, {.skip_empty = false});
   Heatmap heatmap(cells_of(size));
@@ -336,4 +338,4 @@ TEST(PrecisionNames, AreReadBack) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 TEST(IsClose, IsTrueBelowATenThousandthBetweenTheTwoLargest) {
@@ -42,4 +42,4 @@ TEST(Probabilities, OfTenThousandAreOneAndNothing) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

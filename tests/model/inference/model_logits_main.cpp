@@ -12,12 +12,12 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    const bool usual = tactile::read_description({argv[1]}).settings.network == tactile::LeNetOptions{};
-    const auto classifier =
-        tactile::open_classifier(argv[1], 0, usual ? tactile::EngineKind::fast : tactile::EngineKind::libtorch);
+    const bool usual = tactile::model::read_description({argv[1]}).settings.network == tactile::model::LeNetOptions{};
+    const auto classifier = tactile::model::open_classifier(
+        argv[1], 0, usual ? tactile::model::EngineKind::fast : tactile::model::EngineKind::libtorch);
     const std::string text = tactile::read_text(argv[2]);
     const auto logits = classifier.classify({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    tactile::write_whole(argv[3], {reinterpret_cast<const char*>(logits.data()), logits.size() * sizeof(tactile::Logits)});
+    tactile::write_whole(argv[3], {reinterpret_cast<const char*>(logits.data()), logits.size() * sizeof(tactile::model::Logits)});
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "model_logits: %s\n", e.what());

@@ -6,10 +6,10 @@
 #include <set>
 #include <vector>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
-constexpr SensorSize size{6, 5};
+constexpr events::SensorSize size{6, 5};
 
 std::vector<std::uint8_t> counted() {
   std::vector<std::uint8_t> cells(30);
@@ -79,4 +79,4 @@ TEST(Augment, ShiftsMoveAllCellsAlikeAndLetEmptyOnesIn) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -9,7 +9,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST(CheckpointFolder, RefusesStatesOfAnotherTaskAndDamagedOnes) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

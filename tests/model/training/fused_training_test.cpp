@@ -13,7 +13,7 @@
 #include "tactile/model/training/optimizer_steps.hpp"
 #include "tactile/model/training/training.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using test::noise_heatmaps;
@@ -45,7 +45,7 @@ void expect_alike(const Weights& gradients, const Weights& expected, const std::
 }
 
 /// A few patches that move, as markers do, on an empty ground: most cells are 0.
-NoiseHeatmaps patches(std::size_t count, SensorSize size, std::uint64_t seed) {
+NoiseHeatmaps patches(std::size_t count, events::SensorSize size, std::uint64_t seed) {
   Random random(seed);
   NoiseHeatmaps samples{size, {}, {}};
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
@@ -64,7 +64,7 @@ NoiseHeatmaps patches(std::size_t count, SensorSize size, std::uint64_t seed) {
 }
 
 TEST(FusedTraining, GradientsAreThoseOfLibtorchsLayersInFloat64) {
-  for (const SensorSize size : {SensorSize{128, 96}, {31, 22}, {16, 16}, {33, 47}, {70, 18}}) {
+  for (const events::SensorSize size : {events::SensorSize{128, 96}, {31, 22}, {16, 16}, {33, 47}, {70, 18}}) {
     const std::string name = std::to_string(size.width) + " x " + std::to_string(size.height);
     for (const auto& samples : {noise_heatmaps(9, size, 3), patches(9, size, 4)}) {
       const Weights expected = gradients_of(LeNet(size, 7), samples, float64);
@@ -83,7 +83,7 @@ TEST(FusedTraining, GradientsAreThoseOfLibtorchsLayersForFullBatches) {
 
 TEST(FusedTraining, OfEqualValuesTheFirstTakesTheGradientAsInLibtorch) {
   // Cells of 0 and 1, kernels of small whole numbers: every sum is exact, and equals are many.
-  const SensorSize size{40, 32};
+  const events::SensorSize size{40, 32};
   Random random(1);
   NoiseHeatmaps samples = noise_heatmaps(6, size, 8);
   for (std::uint8_t& cell : samples.heatmaps) cell = cell > 0 ? 255 : 0;
@@ -259,7 +259,7 @@ TEST(SumOfSquares, IsExactEnoughForMillions) {
 }
 
 /// A network with the same logits for every heatmap.
-LeNet constant_network(SensorSize size, const std::array<float, touch_count>& logits) {
+LeNet constant_network(events::SensorSize size, const std::array<float, touch_count>& logits) {
   Weights weights = LeNet(size, 1).weights();
   for (float& value : weights[8].values) value = 0;  // fc3
   weights[9].values.assign(logits.begin(), logits.end());
@@ -302,7 +302,7 @@ TEST(TrainingAtExtremes, GradientsWithLogitsOfTenThousandAreThoseOfFloat64) {
 }
 
 TEST(TrainingAtExtremes, ABatchOfOneIsABatch) {
-  for (const SensorSize size : {SensorSize{128, 96}, {31, 22}}) {
+  for (const events::SensorSize size : {events::SensorSize{128, 96}, {31, 22}}) {
     for (const auto& samples : {noise_heatmaps(1, size, 3), patches(1, size, 4)}) {
       const Weights expected = gradients_of(LeNet(size, 7), samples, float64);
       expect_alike(gradients_of(LeNet(size, 7), samples, fast), expected, "one sample");
@@ -405,4 +405,4 @@ TEST(TrainingInFloat64, GivesTheNetworkItsWeightsRounded) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -10,7 +10,7 @@
 #include "model/noise_heatmaps.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using test::noise_heatmaps;
@@ -70,7 +70,7 @@ std::vector<double> connected(const std::vector<double>& in, const std::vector<f
 }
 
 /// The whole network, written out from its definition.
-std::vector<double> plain_logits(const Weights& weights, const std::uint8_t* heatmap, SensorSize size) {
+std::vector<double> plain_logits(const Weights& weights, const std::uint8_t* heatmap, events::SensorSize size) {
   std::map<std::string, std::vector<float>> values;
   for (const Parameter& parameter : weights) values[parameter.shape.name] = parameter.values;
   Picture picture = blank(1, size.height, size.width);
@@ -82,7 +82,7 @@ std::vector<double> plain_logits(const Weights& weights, const std::uint8_t* hea
   return connected(x, values["fc3.weight"], values["fc3.bias"], false);
 }
 
-void expect_plain_logits(SensorSize size) {
+void expect_plain_logits(events::SensorSize size) {
   const auto noise = noise_heatmaps(3, size, 5);
   const LeNet network(size, 1);
   const auto logits = network.logits(noise.heatmaps, 1);
@@ -145,7 +145,7 @@ TEST(LeNet, RefusesHalfAHeatmap) {
 }
 
 TEST(LeNet, RefusesLogitsThatLeaveFloat32) {
-  constexpr SensorSize size{32, 24};
+  constexpr events::SensorSize size{32, 24};
   const auto noise = test::noise_heatmaps(3, size, 1);
   Weights weights = LeNet(size, 4).weights();
   for (Parameter& parameter : weights) {
@@ -161,7 +161,7 @@ TEST(LeNet, RefusesLogitsThatLeaveFloat32) {
 
 TEST(LeNet, DistinguishesHeatmapsWithTinyLogits) {
   // Only the last layer is small: nothing underflows, and the verdicts are those of before.
-  constexpr SensorSize size{32, 24};
+  constexpr events::SensorSize size{32, 24};
   const auto noise = test::noise_heatmaps(8, size, 1);
   Weights weights = LeNet(size, 4).weights();
   const auto before = LeNet(size, weights).logits(noise.heatmaps, 1);
@@ -184,4 +184,4 @@ TEST(VerdictOf, IsTheLargestLogitAndTheEarlierOfEquals) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

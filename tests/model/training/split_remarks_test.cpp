@@ -9,23 +9,23 @@
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using Names = std::vector<std::string>;
 
-const std::vector<LabelFlag> on_slip{{1, "it slides", false}}, on_run{{std::nullopt, "two sessions mixed", false}};
+const std::vector<labels::LabelFlag> on_slip{{1, "it slides", false}}, on_run{{std::nullopt, "two sessions mixed", false}};
 
 class RemarksOnASplit : public testing::Test {
  protected:
-  void make(const std::string& object, const std::string& run, const std::vector<LabelFlag>& flags = {}) {
+  void make(const std::string& object, const std::string& run, const std::vector<labels::LabelFlag>& flags = {}) {
     test::make_run(data.path(), {.object = object, .run = run, .seed = ++seed, .flags = flags});
   }
-  Dataset dataset() const {
-    write_dataset(data.path(), data / "dataset.h5", {}, 1);
-    return Dataset(data / "dataset.h5");
+  windows::Dataset dataset() const {
+    windows::write_dataset(data.path(), data / "dataset.h5", {}, 1);
+    return windows::Dataset(data / "dataset.h5");
   }
-  static SplitRemarks remarks(const Dataset& dataset, const SplitOptions& options = {}) {
+  static SplitRemarks remarks(const windows::Dataset& dataset, const windows::SplitOptions& options = {}) {
     return remarks_on(dataset, options, split_of(dataset, options));
   }
 
@@ -52,7 +52,7 @@ TEST_F(RemarksOnASplit, NameTheRunThatIsTrainedOnAndWhatIsWrongWithTheOther) {
   make("mug", "02");
   make("pot", "02");
   make("pot", "03");
-  const Dataset made = dataset();
+  const windows::Dataset made = dataset();
   const SplitRemarks found = remarks(made);
   EXPECT_EQ(found.substitutes, (Names{"jar: trained on run 02 in place of 01, which is flagged",
                                       "mug: trained on run 02 in place of 01, whose slip-1 is flagged",
@@ -62,7 +62,7 @@ TEST_F(RemarksOnASplit, NameTheRunThatIsTrainedOnAndWhatIsWrongWithTheOther) {
   EXPECT_TRUE(std::filesystem::exists(found.flagged->labels())) << found.flagged->folder;
   EXPECT_EQ(split_of(made, {}).train_runs.size(), 4U);
 
-  const SplitOptions unseen{.kind = SplitKind::unseen, .held_out = {"mug", "jar"}};
+  const windows::SplitOptions unseen{.kind = windows::SplitKind::unseen, .held_out = {"mug", "jar"}};
   EXPECT_EQ(remarks(made, unseen).substitutes, (Names{"pot: trained on run 02 in place of 01, which is not there"}));
   EXPECT_TRUE(remarks(made, unseen).untested.empty());
 }
@@ -73,14 +73,14 @@ TEST_F(RemarksOnASplit, NameObjectsWithoutAnyWholeRunInTheDatasetOrItsFolder) {
     make("jar", run, on_run);
     make("mug", run, on_slip);
   }
-  const Dataset made = dataset();
+  const windows::Dataset made = dataset();
   test::make_run(data.path(), {.object = "pot", .seed = 9});  // recorded since
   const Names expected{"jar: left out, none of its runs has samples: the whole run is flagged in jar/01, jar/02",
                        "mug: left out, none of its runs has samples: slip-1 is flagged in mug/01, mug/02"};
   const SplitRemarks found = remarks(made);
   EXPECT_EQ(found.left_out, expected);
   EXPECT_TRUE(found.substitutes.empty());
-  EXPECT_EQ(test::error_of([&] { refuse_objects_left_out(found.left_out); }),
+  EXPECT_EQ(test::error_of([&] { windows::refuse_objects_left_out(found.left_out); }),
             expected[0] + "; " + expected[1] + "; expected a run with samples of every object, as --strict asks for");
 }
 
@@ -88,10 +88,10 @@ TEST_F(RemarksOnASplit, WithoutTheRunFoldersStillNameTheRuns) {
   make("mug", "01", on_slip);
   make("mug", "02");
   make("mug", "03");
-  const Dataset made = dataset();
+  const windows::Dataset made = dataset();
   std::filesystem::remove_all(data / "mug");
   EXPECT_EQ(remarks(made).substitutes, (Names{"mug: trained on run 02 in place of 01, which has no samples"}));
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -13,7 +13,7 @@
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using test::make_runs;
@@ -38,7 +38,7 @@ TEST(TrainCommand, MakesAMissingDatasetAndAWholeBundle) {
   EXPECT_EQ(json.at("test_runs"), nlohmann::json::parse(R"(["fan/02", "usb-hub/02"])"));
   ASSERT_EQ(json.at("history").size(), 2U);
 
-  const Dataset dataset(folder / "data/dataset.h5");
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   const auto model = read_json(folder.path() / json.at("model").get<std::string>() / "model.json");
   EXPECT_EQ(model.at("dataset").at("manifest_hash"), dataset.manifest_hash());
   EXPECT_EQ(model.at("rendering").at("history_us"), 40'000);
@@ -115,13 +115,13 @@ TEST(TrainCommand, RefusesValuesOutOfRangeWithTheRange) {
 TEST(TrainModel, IsTheSameFromStoredHeatmapsAndFromRenderedOnes) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
   ModelSettings settings;
   settings.training.epochs = 1;
   const ModelBundle rendered{folder / "rendered"}, stored{folder / "stored"};
-  train_model(Dataset(folder / "data/dataset.h5"), settings, rendered, {.threads = 1});
-  store_heatmaps(Dataset(folder / "data/dataset.h5"), std::span(&settings.rendering, 1), 1);
-  const Dataset dataset(folder / "data/dataset.h5");
+  train_model(windows::Dataset(folder / "data/dataset.h5"), settings, rendered, {.threads = 1});
+  heatmaps::store_heatmaps(windows::Dataset(folder / "data/dataset.h5"), std::span(&settings.rendering, 1), 1);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   ASSERT_TRUE(dataset.find_heatmaps("th_040").has_value());
   train_model(dataset, settings, stored, {.threads = 1});
   EXPECT_EQ(read_description(stored).weights_sha256, read_description(rendered).weights_sha256);
@@ -172,7 +172,7 @@ TEST(TrainCommand, TakesEveryOptionAndItsModelAnswersByThem) {
   EXPECT_EQ(trained(options, folder.path()).at("outcome"), "unchanged");
 
   // The options of the network in the bundle are used.
-  const Dataset dataset(folder / "data/dataset.h5");
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   const std::vector<std::uint32_t> samples{0, 1, 2, 3};
   const auto heatmaps = sample_heatmaps(dataset, model.settings.rendering, samples, 1);
   const LeNet network(model.input, read_bundle_weights(bundle, model), model.settings.network);
@@ -213,8 +213,8 @@ TEST(TrainCommand, ReportsWrongOptions) {
 TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
-  const Dataset dataset(folder / "data/dataset.h5");
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   ModelSettings settings;
   settings.training.epochs = 1;
   const ModelBundle bundle{folder / "mine"};
@@ -229,8 +229,8 @@ TEST(TrainModel, KeepsTheOldModelWhereTheLossIsNoLongerFinite) {
 TEST(TrainModel, KeepsTheLastGoodStateOfATrainingThatDiverges) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
-  const Dataset dataset(folder / "data/dataset.h5");
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
   ModelSettings settings;
   settings.training = {.epochs = 3, .batch = 65'536, .learning_rate = 1e25};  // one batch an epoch: the second one sees the harm
   const ModelBundle bundle{folder / "mine"};
@@ -239,7 +239,7 @@ TEST(TrainModel, KeepsTheLastGoodStateOfATrainingThatDiverges) {
   const auto kept = CheckpointFolder::beside(bundle.folder);
   ASSERT_TRUE(CheckpointFolder::holds_state(kept));
   const auto task = task_of_checkpoint(kept);
-  const LeNetLayers layers = lenet_layers(heatmap_size(dataset.sensor(), settings.rendering.factor));
+  const LeNetLayers layers = lenet_layers(heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor));
   const auto state = CheckpointFolder(kept).load(*task, layers, settings.training.optimizer);  // refuses what is not finite
   ASSERT_TRUE(state);
   EXPECT_EQ(state->epoch, 2U) << "the end of the first";
@@ -267,13 +267,13 @@ TEST(TrainCommand, ReportsALearningRateThatDivergesOrIsTooLow) {
 TEST(SplitOfADataset, SharesNoRunBetweenTrainingAndTest) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", test::six_objects, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
-  const Dataset dataset(folder / "data/dataset.h5");
-  const Split split = split_of(dataset, {});
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
+  const windows::Split split = split_of(dataset, {});
   const auto train = samples_of_runs(dataset, split.train_runs), test = samples_of_runs(dataset, split.test_runs);
   EXPECT_EQ(train.size() + test.size(), dataset.samples().size());
   for (const std::uint32_t sample : train) EXPECT_EQ(dataset.runs()[dataset.samples()[sample].run_index].run, "01");
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

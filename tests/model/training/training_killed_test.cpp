@@ -18,7 +18,7 @@
 #include "tactile/model/training/checkpoint.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,7 +53,7 @@ std::set<std::string> parts_in(const fs::path& folder) {
 TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
   const test::TemporaryFolder folder;
   test::make_runs(folder / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
   const auto begun = std::chrono::steady_clock::now();
   const auto whole = test::run_tactile(arguments + std::string("--threads 1 --name whole"), folder.path());
   const auto lasted = std::chrono::steady_clock::now() - begun;
@@ -105,7 +105,7 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
 TEST(TrainCommand, AnInterruptedTrainingRequiresResumeOrForce) {
   const test::TemporaryFolder folder;
   test::make_runs(folder / "data", {"fan", "usb-hub"}, 2);
-  write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
   const fs::path kept = folder / "models/mine.training";
   {
     const test::RunningCommand training(arguments + std::string("--threads 1 --name mine"), folder.path());
@@ -127,4 +127,4 @@ TEST(TrainCommand, AnInterruptedTrainingRequiresResumeOrForce) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

@@ -10,7 +10,7 @@
 #include "model/noise_heatmaps.hpp"
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using test::noise_heatmaps;
@@ -298,4 +298,4 @@ TEST(TrainingOptions, UnknownWordsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

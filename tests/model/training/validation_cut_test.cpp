@@ -6,15 +6,16 @@
 
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
-Sample at(std::uint32_t run, std::int64_t t_us, Touch touch) { return {run, camera_time(t_us), touch}; }
+windows::Sample at(std::uint32_t run, std::int64_t t_us, Touch touch) { return {run, camera_time(t_us), touch}; }
 
 TEST(CutInTime, TakesTheLastOfEachClassAndLeavesOutWhatSharesEventsWithThem) {
-  const std::vector<Sample> samples{at(0, 0, Touch::none),        at(0, 100'000, Touch::press), at(0, 138'000, Touch::press),
-                                    at(0, 140'000, Touch::press), at(0, 178'000, Touch::press), at(0, 180'000, Touch::press),
-                                    at(0, 219'000, Touch::none),  at(0, 220'000, Touch::none),  at(0, 260'000, Touch::none)};
+  const std::vector<windows::Sample> samples{
+      at(0, 0, Touch::none),        at(0, 100'000, Touch::press), at(0, 138'000, Touch::press),
+      at(0, 140'000, Touch::press), at(0, 178'000, Touch::press), at(0, 180'000, Touch::press),
+      at(0, 219'000, Touch::none),  at(0, 220'000, Touch::none),  at(0, 260'000, Touch::none)};
   const ValidationCut cut = cut_in_time(samples, 0.25, 40ms);
   // Of five presses one, of four nones one. 140 ms is 40 before the press that judges and shares no event with it; 178 and 219
   // do.
@@ -23,7 +24,7 @@ TEST(CutInTime, TakesTheLastOfEachClassAndLeavesOutWhatSharesEventsWithThem) {
 }
 
 TEST(CutInTime, NoShareLeavesAllToLearnFrom) {
-  const std::vector<Sample> samples{at(0, 0, Touch::none), at(1, 0, Touch::press), at(1, 2'000, Touch::slip)};
+  const std::vector<windows::Sample> samples{at(0, 0, Touch::none), at(1, 0, Touch::press), at(1, 2'000, Touch::slip)};
   const ValidationCut cut = cut_in_time(samples, 0, 40ms);
   EXPECT_EQ(cut.training, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_TRUE(cut.validation.empty());
@@ -32,7 +33,7 @@ TEST(CutInTime, NoShareLeavesAllToLearnFrom) {
 
 TEST(CutInTime, RunsAreCutEachByItselfAndNoHistoryIsShared) {
   Random random(5);
-  std::vector<Sample> samples;
+  std::vector<windows::Sample> samples;
   for (std::uint32_t run = 0; run < 4; ++run) {
     std::vector<std::int64_t> times;
     for (int i = 0; i < 300; ++i) times.push_back(static_cast<std::int64_t>(2'000 * random.below(2'000)));
@@ -42,7 +43,7 @@ TEST(CutInTime, RunsAreCutEachByItselfAndNoHistoryIsShared) {
   const ValidationCut cut = cut_in_time(samples, 0.2, 40ms);
   for (std::uint32_t run = 0; run < 4; ++run) {
     for (const Touch touch : all_touches) {
-      const auto is_of_it = [&](const Sample& s) { return s.run_index == run && s.touch == touch; };
+      const auto is_of_it = [&](const windows::Sample& s) { return s.run_index == run && s.touch == touch; };
       const auto all = std::count_if(samples.begin(), samples.end(), is_of_it);
       const auto judged =
           std::count_if(cut.validation.begin(), cut.validation.end(), [&](std::uint32_t i) { return is_of_it(samples[i]); });
@@ -59,4 +60,4 @@ TEST(CutInTime, RunsAreCutEachByItselfAndNoHistoryIsShared) {
 }
 
 }  // namespace
-}  // namespace tactile
+}  // namespace tactile::model

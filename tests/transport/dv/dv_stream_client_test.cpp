@@ -22,10 +22,10 @@ namespace tactile::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Received = DvStreamClient::Received;
+using Received = transport::DvStreamClient::Received;
 
-const std::vector<Event> two_events{event(10, 1, 2, 1), event(20, 3, 4, 0)};
-const std::vector<Event> another_event{event(30, 639, 479, 1)};
+const std::vector<events::Event> two_events{event(10, 1, 2, 1), event(20, 3, 4, 0)};
+const std::vector<events::Event> another_event{event(30, 639, 479, 1)};
 
 /// A server that sends these bytes and closes.
 ScriptedServer::Script sends(std::string bytes) {
@@ -41,7 +41,7 @@ class StallingServer {
           over_.get_future().wait();
         }) {}
   ~StallingServer() { over_.set_value(); }
-  const NetworkAddress& address() const { return server_.address(); }
+  const transport::NetworkAddress& address() const { return server_.address(); }
 
  private:
   std::promise<void> over_;
@@ -50,10 +50,10 @@ class StallingServer {
 
 /// Opens a client whose patience is short, of one stalling server after the other until one sends its header within it.
 void with_short_patience(std::chrono::milliseconds patience, const std::string& bytes,
-                         const std::function<void(DvStreamClient&)>& use) {
+                         const std::function<void(transport::DvStreamClient&)>& use) {
   ASSERT_TRUE(comes_true([&] {
     const StallingServer server(bytes);
-    std::optional<DvStreamClient> client;
+    std::optional<transport::DvStreamClient> client;
     try {
       client.emplace(server.address(), patience);
     } catch (const Error&) {  // the machine is busy
@@ -64,8 +64,8 @@ void with_short_patience(std::chrono::milliseconds patience, const std::string& 
   }));
 }
 
-std::vector<Event> all_events(DvStreamClient& client) {
-  std::vector<Event> all;
+std::vector<events::Event> all_events(transport::DvStreamClient& client) {
+  std::vector<events::Event> all;
   for (;;) {
     const Received received = client.receive(long_enough);
     if (received == Received::closed) return all;
@@ -75,7 +75,7 @@ std::vector<Event> all_events(DvStreamClient& client) {
 
 std::string error_on_opening(const std::string& bytes) {
   const ScriptedServer server(sends(bytes));
-  const std::string error = error_of([&] { DvStreamClient(server.address(), long_enough); });
+  const std::string error = error_of([&] { transport::DvStreamClient(server.address(), long_enough); });
   EXPECT_NE(error.find(server.address().text()), std::string::npos) << error;
   EXPECT_NE(error.find("expected"), std::string::npos) << error;
   return error;
@@ -88,15 +88,15 @@ TEST(DvStreamClient, ReadsHeaderAndPacketsInAnyPieces) {
       client.set_option(asio::ip::tcp::no_delay(true));
       for (std::size_t at = 0; at < bytes.size(); at += piece) send_all(client, bytes.substr(at, piece));
     });
-    DvStreamClient client(server.address(), long_enough);
-    EXPECT_EQ(client.stream().type, StreamType::events);
+    transport::DvStreamClient client(server.address(), long_enough);
+    EXPECT_EQ(client.stream().type, events::StreamType::events);
     EXPECT_EQ(client.stream().source, "DVXplorer_DXM00001");
-    EXPECT_EQ(client.stream().size, (SensorSize{640, 480}));
-    EXPECT_EQ(client.compression(), Compression::none);
+    EXPECT_EQ(client.stream().size, (events::SensorSize{640, 480}));
+    EXPECT_EQ(client.compression(), events::Compression::none);
     ASSERT_EQ(client.receive(long_enough), Received::packet);
-    EXPECT_EQ(std::vector<Event>(client.events().begin(), client.events().end()), two_events);
+    EXPECT_EQ(std::vector<events::Event>(client.events().begin(), client.events().end()), two_events);
     ASSERT_EQ(client.receive(long_enough), Received::packet);
-    EXPECT_EQ(std::vector<Event>(client.events().begin(), client.events().end()), another_event);
+    EXPECT_EQ(std::vector<events::Event>(client.events().begin(), client.events().end()), another_event);
     EXPECT_EQ(client.receive(long_enough), Received::closed);
     EXPECT_EQ(client.receive(long_enough), Received::closed);
     EXPECT_EQ(client.bytes_received(), bytes.size());
@@ -105,10 +105,10 @@ TEST(DvStreamClient, ReadsHeaderAndPacketsInAnyPieces) {
 
 TEST(DvStreamClient, ReadsPacketsSmallAndLargeThatComeTogether) {
   std::string bytes = event_stream_start();
-  std::vector<Event> sent;
+  std::vector<events::Event> sent;
   std::size_t packets = 0;
   for (const std::size_t count : {1U, 1U, 20U, 1'000U, 1'021U, 1'022U, 1'023U, 1U, 5'000U, 3U, 2'047U, 1U, 1U}) {
-    std::vector<Event> part;
+    std::vector<events::Event> part;
     for (std::size_t i = 0; i < count; ++i) {
       const auto k = static_cast<int>(sent.size() + i);
       part.push_back(event(k, k % 640, 7, k % 2));
@@ -118,8 +118,8 @@ TEST(DvStreamClient, ReadsPacketsSmallAndLargeThatComeTogether) {
     ++packets;
   }
   const StallingServer server(bytes);
-  DvStreamClient client(server.address(), long_enough);
-  std::vector<Event> got;
+  transport::DvStreamClient client(server.address(), long_enough);
+  std::vector<events::Event> got;
   while (packets > 0 && client.receive(long_enough) == Received::packet) {
     got.insert(got.end(), client.events().begin(), client.events().end());
     --packets;
@@ -138,7 +138,7 @@ TEST(DvStreamClient, ReadsEveryKindOfFrame) {
         event_stream_start(1) + packet(0, lz4(payload, {.block = LZ4F_max4MB, .mode = LZ4F_blockIndependent})),
         event_stream_start(3) + packet(0, zstd(payload)), event_stream_start(4) + packet(0, zstd_without_size(payload))}) {
     const ScriptedServer server(sends(sent));
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     EXPECT_EQ(all_events(client), two_events);
     EXPECT_EQ(client.problems().broken_packets, 0U);
   }
@@ -148,7 +148,7 @@ TEST(DvStreamClient, ReadsFromAUnixSocket) {
   const TemporaryFolder folder;
   const ScriptedServer server(sends(event_stream_start() + packet(0, event_payload(two_events))),
                               asio::local::stream_protocol::endpoint((folder / "socket").string()));
-  DvStreamClient client(server.address(), long_enough);
+  transport::DvStreamClient client(server.address(), long_enough);
   EXPECT_EQ(all_events(client), two_events);
 }
 
@@ -159,14 +159,14 @@ TEST(DvStreamClient, SendsNothing) {
       send_all(client, event_stream_start() + packet(0, event_payload(two_events)));
       heard = until_closed(client);
     });
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     EXPECT_EQ(client.receive(long_enough), Received::packet);
   }
   EXPECT_EQ(heard, "");
 }
 
 TEST(DvStreamClient, AcceptsSilence) {
-  with_short_patience(50ms, event_stream_start() + packet(0, event_payload(two_events)), [](DvStreamClient& client) {
+  with_short_patience(50ms, event_stream_start() + packet(0, event_payload(two_events)), [](transport::DvStreamClient& client) {
     EXPECT_EQ(client.receive(long_enough), Received::packet);
     EXPECT_EQ(client.receive(0ms), Received::nothing);
     EXPECT_EQ(client.receive(200ms), Received::nothing) << "longer than the patience it was opened with";
@@ -211,7 +211,7 @@ TEST(DvStreamClient, AcceptsExactlyOneStreamOfAKnownType) {
 TEST(DvStreamClient, WaitsForAHeaderNoLongerThanItsPatience) {
   for (const std::string& begun : {std::string(), event_stream_start().substr(0, 40)}) {
     const StallingServer server(begun);
-    const std::string error = error_of([&] { DvStreamClient(server.address(), 100ms); });
+    const std::string error = error_of([&] { transport::DvStreamClient(server.address(), 100ms); });
     EXPECT_NE(error.find("no complete header within 0.1"), std::string::npos) << error;
   }
 }
@@ -226,7 +226,7 @@ TEST(DvStreamClient, KeepsPacketsBeforeAStreamThatEndsInsideAPacket) {
   const std::string next = packet(0, event_payload(another_event));
   for (const std::size_t cut : {std::size_t{1}, std::size_t{8}, std::size_t{9}, next.size() - 1}) {
     const ScriptedServer server(sends(whole + next.substr(0, cut)));
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     ASSERT_EQ(client.receive(long_enough), Received::packet) << cut;
     EXPECT_EQ(client.events().size(), 2U);
     const std::string error = error_of([&] {
@@ -239,7 +239,7 @@ TEST(DvStreamClient, KeepsPacketsBeforeAStreamThatEndsInsideAPacket) {
 
 TEST(DvStreamClient, LimitsTheWaitForTheRestOfAPacket) {
   const std::string begun = event_stream_start() + packet(0, event_payload(two_events)).substr(0, 30);
-  with_short_patience(200ms, begun, [](DvStreamClient& client) {
+  with_short_patience(200ms, begun, [](transport::DvStreamClient& client) {
     const std::string error = error_of([&] {
       for (;;) client.receive(10ms);
     });
@@ -254,7 +254,7 @@ TEST(DvStreamClient, ReportsAServerThatDies) {
     opened.get_future().wait();
     reset(socket);
   });
-  DvStreamClient client(server.address(), long_enough);
+  transport::DvStreamClient client(server.address(), long_enough);
   opened.set_value();
   const std::string error = error_of([&] {
     while (client.receive(long_enough) != Received::closed) {
@@ -264,11 +264,11 @@ TEST(DvStreamClient, ReportsAServerThatDies) {
 }
 
 TEST(DvStreamClient, EndsAtAPacketOfImpossibleSize) {
-  for (const std::uint32_t size : {dv_packet_limit + 1, 0x80000000U, 0xffffffffU}) {
+  for (const std::uint32_t size : {transport::dv_packet_limit + 1, 0x80000000U, 0xffffffffU}) {
     std::string impossible = packet(0, event_payload(two_events));
     put(impossible, 4, size);
     const ScriptedServer server(sends(event_stream_start() + packet(0, event_payload(two_events)) + impossible));
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     ASSERT_EQ(client.receive(long_enough), Received::packet);
     const std::string error = error_of([&] { client.receive(long_enough); });
     EXPECT_NE(error.find(std::to_string(size)), std::string::npos) << error;
@@ -278,15 +278,15 @@ TEST(DvStreamClient, EndsAtAPacketOfImpossibleSize) {
 TEST(DvStreamClient, CountsProblemsAndContinues) {
   std::string claims_too_much = event_payload(two_events);
   put(claims_too_much, 28, std::uint32_t{1'000'000});
-  const std::vector<Event> outside{event(40, 640, 0, 1), event(41, 0, 480, 1), event(42, -1, 0, 1), event(43, 5, 5, 2),
-                                   event(44, 5, 6, 1)};
+  const std::vector<events::Event> outside{event(40, 640, 0, 1), event(41, 0, 480, 1), event(42, -1, 0, 1), event(43, 5, 5, 2),
+                                           event(44, 5, 6, 1)};
   std::string other_type = event_payload(two_events);
   other_type.replace(8, 4, "IMUS");
   const ScriptedServer server(sends(event_stream_start() + packet(0, claims_too_much) + packet(0, "short") + packet(0, "") +
                                     packet(7, event_payload(two_events)) + packet(0, other_type) +
                                     packet(0, event_payload(outside)) + packet(0, event_payload(another_event))));
-  DvStreamClient client(server.address(), long_enough);
-  EXPECT_EQ(all_events(client), (std::vector<Event>{outside.back(), another_event.front()}));
+  transport::DvStreamClient client(server.address(), long_enough);
+  EXPECT_EQ(all_events(client), (std::vector<events::Event>{outside.back(), another_event.front()}));
   EXPECT_EQ(client.problems().broken_packets, 3U);
   EXPECT_EQ(client.problems().foreign_packets, 1U);
   EXPECT_EQ(client.problems().mismatched_packets, 1U);
@@ -300,14 +300,14 @@ TEST(DvStreamClient, CountsPacketsThatCannotBeDecompressedAndContinues) {
     damaged[0] ^= 0x40;
     const ScriptedServer server(sends(event_stream_start(compression) + packet(0, damaged) + packet(0, sound.substr(0, 20)) +
                                       packet(0, sound + "more") + packet(0, sound)));
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     EXPECT_EQ(all_events(client), two_events);
     EXPECT_EQ(client.problems().broken_packets, 3U);
   }
 }
 
 /// Waits that end although broken packets come all the while; the server may need more than one wait for its first.
-void expect_waits_that_end(DvStreamClient& client, std::chrono::milliseconds wait, int waits) {
+void expect_waits_that_end(transport::DvStreamClient& client, std::chrono::milliseconds wait, int waits) {
   EXPECT_TRUE(comes_true([&] {
     const std::uint64_t before = client.problems().broken_packets;
     EXPECT_EQ(client.receive(wait), Received::nothing);
@@ -323,7 +323,7 @@ TEST(DvStreamClient, EndsItsWaitAlthoughBrokenPacketsNeverEnd) {
     const std::string broken = packet(0, "no packet at all");
     while (!error) asio::write(client, asio::buffer(broken), error);
   });
-  DvStreamClient client(server.address(), long_enough);
+  transport::DvStreamClient client(server.address(), long_enough);
   expect_waits_that_end(client, 50ms, 1);
 }
 
@@ -336,7 +336,7 @@ TEST(DvStreamClient, EndsItsWaitAlthoughEmptyPacketsComeFasterThanTheyAreRead) {
     while (!error && !is_over) asio::write(client, asio::buffer(zeros), error);
   });
   {
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     expect_waits_that_end(client, 2ms, 20);
     is_over = true;
   }
@@ -344,16 +344,16 @@ TEST(DvStreamClient, EndsItsWaitAlthoughEmptyPacketsComeFasterThanTheyAreRead) {
 
 TEST(DvStreamClient, AllocatesMemoryForReceivedBytesOnly) {
   std::string bytes = event_stream_start() + packet(0, event_payload(two_events));
-  put(bytes, event_stream_start().size() + 4, dv_packet_limit);
+  put(bytes, event_stream_start().size() + 4, transport::dv_packet_limit);
   largest_memory_request = 0;
   const ScriptedServer server(sends(bytes));
-  DvStreamClient client(server.address(), long_enough);
+  transport::DvStreamClient client(server.address(), long_enough);
   error_of([&] { client.receive(long_enough); });
   EXPECT_LT(largest_memory_request.load(), std::size_t{2} << 20);
 }
 
 TEST(DvStreamClient, AllocatesNothingAfterTheLargestPacket) {
-  std::vector<Event> many;
+  std::vector<events::Event> many;
   for (int i = 0; i < 100'000; ++i) many.push_back(event(i, i % 640, i % 480, i % 2));
   for (const int compression : {0, 1, 3}) {
     const std::string payload = event_payload(many);
@@ -364,7 +364,7 @@ TEST(DvStreamClient, AllocatesNothingAfterTheLargestPacket) {
       ready.get_future().wait();
       for (int i = 0; i < 20; ++i) send_all(client, sent);
     });
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     ASSERT_EQ(client.receive(long_enough), Received::packet);
     const std::size_t before = memory_requests;
     ready.set_value();

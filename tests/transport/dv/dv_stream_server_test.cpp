@@ -25,10 +25,11 @@ namespace tactile::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Received = DvStreamClient::Received;
+using Received = transport::DvStreamClient::Received;
 
-const NetworkAddress any_port{.kind = NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
-const Stream event_declaration = event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
+const transport::NetworkAddress any_port{
+    .kind = transport::NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
+const events::Stream event_declaration = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
 
 /// What the server said, from whatever thread.
 class Log {
@@ -50,26 +51,26 @@ class Log {
   std::vector<std::string> lines_;
 };
 
-std::vector<Event> next_events(DvStreamClient& client) {
+std::vector<events::Event> next_events(transport::DvStreamClient& client) {
   EXPECT_EQ(client.receive(long_enough), Received::packet);
   return {client.events().begin(), client.events().end()};
 }
 
 TEST(DvStreamServer, ServesSeveralClientsTheSame) {
-  DvStreamServer server(any_port, event_declaration);
+  transport::DvStreamServer server(any_port, event_declaration);
   EXPECT_GT(server.address().port, 0);
-  std::vector<DvStreamClient> clients;
+  std::vector<transport::DvStreamClient> clients;
   for (int i = 0; i < 3; ++i) clients.emplace_back(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 3; })) << "three clients";
-  const std::vector<Event> first = steady_events(1000, 0, 10, {640, 480});
-  const std::vector<Event> second = steady_events(10, 20'000, 10, {640, 480});
+  const std::vector<events::Event> first = steady_events(1000, 0, 10, {640, 480});
+  const std::vector<events::Event> second = steady_events(10, 20'000, 10, {640, 480});
   server.send(first);
-  server.send(std::span<const Event>());  // nothing is sent of it
+  server.send(std::span<const events::Event>());  // nothing is sent of it
   server.send(second);
-  for (DvStreamClient& client : clients) {
+  for (transport::DvStreamClient& client : clients) {
     EXPECT_EQ(client.stream().source, "DVXplorer_DXM00001");
     EXPECT_EQ(client.stream().name, "events");
-    EXPECT_EQ(client.stream().size, (SensorSize{640, 480}));
+    EXPECT_EQ(client.stream().size, (events::SensorSize{640, 480}));
     EXPECT_EQ(next_events(client), first);
     EXPECT_EQ(next_events(client), second);
   }
@@ -78,31 +79,32 @@ TEST(DvStreamServer, ServesSeveralClientsTheSame) {
 }
 
 TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
-  const std::vector<Event> events = steady_events(500, 1'600'000'000'000'000, 10, {640, 480});
-  const std::vector<ImuSample> imu{{.t = camera_time(5),
-                                    .temperature_c = 30.5F,
-                                    .acceleration_g = {1, 2, 3},
-                                    .angular_rate_dps = {4, 5, 6},
-                                    .magnetic_field_ut = {7, 8, 9}},
-                                   {.t = camera_time(6)}};
-  const std::vector<Trigger> triggers{{.t = camera_time(7), .type = 1}, {.t = camera_time(8), .type = 2}};
-  Frame frame;
+  const std::vector<events::Event> events = steady_events(500, 1'600'000'000'000'000, 10, {640, 480});
+  const std::vector<events::ImuSample> imu{{.t = camera_time(5),
+                                            .temperature_c = 30.5F,
+                                            .acceleration_g = {1, 2, 3},
+                                            .angular_rate_dps = {4, 5, 6},
+                                            .magnetic_field_ut = {7, 8, 9}},
+                                           {.t = camera_time(6)}};
+  const std::vector<events::Trigger> triggers{{.t = camera_time(7), .type = 1}, {.t = camera_time(8), .type = 2}};
+  events::Frame frame;
   frame.t = camera_time(100);
   frame.frame_end = camera_time(101);
   frame.width = 4;
   frame.height = 3;
   frame.pixels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
-  Stream imu_stream = stream_of(3, StreamType::imu, "IMUS");
-  Stream trigger_stream = stream_of(4, StreamType::triggers, "TRIG");
-  Stream frame_stream = stream_of(5, StreamType::frames, "FRME");
-  frame_stream.size = SensorSize{4, 3};
+  events::Stream imu_stream = stream_of(3, events::StreamType::imu, "IMUS");
+  events::Stream trigger_stream = stream_of(4, events::StreamType::triggers, "TRIG");
+  events::Stream frame_stream = stream_of(5, events::StreamType::frames, "FRME");
+  frame_stream.size = events::SensorSize{4, 3};
   imu_stream.info.insert(imu_stream.info.begin(), {"simulated", "true"});
-  for (const Compression compression :
-       {Compression::none, Compression::lz4, Compression::lz4_high, Compression::zstd, Compression::zstd_high}) {
-    const DvStreamServerOptions options{.compression = compression, .log = {}};
-    DvStreamServer event_server(any_port, event_declaration, options), imu_server(any_port, imu_stream, options),
+  for (const events::Compression compression :
+       {events::Compression::none, events::Compression::lz4, events::Compression::lz4_high, events::Compression::zstd,
+        events::Compression::zstd_high}) {
+    const transport::DvStreamServerOptions options{.compression = compression, .log = {}};
+    transport::DvStreamServer event_server(any_port, event_declaration, options), imu_server(any_port, imu_stream, options),
         trigger_server(any_port, trigger_stream, options), frame_server(any_port, frame_stream, options);
-    DvStreamClient event_client(event_server.address(), long_enough), imu_client(imu_server.address(), long_enough),
+    transport::DvStreamClient event_client(event_server.address(), long_enough), imu_client(imu_server.address(), long_enough),
         trigger_client(trigger_server.address(), long_enough), frame_client(frame_server.address(), long_enough);
     EXPECT_EQ(event_client.compression(), compression);
     event_server.send(events);
@@ -138,11 +140,11 @@ TEST(DvStreamServer, CarriesEveryTypeUnderEveryCompression) {
 }
 
 TEST(DvStreamServer, LetsAClientJoinAtTheNextPacket) {
-  DvStreamServer server(any_port, event_declaration);
-  DvStreamClient early(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration);
+  transport::DvStreamClient early(server.address(), long_enough);
   server.send(steady_events(10, 0, 1, {640, 480}));
   EXPECT_EQ(next_events(early).size(), 10U);
-  DvStreamClient late(server.address(), long_enough);
+  transport::DvStreamClient late(server.address(), long_enough);
   server.send(steady_events(20, 100, 1, {640, 480}));
   EXPECT_EQ(next_events(late).size(), 20U);
   EXPECT_EQ(next_events(early).size(), 20U);
@@ -150,11 +152,11 @@ TEST(DvStreamServer, LetsAClientJoinAtTheNextPacket) {
 
 TEST(DvStreamServer, DropsAStalledClientAndServesTheOthersCompletely) {
   Log log;
-  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
-  Connection stalled(server.address(), long_enough);  // reads nothing, ever
-  DvStreamClient good(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
+  transport::Connection stalled(server.address(), long_enough);  // reads nothing, ever
+  transport::DvStreamClient good(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 2; })) << "two clients";
-  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
   // The good client takes each packet before the next one is sent: only the stalled one can fall behind.
   std::size_t sent = 0;
   for (; server.dropped_clients() == 0 && sent < 4000; ++sent) {
@@ -171,8 +173,8 @@ TEST(DvStreamServer, DropsAStalledClientAndServesTheOthersCompletely) {
 }
 
 TEST(DvStreamServer, KeepsItsMemoryWithinTheQueueOfAStalledClient) {
-  DvStreamServer server(any_port, event_declaration, {.client_queue = 4 << 20, .log = {}});
-  Connection stalled(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration, {.client_queue = 4 << 20, .log = {}});
+  transport::Connection stalled(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   const auto in_use = [] {
     const struct mallinfo2 info = mallinfo2();
@@ -180,7 +182,7 @@ TEST(DvStreamServer, KeepsItsMemoryWithinTheQueueOfAStalledClient) {
   };
   const std::size_t before = in_use();
   std::size_t most = before;
-  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
   for (int i = 0; i < 1000; ++i) {
     server.send(events);
     most = std::max(most, in_use());
@@ -192,10 +194,10 @@ TEST(DvStreamServer, KeepsItsMemoryWithinTheQueueOfAStalledClient) {
 TEST(DvStreamServer, WaitsForRoomSoThatASlowClientLosesNothing) {
   std::atomic<std::uint64_t> received{0};
   std::thread reader;
-  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
   {
-    DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
+    transport::DvStreamClient client(server.address(), long_enough);
     ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
     reader = std::thread([&received, client = std::move(client)]() mutable {
       while (client.receive(long_enough) == Received::packet) {
@@ -216,10 +218,10 @@ TEST(DvStreamServer, WaitsForRoomSoThatASlowClientLosesNothing) {
 
 TEST(DvStreamServer, WaitsForRoomNoLongerThanItsPatienceWithAStalledClient) {
   Log log;
-  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
-  Connection stalled(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = log.sink()});
+  transport::Connection stalled(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
-  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
   for (int i = 0; i < 4000 && server.dropped_clients() == 0; ++i) {
     server.send(events);
     server.wait_for_room(200ms);
@@ -229,10 +231,10 @@ TEST(DvStreamServer, WaitsForRoomNoLongerThanItsPatienceWithAStalledClient) {
 }
 
 TEST(DvStreamServer, EndsTheWaitForRoomOnRequest) {
-  DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
-  Connection stalled(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration, {.client_queue = 1 << 20, .log = {}});
+  transport::Connection stalled(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
-  const std::vector<Event> events = steady_events(8192, 0, 1, {640, 480});
+  const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
   bool told = false;
   for (int i = 0; i < 4000 && !told; ++i) {
     server.send(events);
@@ -244,9 +246,9 @@ TEST(DvStreamServer, EndsTheWaitForRoomOnRequest) {
 
 TEST(DvStreamServer, DetectsAClientThatCloses) {
   Log log;
-  DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
+  transport::DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
   {
-    DvStreamClient client(server.address(), long_enough);
+    transport::DvStreamClient client(server.address(), long_enough);
     ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   }
   ASSERT_TRUE(comes_true([&] { return server.clients() == 0; })) << "its leaving";
@@ -258,8 +260,8 @@ TEST(DvStreamServer, DetectsAClientThatCloses) {
 
 TEST(DvStreamServer, DropsAClientThatSendsData) {
   Log log;
-  DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
-  Connection talker(server.address(), long_enough);
+  transport::DvStreamServer server(any_port, event_declaration, {.log = log.sink()});
+  transport::Connection talker(server.address(), long_enough);
   talker.send(std::as_bytes(std::span("GET /", 5)), long_enough);
   ASSERT_TRUE(comes_true([&] { return log.lines_with("dropped: it sent data") == 1; })) << "the message";
   EXPECT_EQ(server.dropped_clients(), 1U);
@@ -268,9 +270,9 @@ TEST(DvStreamServer, DropsAClientThatSendsData) {
 
 TEST(DvStreamServer, RejectsClientsAboveTheLimit) {
   Log log;
-  DvStreamServer server(any_port, event_declaration, {.clients = 2, .log = log.sink()});
-  DvStreamClient first(server.address(), long_enough), second(server.address(), long_enough);
-  const std::string error = error_of([&] { DvStreamClient(server.address(), long_enough); });
+  transport::DvStreamServer server(any_port, event_declaration, {.clients = 2, .log = log.sink()});
+  transport::DvStreamClient first(server.address(), long_enough), second(server.address(), long_enough);
+  const std::string error = error_of([&] { transport::DvStreamClient(server.address(), long_enough); });
   EXPECT_NE(error.find("before its header"), std::string::npos) << error;
   EXPECT_EQ(log.lines_with("rejected"), 1U);
   EXPECT_EQ(server.clients(), 2U);
@@ -278,14 +280,14 @@ TEST(DvStreamServer, RejectsClientsAboveTheLimit) {
 
 TEST(DvStreamServer, ServesAUnixSocketAndRemovesItsFile) {
   const TemporaryFolder folder;
-  const NetworkAddress address = network_address("unix:" + (folder / "socket").string());
+  const transport::NetworkAddress address = transport::network_address("unix:" + (folder / "socket").string());
   {
-    DvStreamServer server(address, event_declaration);
+    transport::DvStreamServer server(address, event_declaration);
     EXPECT_EQ(server.address().text(), address.text());
-    DvStreamClient client(address, long_enough);
+    transport::DvStreamClient client(address, long_enough);
     server.send(steady_events(10, 0, 1, {640, 480}));
     EXPECT_EQ(next_events(client).size(), 10U);
-    const std::string error = error_of([&] { DvStreamServer(address, event_declaration); });
+    const std::string error = error_of([&] { transport::DvStreamServer(address, event_declaration); });
     EXPECT_NE(error.find("exists already"), std::string::npos) << error;
     EXPECT_TRUE(std::filesystem::exists(address.path));
   }
@@ -295,39 +297,42 @@ TEST(DvStreamServer, ServesAUnixSocketAndRemovesItsFile) {
 TEST(DvStreamServer, KeepsAFileInThePlaceOfItsSocket) {
   const TemporaryFolder folder;
   const std::filesystem::path path = write_bytes(folder / "precious", "data");
-  error_of([&] { DvStreamServer(network_address("unix:" + path.string()), event_declaration); });
+  error_of([&] { transport::DvStreamServer(transport::network_address("unix:" + path.string()), event_declaration); });
   EXPECT_EQ(bytes_of(path), "data");
 }
 
 TEST(DvStreamServer, RejectsAUsedPortAndAForeignHost) {
-  DvStreamServer server(any_port, event_declaration);
-  const std::string taken = error_of([&] { DvStreamServer(server.address(), event_declaration); });
+  transport::DvStreamServer server(any_port, event_declaration);
+  const std::string taken = error_of([&] { transport::DvStreamServer(server.address(), event_declaration); });
   EXPECT_NE(taken.find(server.address().text()), std::string::npos) << taken;
   EXPECT_NE(taken.find("in use"), std::string::npos) << taken;
-  NetworkAddress elsewhere = any_port;
+  transport::NetworkAddress elsewhere = any_port;
   elsewhere.host = "192.0.2.1";
-  EXPECT_NE(error_of([&] { DvStreamServer(elsewhere, event_declaration); }).find("expected an address of this machine"),
+  EXPECT_NE(
+      error_of([&] { transport::DvStreamServer(elsewhere, event_declaration); }).find("expected an address of this machine"),
+      std::string::npos);
+  const transport::NetworkAddress nowhere = transport::network_address("unix:/no-such-folder/socket");
+  EXPECT_NE(error_of([&] { transport::DvStreamServer(nowhere, event_declaration); }).find("expected a path in a folder"),
             std::string::npos);
-  const NetworkAddress nowhere = network_address("unix:/no-such-folder/socket");
-  EXPECT_NE(error_of([&] { DvStreamServer(nowhere, event_declaration); }).find("expected a path in a folder"), std::string::npos);
 }
 
 TEST(DvStreamServer, RejectsAStreamThatReadersReject) {
-  for (const auto& spoil : std::vector<std::function<void(Stream&)>>{
-           [](Stream& s) { s.source.clear(); }, [](Stream& s) { s.name.clear(); }, [](Stream& s) { s.size.reset(); },
-           [](Stream& s) { s.type = StreamType::other; }, [](Stream& s) { s.id = -1; }}) {
-    Stream stream = event_declaration;
+  for (const auto& spoil : std::vector<std::function<void(events::Stream&)>>{
+           [](events::Stream& s) { s.source.clear(); }, [](events::Stream& s) { s.name.clear(); },
+           [](events::Stream& s) { s.size.reset(); }, [](events::Stream& s) { s.type = events::StreamType::other; },
+           [](events::Stream& s) { s.id = -1; }}) {
+    events::Stream stream = event_declaration;
     spoil(stream);
-    EXPECT_NE(error_of([&] { DvStreamServer(any_port, stream); }).find("expected"), std::string::npos);
+    EXPECT_NE(error_of([&] { transport::DvStreamServer(any_port, stream); }).find("expected"), std::string::npos);
   }
 }
 
 TEST(DvStreamServer, RejectsElementsOfAnotherType) {
-  DvStreamServer server(any_port, event_declaration);
-  EXPECT_THROW(server.send(std::vector<ImuSample>(1)), Error);
-  EXPECT_THROW(server.send(std::vector<Trigger>(1)), Error);
-  EXPECT_THROW(server.send(Frame{}), Error);
-  EXPECT_THROW(server.send(std::vector<Event>(dv_packet_limit / sizeof(Event))), Error);
+  transport::DvStreamServer server(any_port, event_declaration);
+  EXPECT_THROW(server.send(std::vector<events::ImuSample>(1)), Error);
+  EXPECT_THROW(server.send(std::vector<events::Trigger>(1)), Error);
+  EXPECT_THROW(server.send(events::Frame{}), Error);
+  EXPECT_THROW(server.send(std::vector<events::Event>(transport::dv_packet_limit / sizeof(events::Event))), Error);
 }
 
 }  // namespace

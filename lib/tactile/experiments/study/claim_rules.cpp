@@ -9,16 +9,16 @@
 #include <set>
 #include <vector>
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 /// What a verdict lacks, in words; empty if nothing.
-std::string too_few(const Claim& claim) {
-  if (claim.scope == ClaimScope::over_objects) {
+std::string too_few(const results::Claim& claim) {
+  if (claim.scope == results::ClaimScope::over_objects) {
     return claim.measured.n >= fewest_objects ? std::string()
                                               : fmt::format("too few objects: {}, {} needed", claim.measured.n, fewest_objects);
   }
-  if (claim.scope == ClaimScope::one_object) {
+  if (claim.scope == results::ClaimScope::one_object) {
     return claim.measured.n >= fewest_runs ? std::string()
                                            : fmt::format("too few runs: {}, {} needed", claim.measured.n, fewest_runs);
   }
@@ -37,9 +37,9 @@ std::string too_few(const Claim& claim) {
              : fmt::format("too few runs of {}: {}, {} needed of each object", fmt::join(short_of, ", "), count, fewest_runs);
 }
 
-Figure outermost_of(const ObjectFigures& figures, const std::function<bool(double, double)>& further,
-                    std::optional<double> Figure::*inner, std::optional<double> Figure::*outer) {
-  Figure result;
+results::Figure outermost_of(const ObjectFigures& figures, const std::function<bool(double, double)>& further,
+                             std::optional<double> results::Figure::*inner, std::optional<double> results::Figure::*outer) {
+  results::Figure result;
   bool all_known = true;
   const auto take_further = [&](std::optional<double>& bound, const std::optional<double>& other) {
     if (other && (!bound || further(*other, *bound))) bound = other;
@@ -61,29 +61,29 @@ Figure outermost_of(const ObjectFigures& figures, const std::function<bool(doubl
 
 }  // namespace
 
-Verdict below(const Figure& figure, double limit) {
-  if (figure.high && *figure.high < limit) return Verdict::holds;
-  if (figure.low && *figure.low > limit) return Verdict::does_not;
-  return Verdict::cannot_tell;
+results::Verdict below(const results::Figure& figure, double limit) {
+  if (figure.high && *figure.high < limit) return results::Verdict::holds;
+  if (figure.low && *figure.low > limit) return results::Verdict::does_not;
+  return results::Verdict::cannot_tell;
 }
 
-Verdict above(const Figure& figure, double limit) {
-  if (figure.low && *figure.low > limit) return Verdict::holds;
-  if (figure.high && *figure.high < limit) return Verdict::does_not;
-  return Verdict::cannot_tell;
+results::Verdict above(const results::Figure& figure, double limit) {
+  if (figure.low && *figure.low > limit) return results::Verdict::holds;
+  if (figure.high && *figure.high < limit) return results::Verdict::does_not;
+  return results::Verdict::cannot_tell;
 }
 
-Figure largest_of(const ObjectFigures& figures) {
+results::Figure largest_of(const ObjectFigures& figures) {
   return outermost_of(
-      figures, [](double a, double b) { return a > b; }, &Figure::low, &Figure::high);
+      figures, [](double a, double b) { return a > b; }, &results::Figure::low, &results::Figure::high);
 }
 
-Figure smallest_of(const ObjectFigures& figures) {
+results::Figure smallest_of(const ObjectFigures& figures) {
   return outermost_of(
-      figures, [](double a, double b) { return a < b; }, &Figure::high, &Figure::low);
+      figures, [](double a, double b) { return a < b; }, &results::Figure::high, &results::Figure::low);
 }
 
-void judge(Claim& claim) {
+void judge(results::Claim& claim) {
   if (std::isnan(claim.measured.value)) {
     claim.in_words.clear();
     claim.note = "Not measured in this study.";
@@ -91,14 +91,14 @@ void judge(Claim& claim) {
     return;
   }
   const std::string lacking = too_few(claim);
-  claim.verdict = claim.asked == Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
-  if (claim.scope == ClaimScope::over_objects && !lacking.empty()) claim.verdict = Verdict::cannot_tell;
-  claim.can_be_told = lacking.empty() || claim.verdict != Verdict::cannot_tell;
-  if (claim.verdict != Verdict::cannot_tell) return;
+  claim.verdict = claim.asked == results::Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
+  if (claim.scope == results::ClaimScope::over_objects && !lacking.empty()) claim.verdict = results::Verdict::cannot_tell;
+  claim.can_be_told = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
+  if (claim.verdict != results::Verdict::cannot_tell) return;
   const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
               : is_bounded     ? std::string("the interval lies across the limit")
                                : std::string("no interval: too many draws of the bootstrap hold nothing to measure");
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -6,29 +6,29 @@
 
 #include "tactile/results/claim.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// Whether a figure lies below or above a limit: only if its whole interval lies on that side. Otherwise, and if
 /// a bound is unknown, the verdict is cannot_tell.
-Verdict below(const Figure& figure, double limit);
-Verdict above(const Figure& figure, double limit);
+results::Verdict below(const results::Figure& figure, double limit);
+results::Verdict above(const results::Figure& figure, double limit);
 
 /// Objects' figures, with two intervals for each.
 struct ObjectFigures {
-  std::map<std::string, Figure> objects;  ///< 95 %
-  std::map<std::string, Figure> wide;     ///< all of them hold at once with 95 %: each has 1 - 0.05 / k for k objects
+  std::map<std::string, results::Figure> objects;  ///< 95 %
+  std::map<std::string, results::Figure> wide;     ///< all of them hold at once with 95 %: each has 1 - 0.05 / k for k objects
 };
 
 /// The largest (smallest) of several objects' figures, and its interval. High (low) is the largest (smallest) of the objects' 95
 /// % intervals, because all objects must lie on the good side; it is unknown if that of any object is. Low (high) is the largest
 /// (smallest) of the wide intervals, because one of many intervals may miss by chance. n = objects.
-Figure largest_of(const ObjectFigures& figures);
-Figure smallest_of(const ObjectFigures& figures);
+results::Figure largest_of(const ObjectFigures& figures);
+results::Figure smallest_of(const ObjectFigures& figures);
 
 inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5;
 
 /// Gives a claim its verdict by its measured figure and its limit, and the reason for cannot_tell. One object beyond the limit
 /// decides a claim about every object, even if the others have too few runs.
-void judge(Claim& claim);
+void judge(results::Claim& claim);
 
-}  // namespace tactile
+}  // namespace tactile::study

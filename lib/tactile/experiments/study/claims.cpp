@@ -15,21 +15,21 @@
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/study/claim_rules.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 constexpr const char* exception_object = "plastic-container";
 constexpr double near_points = 5;  ///< taken for "comparable"
 constexpr microseconds shortest{2'000}, marginal{20'000}, chosen{40'000};
 
-std::map<std::string, Figure> scaled(std::map<std::string, Figure> figures, double factor) {
-  for (auto& [name, figure] : figures) figure = tactile::scaled(figure, factor);
+std::map<std::string, results::Figure> scaled(std::map<std::string, results::Figure> figures, double factor) {
+  for (auto& [name, figure] : figures) figure = tactile::results::scaled(figure, factor);
   return figures;
 }
 
-Claim unmeasured(std::string id, ClaimScope scope, std::string claim, std::string paper, std::string unit, Asked asked,
-                 double limit) {
-  Claim empty;
+results::Claim unmeasured(std::string id, results::ClaimScope scope, std::string claim, std::string paper, std::string unit,
+                          results::Asked asked, double limit) {
+  results::Claim empty;
   empty.id = std::move(id);
   empty.scope = scope;
   empty.claim = std::move(claim);
@@ -41,26 +41,26 @@ Claim unmeasured(std::string id, ClaimScope scope, std::string claim, std::strin
 }
 
 /// Intervals that hold for `count` objects at once.
-BootstrapOptions wide_for(std::size_t count, BootstrapOptions options) {
+results::BootstrapOptions wide_for(std::size_t count, results::BootstrapOptions options) {
   options.confidence = 1 - (1 - options.confidence) / static_cast<double>(std::max<std::size_t>(count, 1));
   return options;
 }
 
 /// Sets the objects' figures, the outermost of them as the measured one, and the number of objects that the claim is true for.
-void take(Claim& claim, ObjectFigures figures) {
-  claim.measured = claim.asked == Asked::below ? largest_of(figures) : smallest_of(figures);
+void take(results::Claim& claim, ObjectFigures figures) {
+  claim.measured = claim.asked == results::Asked::below ? largest_of(figures) : smallest_of(figures);
   claim.objects = std::move(figures.objects);
   claim.kept = 0;
   claim.of = 0;
   for (const auto& [name, figure] : claim.objects) {
     if (std::isnan(figure.value)) continue;
     ++*claim.of;
-    *claim.kept += (claim.asked == Asked::below ? figure.value < claim.limit : figure.value > claim.limit) ? 1U : 0U;
+    *claim.kept += (claim.asked == results::Asked::below ? figure.value < claim.limit : figure.value > claim.limit) ? 1U : 0U;
   }
 }
 
 /// The object whose value is `claim.measured`.
-std::string furthest_object(const Claim& claim) {
+std::string furthest_object(const results::Claim& claim) {
   for (const auto& [name, figure] : claim.objects) {
     if (figure.value == claim.measured.value) return name;
   }
@@ -68,23 +68,24 @@ std::string furthest_object(const Claim& claim) {
 }
 
 /// "3 of 10 objects", "1 of 1 object"
-std::string kept_of(const Claim& claim) {
+std::string kept_of(const results::Claim& claim) {
   return fmt::format("{} of {} object{}", claim.kept.value_or(0), claim.of.value_or(0), claim.of == std::size_t{1} ? "" : "s");
 }
 
 /// Accuracies of the same runs at every history.
 class Histories {
  public:
-  explicit Histories(const std::map<microseconds, std::vector<RunConfusion>>& histories) : histories_(histories) {
+  explicit Histories(const std::map<microseconds, std::vector<results::RunConfusion>>& histories) : histories_(histories) {
     for (const auto& [history, runs] : histories_) {
       const auto& first = histories_.begin()->second;
-      const bool same = std::equal(runs.begin(), runs.end(), first.begin(), first.end(),
-                                   [](const RunConfusion& a, const RunConfusion& b) { return a.object == b.object; });
+      const bool same =
+          std::equal(runs.begin(), runs.end(), first.begin(), first.end(),
+                     [](const results::RunConfusion& a, const results::RunConfusion& b) { return a.object == b.object; });
       if (!same) throw Error("accuracies of histories on different runs; expected the same runs for each");
     }
     if (!histories_.empty()) {
-      const auto has_samples = [](const RunConfusion& run) { return run.confusion.samples() > 0; };
-      objects_ = runs_by_object(std::span<const RunConfusion>(histories_.begin()->second), has_samples);
+      const auto has_samples = [](const results::RunConfusion& run) { return run.confusion.samples() > 0; };
+      objects_ = evaluation::runs_by_object(std::span<const results::RunConfusion>(histories_.begin()->second), has_samples);
     }
   }
 
@@ -93,12 +94,12 @@ class Histories {
   const std::map<std::string, std::vector<std::size_t>>& objects() const { return objects_; }
 
   double accuracy(microseconds history, std::span<const std::size_t> runs) const {
-    Confusion sum;
+    results::Confusion sum;
     for (const std::size_t run : runs) sum += histories_.at(history)[run].confusion;
     return sum.accuracy().value_or(NAN);
   }
 
-  double mean_accuracy(microseconds history, const RunsByObject& objects) const {
+  double mean_accuracy(microseconds history, const evaluation::RunsByObject& objects) const {
     double sum = 0;
     for (const auto& runs : objects) sum += accuracy(history, runs);
     return sum / static_cast<double>(objects.size());
@@ -123,27 +124,27 @@ class Histories {
   }
 
  private:
-  const std::map<microseconds, std::vector<RunConfusion>>& histories_;
+  const std::map<microseconds, std::vector<results::RunConfusion>>& histories_;
   std::map<std::string, std::vector<std::size_t>> objects_;
 };
 
-Claim history_2_worst(const Histories& histories, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      "history-2-worst", ClaimScope::every_object,
+results::Claim history_2_worst(const Histories& histories, const results::BootstrapOptions& options) {
+  results::Claim claim = unmeasured(
+      "history-2-worst", results::ClaimScope::every_object,
       "A history of 2 ms is the worst for every object: its accuracy less the lowest at any other history, of the object "
       "where that is largest",
-      "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", Asked::below, 0);
+      "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", results::Asked::below, 0);
   if (!histories.has_others(shortest)) return claim;
   const auto others = histories.those([](microseconds history) { return history != shortest; });
-  const Statistic less_lowest = [&](const RunsByObject& drawn) -> std::optional<double> {
+  const evaluation::Statistic less_lowest = [&](const evaluation::RunsByObject& drawn) -> std::optional<double> {
     double lowest = 1;
     for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, drawn.front()));
     return 100 * (histories.accuracy(shortest, drawn.front()) - lowest);
   };
   ObjectFigures figures;
   for (const auto& [object, runs] : histories.objects()) {
-    figures.objects[object] = figure_of_object(runs, less_lowest, options);
-    figures.wide[object] = figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options));
+    figures.objects[object] = evaluation::figure_of_object(runs, less_lowest, options);
+    figures.wide[object] = evaluation::figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options));
   }
   take(claim, std::move(figures));
   const double furthest = claim.measured.value;
@@ -155,15 +156,15 @@ Claim history_2_worst(const Histories& histories, const BootstrapOptions& option
   return claim;
 }
 
-Claim best_history_40(const Histories& histories, const BootstrapOptions& options) {
-  Claim claim =
-      unmeasured("best-history-40", ClaimScope::over_objects,
+results::Claim best_history_40(const Histories& histories, const results::BootstrapOptions& options) {
+  results::Claim claim =
+      unmeasured("best-history-40", results::ClaimScope::over_objects,
                  "A history of 40 ms is the best for more objects than any other: their number less that of the next one",
-                 "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", Asked::above, 0);
+                 "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", results::Asked::above, 0);
   if (!histories.has_others(chosen)) return claim;
   std::map<microseconds, std::size_t> counts;
   for (const auto& object : histories.objects()) ++counts[histories.best(object.second)];
-  const Statistic lead = [&](const RunsByObject& objects) -> std::optional<double> {
+  const evaluation::Statistic lead = [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
     std::map<microseconds, int> best;
     for (const auto& runs : objects) ++best[histories.best(runs)];
     int next = 0;
@@ -172,28 +173,29 @@ Claim best_history_40(const Histories& histories, const BootstrapOptions& option
     }
     return best[chosen] - next;
   };
-  claim.measured = figure_over_objects(without_names(histories.objects()), lead, options);
+  claim.measured = evaluation::figure_over_objects(evaluation::without_names(histories.objects()), lead, options);
   claim.kept = counts[chosen];
   claim.of = histories.objects().size();
   std::string others;
   for (const auto& [history, count] : counts) {
-    if (history != chosen) others += fmt::format("{}{} ms for {}", others.empty() ? "; " : ", ", ms_text(history), count);
+    if (history != chosen)
+      others += fmt::format("{}{} ms for {}", others.empty() ? "; " : ", ", experiments::ms_text(history), count);
   }
   claim.in_words = fmt::format("40 ms is the best for {}{} (of equals, the shortest).", kept_of(claim), others);
   return claim;
 }
 
-Claim marginal_past_20(const Histories& histories, const BootstrapOptions& options) {
-  Claim claim =
-      unmeasured("marginal-past-20", ClaimScope::over_objects,
+results::Claim marginal_past_20(const Histories& histories, const results::BootstrapOptions& options) {
+  results::Claim claim =
+      unmeasured("marginal-past-20", results::ClaimScope::over_objects,
                  "Past 20 ms a longer history gains less than a point: the highest mean accuracy past 20 ms less that at 20 ms",
-                 "Improvements become marginal after 20 ms", "points", Asked::below, 1);
+                 "Improvements become marginal after 20 ms", "points", results::Asked::below, 1);
   const auto longer = histories.those([](microseconds history) { return history > marginal; });
   if (!histories.has(marginal) || longer.empty()) return claim;
-  const RunsByObject all = without_names(histories.objects());
-  claim.measured = figure_over_objects(
+  const evaluation::RunsByObject all = evaluation::without_names(histories.objects());
+  claim.measured = evaluation::figure_over_objects(
       all,
-      [&](const RunsByObject& objects) -> std::optional<double> {
+      [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
         double highest = 0;
         for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
         return 100 * (highest - histories.mean_accuracy(marginal, objects));
@@ -203,40 +205,41 @@ Claim marginal_past_20(const Histories& histories, const BootstrapOptions& optio
   const microseconds best = *std::max_element(longer.begin(), longer.end(), [&](microseconds a, microseconds b) {
     return histories.mean_accuracy(a, all) < histories.mean_accuracy(b, all);
   });
-  claim.in_words =
-      fmt::format("The mean over {} objects is {:.2f} % at 20 ms, and past that {:.2f} % at best, at {} ms.", all.size(),
-                  100 * histories.mean_accuracy(marginal, all), 100 * histories.mean_accuracy(best, all), ms_text(best));
+  claim.in_words = fmt::format("The mean over {} objects is {:.2f} % at 20 ms, and past that {:.2f} % at best, at {} ms.",
+                               all.size(), 100 * histories.mean_accuracy(marginal, all), 100 * histories.mean_accuracy(best, all),
+                               experiments::ms_text(best));
   return claim;
 }
 
-Claim accuracy_at_40(const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured("accuracy-at-40", ClaimScope::every_object,
-                           "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
-                           "The average accuracy of the nine test runs exceeds 95 % for all ten objects", "%", Asked::above, 95);
+results::Claim accuracy_at_40(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+  results::Claim claim =
+      unmeasured("accuracy-at-40", results::ClaimScope::every_object,
+                 "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
+                 "The average accuracy of the nine test runs exceeds 95 % for all ten objects", "%", results::Asked::above, 95);
   const auto found = inputs.histories.find(chosen);
   if (found == inputs.histories.end()) return claim;
-  ObjectFigures figures{scaled(accuracy_of(found->second, options).objects, 100), {}};
-  figures.wide = scaled(accuracy_of(found->second, wide_for(figures.objects.size(), options)).objects, 100);
+  ObjectFigures figures{scaled(evaluation::accuracy_of(found->second, options).objects, 100), {}};
+  figures.wide = scaled(evaluation::accuracy_of(found->second, wide_for(figures.objects.size(), options)).objects, 100);
   take(claim, std::move(figures));
   claim.in_words = fmt::format("Above 95 % for {}; the lowest is {} with {:.2f} %.", kept_of(claim), furthest_object(claim),
                                claim.measured.value);
   return claim;
 }
 
-Claim delay_claim(Touch touch, const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      fmt::format("{}-delay", name_of(touch)), ClaimScope::every_object,
+results::Claim delay_claim(Touch touch, const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+  results::Claim claim = unmeasured(
+      fmt::format("{}-delay", name_of(touch)), results::ClaimScope::every_object,
       fmt::format("The mean detection delay of {} is below 5 ms for every object: that of the slowest object", name_of(touch)),
-      "The average delay is below 5 ms for press and slip and for all ten objects", "ms", Asked::below, 5);
-  const DelayTable delays = delay_table(inputs.detections, touch, options);
+      "The average delay is below 5 ms for press and slip and for all ten objects", "ms", results::Asked::below, 5);
+  const results::DelayTable delays = evaluation::delay_table(inputs.detections, touch, options);
   if (delays.objects.empty()) return claim;
-  const DelayTable wide = delay_table(inputs.detections, touch, wide_for(delays.objects.size(), options));
+  const results::DelayTable wide = evaluation::delay_table(inputs.detections, touch, wide_for(delays.objects.size(), options));
   ObjectFigures figures;
   for (const auto& [object, delay] : delays.objects) figures.objects[object] = delay.mean_ms;
   for (const auto& [object, delay] : wide.objects) figures.wide[object] = delay.mean_ms;
   take(claim, std::move(figures));
   claim.of = claim.objects.size();
-  const DelaySummary& all = delays.all;
+  const results::DelaySummary& all = delays.all;
   claim.in_words = std::isnan(claim.measured.value) ? fmt::format("No {} of {} was detected.", name_of(touch), all.intervals)
                                                     : fmt::format("Below 5 ms for {}; the slowest is {} with {:.2f} ms.",
                                                                   kept_of(claim), furthest_object(claim), claim.measured.value);
@@ -247,20 +250,20 @@ Claim delay_claim(Touch touch, const ClaimInputs& inputs, const BootstrapOptions
 }
 
 /// A claim on delays holds only if every interval has one.
-void judge_delay(Claim& claim) {
-  if (claim.verdict != Verdict::holds || claim.note.empty()) return;
-  claim.verdict = Verdict::cannot_tell;
+void judge_delay(results::Claim& claim) {
+  if (claim.verdict != results::Verdict::holds || claim.note.empty()) return;
+  claim.verdict = results::Verdict::cannot_tell;
   claim.why = "some intervals have no delay; of the others the claim would hold";
 }
 
 /// Nothing if the runs have no slip.
-std::optional<bool> every_slip_at_once(std::span<const RunDetections> runs, std::span<const std::size_t> chosen_runs,
+std::optional<bool> every_slip_at_once(std::span<const results::RunDetections> runs, std::span<const std::size_t> chosen_runs,
                                        double tick_ms) {
   std::optional<bool> all;
   for (const std::size_t i : chosen_runs) {
-    for (const Detection& detection : runs[i].detections) {
+    for (const results::Detection& detection : runs[i].detections) {
       if (detection.interval.touch != Touch::slip) continue;
-      const bool at_once = detection.outcome == DetectionOutcome::detected &&
+      const bool at_once = detection.outcome == results::DetectionOutcome::detected &&
                            static_cast<double>(detection.delay.count()) <= 1000 * tick_ms * (1 + 1e-9);
       all = all.value_or(true) && at_once;
     }
@@ -268,23 +271,24 @@ std::optional<bool> every_slip_at_once(std::span<const RunDetections> runs, std:
   return all;
 }
 
-Claim slip_at_once(const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      "slip-at-once", ClaimScope::over_objects,
+results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+  results::Claim claim = unmeasured(
+      "slip-at-once", results::ClaimScope::over_objects,
       "For most objects slip is detected at once: the share of objects whose slips were all detected at their first tick",
-      "In six of ten objects slip is detected with minimal delay in all trials", "%", Asked::above, 50);
-  const std::span<const RunDetections> runs(inputs.detections);
-  const auto objects = runs_by_object(runs, [](const RunDetections& run) {
+      "In six of ten objects slip is detected with minimal delay in all trials", "%", results::Asked::above, 50);
+  const std::span<const results::RunDetections> runs(inputs.detections);
+  const auto objects = evaluation::runs_by_object(runs, [](const results::RunDetections& run) {
     return std::any_of(run.detections.begin(), run.detections.end(),
-                       [](const Detection& detection) { return detection.interval.touch == Touch::slip; });
+                       [](const results::Detection& detection) { return detection.interval.touch == Touch::slip; });
   });
   if (objects.empty()) return claim;
-  claim.measured = figure_over_objects(without_names(objects),
-                                       mean_over_objects([&](std::span<const std::size_t> of_object) -> std::optional<double> {
-                                         const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
-                                         return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
-                                       }),
-                                       options);
+  claim.measured = evaluation::figure_over_objects(
+      evaluation::without_names(objects),
+      evaluation::mean_over_objects([&](std::span<const std::size_t> of_object) -> std::optional<double> {
+        const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
+        return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
+      }),
+      options);
   claim.kept = 0;
   claim.of = objects.size();
   for (const auto& object : objects) *claim.kept += every_slip_at_once(runs, object.second, inputs.tick_ms) == true ? 1U : 0U;
@@ -292,24 +296,24 @@ Claim slip_at_once(const ClaimInputs& inputs, const BootstrapOptions& options) {
   return claim;
 }
 
-Claim right_at_first(const ClaimInputs& inputs) {
-  Claim claim =
-      unmeasured("right-at-first", ClaimScope::over_objects,
-                 "In the first 500 ms of a press or slip the verdicts are correct: the share of correct ticks",
-                 "During the beginning of pressing and slippage the classification is highly accurate", "%", Asked::above, 95);
+results::Claim right_at_first(const ClaimInputs& inputs) {
+  results::Claim claim = unmeasured("right-at-first", results::ClaimScope::over_objects,
+                                    "In the first 500 ms of a press or slip the verdicts are correct: the share of correct ticks",
+                                    "During the beginning of pressing and slippage the classification is highly accurate", "%",
+                                    results::Asked::above, 95);
   claim.measured = scaled(inputs.over_time.first, 100);
   claim.in_words = fmt::format("{:.2f} % of the ticks in the first 500 ms are correct, the mean over {} objects.",
                                claim.measured.value, claim.measured.n);
   return claim;
 }
 
-Claim worse_near_the_end(const ClaimInputs& inputs) {
-  Claim claim = unmeasured(
-      "worse-near-the-end", ClaimScope::over_objects,
+results::Claim worse_near_the_end(const ClaimInputs& inputs) {
+  results::Claim claim = unmeasured(
+      "worse-near-the-end", results::ClaimScope::over_objects,
       "Near the end of a press or slip verdicts are worse: the share of correct ticks in the last 200 ms, minus that before in "
       "the same interval",
-      "Near the end of each incident the model deviates from the ground truth", "points", Asked::below, 0);
-  const ShareOverTime& over_time = inputs.over_time;
+      "Near the end of each incident the model deviates from the ground truth", "points", results::Asked::below, 0);
+  const results::ShareOverTime& over_time = inputs.over_time;
   claim.measured = scaled(over_time.last_minus_before, 100);
   const std::uint64_t compared = over_time.intervals - std::min(over_time.intervals, over_time.short_ones);
   claim.in_words = fmt::format(
@@ -326,25 +330,25 @@ Claim worse_near_the_end(const ClaimInputs& inputs) {
   return claim;
 }
 
-Claim unseen_near_seen(const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      "unseen-near-seen", ClaimScope::every_object,
+results::Claim unseen_near_seen(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+  results::Claim claim = unmeasured(
+      "unseen-near-seen", results::ClaimScope::every_object,
       fmt::format("Unseen objects but {} come near seen ones: without them in training, accuracy drops by less than 5 points "
                   "for each; the figure is that of the object that loses most",
                   exception_object),
-      "For most unseen objects the accuracy is comparable to that with the objects in training", "points", Asked::above,
+      "For most unseen objects the accuracy is comparable to that with the objects in training", "points", results::Asked::above,
       -near_points);
   if (inputs.seen.empty()) return claim;
-  std::vector<RunConfusion> seen, held_out;
+  std::vector<results::RunConfusion> seen, held_out;
   for (std::size_t i = 0; i < inputs.seen.size() && i < inputs.held_out.size(); ++i) {
     if (inputs.seen[i].object == exception_object && inputs.held_out[i].object == exception_object) continue;
     seen.push_back(inputs.seen[i]);
     held_out.push_back(inputs.held_out[i]);
   }
-  const Accuracy difference = accuracy_difference(seen, held_out, options);
+  const results::Accuracy difference = evaluation::accuracy_difference(seen, held_out, options);
   if (difference.objects.empty()) return claim;
   ObjectFigures figures{scaled(difference.objects, 100), {}};
-  figures.wide = scaled(accuracy_difference(seen, held_out, wide_for(figures.objects.size(), options)).objects, 100);
+  figures.wide = scaled(evaluation::accuracy_difference(seen, held_out, wide_for(figures.objects.size(), options)).objects, 100);
   take(claim, std::move(figures));
   claim.in_words = fmt::format("Less than 5 points are lost for {}; {} {} {:.2f} points.", kept_of(claim), furthest_object(claim),
                                claim.measured.value < 0 ? "loses most," : "gains least,", std::abs(claim.measured.value));
@@ -353,14 +357,14 @@ Claim unseen_near_seen(const ClaimInputs& inputs, const BootstrapOptions& option
   return claim;
 }
 
-Claim unseen_exception(const ClaimInputs& inputs, const BootstrapOptions& options) {
-  Claim claim = unmeasured(
-      fmt::format("unseen-{}", exception_object), ClaimScope::one_object,
+results::Claim unseen_exception(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+  results::Claim claim = unmeasured(
+      fmt::format("unseen-{}", exception_object), results::ClaimScope::one_object,
       fmt::format("{} is the exception: without it in training, accuracy drops by more than 5 points", exception_object),
-      "The only exception is the plastic container, where the accuracy was significantly lower", "points", Asked::below,
+      "The only exception is the plastic container, where the accuracy was significantly lower", "points", results::Asked::below,
       -near_points);
   if (inputs.seen.empty()) return claim;
-  const auto differences = accuracy_difference(inputs.seen, inputs.held_out, options).objects;
+  const auto differences = evaluation::accuracy_difference(inputs.seen, inputs.held_out, options).objects;
   const auto found = differences.find(exception_object);
   if (found == differences.end()) return claim;
   claim.measured = scaled(found->second, 100);
@@ -371,26 +375,26 @@ Claim unseen_exception(const ClaimInputs& inputs, const BootstrapOptions& option
 
 }  // namespace
 
-std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options) {
+std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
   const Histories histories(inputs.histories);
-  std::vector<Claim> claims{history_2_worst(histories, options),
-                            best_history_40(histories, options),
-                            marginal_past_20(histories, options),
-                            accuracy_at_40(inputs, options),
-                            delay_claim(Touch::press, inputs, options),
-                            delay_claim(Touch::slip, inputs, options),
-                            slip_at_once(inputs, options),
-                            right_at_first(inputs),
-                            worse_near_the_end(inputs),
-                            unseen_near_seen(inputs, options),
-                            unseen_exception(inputs, options)};
-  for (Claim& claim : claims) judge(claim);
+  std::vector<results::Claim> claims{history_2_worst(histories, options),
+                                     best_history_40(histories, options),
+                                     marginal_past_20(histories, options),
+                                     accuracy_at_40(inputs, options),
+                                     delay_claim(Touch::press, inputs, options),
+                                     delay_claim(Touch::slip, inputs, options),
+                                     slip_at_once(inputs, options),
+                                     right_at_first(inputs),
+                                     worse_near_the_end(inputs),
+                                     unseen_near_seen(inputs, options),
+                                     unseen_exception(inputs, options)};
+  for (results::Claim& claim : claims) judge(claim);
   // One history can disprove a claim about histories; to prove it takes all.
   for (std::size_t i = 0; i < 3 && !inputs.untrained.empty(); ++i) {
-    if (claims[i].verdict != Verdict::holds) continue;
+    if (claims[i].verdict != results::Verdict::holds) continue;
     std::vector<std::string> lacking;
-    for (const microseconds history : inputs.untrained) lacking.push_back(ms_text(history));
-    claims[i].verdict = Verdict::cannot_tell;
+    for (const microseconds history : inputs.untrained) lacking.push_back(experiments::ms_text(history));
+    claims[i].verdict = results::Verdict::cannot_tell;
     claims[i].why = fmt::format("no model was trained for {} ms, which the paper compares", fmt::join(lacking, ", "));
     claims[i].can_be_told = false;
   }
@@ -399,16 +403,17 @@ std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& 
   return claims;
 }
 
-std::string summary_of(const std::vector<Claim>& claims, bool simulated) {
-  const auto number_of = [&](Verdict verdict) {
-    return std::count_if(claims.begin(), claims.end(), [&](const Claim& claim) { return claim.verdict == verdict; });
+std::string summary_of(const std::vector<results::Claim>& claims, bool simulated) {
+  const auto number_of = [&](results::Verdict verdict) {
+    return std::count_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.verdict == verdict; });
   };
-  const auto undecidable = std::count_if(claims.begin(), claims.end(), [](const Claim& claim) { return !claim.can_be_told; });
+  const auto undecidable =
+      std::count_if(claims.begin(), claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
-                                 simulated ? "simulated" : "real", number_of(Verdict::holds), claims.size(),
-                                 number_of(Verdict::does_not), number_of(Verdict::cannot_tell));
+                                 simulated ? "simulated" : "real", number_of(results::Verdict::holds), claims.size(),
+                                 number_of(results::Verdict::does_not), number_of(results::Verdict::cannot_tell));
   if (undecidable > 0) text += fmt::format(": for {} of them there are too few runs or objects", undecidable);
   return text + ".";
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

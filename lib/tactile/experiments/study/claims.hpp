@@ -12,18 +12,20 @@
 #include "tactile/results/claim.hpp"
 #include "tactile/results/over_time.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// What a study measured on one set of runs. What was not measured is empty, and its claims get cannot_tell.
 struct ClaimInputs {
-  std::map<microseconds, std::vector<RunConfusion>> histories;  ///< of balanced samples, by history t_h; the same runs in each
-  std::vector<microseconds> untrained;       ///< of the paper's histories: without them no history is proven the best
-  std::vector<RunDetections> detections;     ///< of each run, with the chosen history
-  double tick_ms = 2;                        ///< also the shortest possible delay, > 0
-  double history_ms = 40;                    ///< the chosen t_h
-  ShareOverTime over_time;                   ///< of presses and slips, "first" 500 ms and "last" 200 ms
-  double after_ms = 100;                     ///< length of time after an interval that `over_time.still_said` covers
-  std::vector<RunConfusion> seen, held_out;  ///< of held-out objects, with and without them in training; the same runs in both
+  std::map<microseconds, std::vector<results::RunConfusion>>
+      histories;                                   ///< of balanced samples, by history t_h; the same runs in each
+  std::vector<microseconds> untrained;             ///< of the paper's histories: without them no history is proven the best
+  std::vector<results::RunDetections> detections;  ///< of each run, with the chosen history
+  double tick_ms = 2;                              ///< also the shortest possible delay, > 0
+  double history_ms = 40;                          ///< the chosen t_h
+  results::ShareOverTime over_time;                ///< of presses and slips, "first" 500 ms and "last" 200 ms
+  double after_ms = 100;                           ///< length of time after an interval that `over_time.still_said` covers
+  std::vector<results::RunConfusion> seen,
+      held_out;  ///< of held-out objects, with and without them in training; the same runs in both
 };
 
 /// The claims of the paper's section V, always the same ones in the same order.
@@ -44,10 +46,10 @@ struct ClaimInputs {
 /// The paper says "highly accurate" and "comparable": 95 % is another figure of the paper, 5 points are our choice.
 /// @throws Error  if the histories, or seen and held out, are not of the same runs
 /// Source: Faris et al., arXiv:2403.10120, section V.
-std::vector<Claim> claims_of(const ClaimInputs& inputs, const BootstrapOptions& options = {});
+std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::BootstrapOptions& options = {});
 
 /// "On simulated runs 3 of the paper's 11 claims hold, 2 do not, and 6 cannot be decided: for 4 of them there are too few runs or
 /// objects."
-std::string summary_of(const std::vector<Claim>& claims, bool simulated);
+std::string summary_of(const std::vector<results::Claim>& claims, bool simulated);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 constexpr std::size_t most_splits = 1'000'000;
@@ -51,4 +51,4 @@ std::vector<HeldOutSplit> drawn_splits(const std::vector<HeldOutSplit>& all, std
   return drawn;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace tactile {
+namespace tactile::study {
 
 /// A division of the objects into those in training and those held out.
 struct HeldOutSplit {
@@ -21,4 +21,4 @@ std::vector<HeldOutSplit> all_splits(std::vector<std::string> objects, std::size
 /// count are among those for a larger one.
 std::vector<HeldOutSplit> drawn_splits(const std::vector<HeldOutSplit>& all, std::size_t count, std::uint64_t seed);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -5,12 +5,12 @@
 #include "tactile/core/error.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 void to_json(nlohmann::json& json, const HistoryChoice& choice) {
   json = {{"th_ms", in_ms(choice.history)}, {"objects", nlohmann::json::object()}, {"counts", nlohmann::json::object()}};
   for (const auto& [object, history] : choice.of_objects) json["objects"][object] = in_ms(history);
-  for (const auto& [history, count] : choice.counts) json["counts"][ms_text(history)] = count;
+  for (const auto& [history, count] : choice.counts) json["counts"][experiments::ms_text(history)] = count;
 }
 
 HistoryChoice choose_history(const AccuracyByHistory& accuracies) {
@@ -37,4 +37,4 @@ HistoryChoice choose_history(const AccuracyByHistory& accuracies) {
   return choice;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,10 +8,10 @@
 #include "tactile/core/time.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// Accuracy for each history t_h.
-using AccuracyByHistory = std::map<microseconds, Accuracy>;
+using AccuracyByHistory = std::map<microseconds, results::Accuracy>;
 
 /// The best history for each object, and the one chosen by them.
 struct HistoryChoice {
@@ -28,4 +28,4 @@ void to_json(nlohmann::json& json, const HistoryChoice& choice);
 /// Source: Faris et al., arXiv:2403.10120, section V.A, which takes 40 ms as the best for five objects of ten.
 HistoryChoice choose_history(const AccuracyByHistory& accuracies);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -14,7 +14,7 @@
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,15 +26,15 @@ constexpr int evaluation_form = 2;  ///< with another number, evaluations that a
 json hashes_of(std::initializer_list<fs::path> files) {
   json hashes = json::object();
   for (const fs::path& file : files) {
-    const json hash = hash_of_file(file);
+    const json hash = experiments::hash_of_file(file);
     if (hash.is_null()) return {};
     hashes[file.filename().string()] = hash;
   }
   return hashes;
 }
 
-void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel& model, const RunSet& set, StepRunner& runner,
-                 std::vector<EvaluatedModel>& evaluations) {
+void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel& model, const RunSet& set,
+                 experiments::StepRunner& runner, std::vector<EvaluatedModel>& evaluations) {
   for (const EvaluatedModel& other : evaluations) {
     const bool same_runs = other.runs == set.name || (plan.reported.runs == plan.all_test.runs);
     if (other.model.name() == model.name() && same_runs) {
@@ -47,8 +47,8 @@ void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel&
   runner.run({.name = "evaluate-" + set.name + "-" + model.name(),
               .command = "",
               .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
-                                     {"weights", read_description(model.bundle).weights_sha256},
-                                     {"truth", truth_hashes(plan.dataset, set.runs)},
+                                     {"weights", model::read_description(model.bundle).weights_sha256},
+                                     {"truth", experiments::truth_hashes(plan.dataset, set.runs)},
                                      {"form", evaluation_form},
                                      {"runs", set.names}},
                                     plan.options.engine),
@@ -59,9 +59,11 @@ void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel&
               .work =
                   [&](const ProgressCallback& progress) {
                     const unsigned threads = plan.options.threads;
-                    const Classifier classifier = open_classifier(model.bundle.folder, threads, plan.options.engine);
-                    const Evaluation evaluation = evaluate(plan.dataset, classifier, set.runs, {.threads = threads}, progress);
-                    write_whole(csv_file, table_of(evaluation));
+                    const model::Classifier classifier =
+                        model::open_classifier(model.bundle.folder, threads, plan.options.engine);
+                    const results::Evaluation evaluation =
+                        evaluation::evaluate(plan.dataset, classifier, set.runs, {.threads = threads}, progress);
+                    write_whole(csv_file, evaluation::table_of(evaluation));
                     write_json(json_file, evaluation);
                   }});
   evaluations.push_back({id, model, set.name, json_file, csv_file});
@@ -77,44 +79,44 @@ std::uint32_t run_to_show(const StudyPlan& plan) {
 
 void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_index, const fs::path& csv_file,
              const fs::path& json_file, const ProgressCallback& progress) {
-  const Dataset& dataset = plan.dataset;
-  check_unchanged(dataset, run_index);
-  const DatasetRun& run = dataset.runs()[run_index];
-  const Classifier classifier = open_classifier(model.bundle.folder, plan.options.threads, plan.options.engine);
+  const windows::Dataset& dataset = plan.dataset;
+  windows::check_unchanged(dataset, run_index);
+  const windows::DatasetRun& run = dataset.runs()[run_index];
+  const model::Classifier classifier = model::open_classifier(model.bundle.folder, plan.options.threads, plan.options.engine);
   const RunFolder folder{dataset.run_folder(run_index), run.object, run.run};
   std::map<CameraTime, Touch> samples;
-  for (const Sample& sample : dataset.samples()) {
+  for (const windows::Sample& sample : dataset.samples()) {
     if (sample.run_index == run_index) samples[sample.t] = sample.touch;
   }
-  const std::size_t total = expected_ticks(folder.events(), classifier.rendering());
+  const std::size_t total = evaluation::expected_ticks(folder.events(), classifier.rendering());
   std::size_t done = 0;
-  const auto prediction = predict_run(
+  const auto prediction = evaluation::predict_run(
       folder, classifier,
       {.guard = dataset.sampling().guard, .include_flagged = plan.options.include_flagged, .threads = plan.options.threads},
       [&](std::size_t ticks) {
         done += ticks;
         tell(progress, done, total, "every tick of " + name_of(run));
       });
-  write_prediction(csv_file, prediction, samples);
-  write_json(json_file, outcome_json(prediction));
+  evaluation::write_prediction(csv_file, prediction, samples);
+  write_json(json_file, evaluation::outcome_json(prediction));
 }
 
-void predict_full_run(const StudyPlan& plan, const StudyModel& model, StepRunner& runner, JudgedModels& judged) {
+void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiments::StepRunner& runner, JudgedModels& judged) {
   const StudyOptions& options = plan.options;
   const std::uint32_t shown = run_to_show(plan);
-  const DatasetRun& run = plan.dataset.runs()[shown];
+  const windows::DatasetRun& run = plan.dataset.runs()[shown];
   judged.full_run = name_of(run);
   judged.full_run_file = options.out / "runs" / (run.object + "-" + run.run + ".csv");
   const fs::path json_file = fs::path(judged.full_run_file).replace_extension(".json");
   runner.run(
       {.name = "run-" + run.object + "-" + run.run,
-       .command =
-           command_of({"eval", options.data.string(), "--run", judged.full_run, "--models", options.models.string(), "--model",
-                       model.name(), "--out", (options.out / "runs").string(), "--engine", std::string(name_of(options.engine))}),
+       .command = experiments::command_of({"eval", options.data.string(), "--run", judged.full_run, "--models",
+                                           options.models.string(), "--model", model.name(), "--out",
+                                           (options.out / "runs").string(), "--engine", std::string(name_of(options.engine))}),
        .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
-                              {"weights", read_description(model.bundle).weights_sha256},
+                              {"weights", model::read_description(model.bundle).weights_sha256},
                               {"form", evaluation_form},
-                              {"truth", truth_hashes(plan.dataset, {&shown, 1})}},
+                              {"truth", experiments::truth_hashes(plan.dataset, {&shown, 1})}},
                              options.engine),
        .outputs =
            [&] {
@@ -130,7 +132,7 @@ const EvaluatedModel& JudgedModels::evaluation(const std::string& id) const {
   return *std::find_if(evaluations.begin(), evaluations.end(), [&](const EvaluatedModel& one) { return one.id == id; });
 }
 
-JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, StepRunner& runner) {
+JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner) {
   JudgedModels judged;
   const std::vector<StudyModel>& chosen = trained.by_history.at(trained.history);
   for (unsigned training = 0; training < plan.options.seeds; ++training) {
@@ -142,14 +144,14 @@ JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, S
   return judged;
 }
 
-std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
-  std::vector<RunDetections> runs;
-  for (const JsonView& run : JsonView(evaluation, where, MissingMember::is_error)["runs"].items())
-    runs.push_back({run["object"].text(), run["intervals"].list_of<Detection>()});
+std::vector<results::RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
+  std::vector<results::RunDetections> runs;
+  for (const results::JsonView& run : results::JsonView(evaluation, where, results::MissingMember::is_error)["runs"].items())
+    runs.push_back({run["object"].text(), run["intervals"].list_of<results::Detection>()});
   return runs;
 }
 
-std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, DelaySummary>& delays, double tick_ms) {
+std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, results::DelaySummary>& delays, double tick_ms) {
   std::map<std::string, bool> at_first_tick;
   for (const auto& [object, delay] : delays) {
     if (delay.intervals > 0)
@@ -158,4 +160,4 @@ std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, D
   return at_first_tick;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

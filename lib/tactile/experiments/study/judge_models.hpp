@@ -10,7 +10,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/train_models.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// A model evaluated on every tick of a set of runs.
 struct EvaluatedModel {
@@ -31,12 +31,12 @@ struct JudgedModels {
 
 /// Fourth stage of a study: evaluates the models of the chosen history on the reported runs, and the paper's on all test runs,
 /// and predicts one run over time as in the paper's figure 8. @throws Error  if a step fails
-JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, StepRunner& runner);
+JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner);
 
 /// The detections of each run: "runs" of an evaluation. @throws Error, naming `where`, if it has none
-std::vector<RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
+std::vector<results::RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
 
 /// The objects whose slips were all detected at the first tick: none missed, none early, and a mean delay of one tick.
-std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, DelaySummary>& delays, double tick_ms);
+std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, results::DelaySummary>& delays, double tick_ms);
 
-}  // namespace tactile
+}  // namespace tactile::study

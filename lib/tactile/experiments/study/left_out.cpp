@@ -12,12 +12,12 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/without_samples.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
-std::string flags_on(const Labels& labels, std::size_t interval) {
+std::string flags_on(const labels::Labels& labels, std::size_t interval) {
   std::vector<std::string> reasons;
-  for (const LabelFlag& flag : labels.flags) {
+  for (const labels::LabelFlag& flag : labels.flags) {
     if (!flag.confirmed && flag.interval_index == interval) reasons.push_back(flag.reason);
   }
   return fmt::format("flagged: {}", fmt::join(reasons, "; "));
@@ -29,20 +29,21 @@ void to_json(nlohmann::json& json, const LeftOut& left_out) {
   json = {{"run", left_out.run}, {"what", left_out.what}, {"reason", left_out.reason}};
 }
 
-std::vector<LeftOut> left_out_of(const Dataset& dataset, std::span<const RunFolder> runs) {
+std::vector<LeftOut> left_out_of(const windows::Dataset& dataset, std::span<const RunFolder> runs) {
   const bool takes_flagged = member<bool>(dataset.settings(), "include_flagged", dataset.file().string());
   std::vector<LeftOut> left_out;
   for (const RunFolder& run : runs) {
-    Labels labels;
+    labels::Labels labels;
     try {
-      if (is_there(run.labels())) labels = read_labels(run.labels());
+      if (is_there(run.labels())) labels = labels::read_labels(run.labels());
     } catch (const std::exception& e) {
       left_out.push_back({run.name(), "run", sentence_of(e)});
       continue;
     }
-    const std::optional<NoSamples> reason = why_no_samples(dataset, run);
-    const bool is_in_dataset = std::any_of(dataset.runs().begin(), dataset.runs().end(),
-                                           [&](const DatasetRun& one) { return one.object == run.object && one.run == run.run; });
+    const std::optional<windows::NoSamples> reason = windows::why_no_samples(dataset, run);
+    const bool is_in_dataset = std::any_of(dataset.runs().begin(), dataset.runs().end(), [&](const windows::DatasetRun& one) {
+      return one.object == run.object && one.run == run.run;
+    });
     if (reason && (is_in_dataset || !reason->flagged)) {
       left_out.push_back({run.name(), "run", "no samples: " + reason->words});
     } else if (reason) {
@@ -56,4 +57,4 @@ std::vector<LeftOut> left_out_of(const Dataset& dataset, std::span<const RunFold
   return left_out;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,7 +8,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// A run, or one interval of it, that a study uses neither to train nor to judge.
 struct LeftOut {
@@ -23,6 +23,6 @@ void to_json(nlohmann::json& json, const LeftOut& left_out);
 /// The runs that give the dataset no samples, and the flagged intervals of the others, with the reasons; in the order of the
 /// runs.
 /// @throws Error  if labels cannot be read
-std::vector<LeftOut> left_out_of(const Dataset& dataset, std::span<const RunFolder> runs);
+std::vector<LeftOut> left_out_of(const windows::Dataset& dataset, std::span<const RunFolder> runs);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -12,33 +12,34 @@
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/without_samples.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 /// In each call, because the step that leaves runs out may be kept.
-void warn_of_runs_without_samples(const StudyOptions& options, const Dataset& dataset, const WarningCallback& warn) {
+void warn_of_runs_without_samples(const StudyOptions& options, const windows::Dataset& dataset, const WarningCallback& warn) {
   const std::vector<RunFolder> runs = is_there(options.data) ? find_runs(options.data) : std::vector<RunFolder>{};
-  const std::vector<RunWithoutSamples> without = runs_without_samples(dataset, runs);
-  if (options.strict) refuse_objects_left_out(objects_left_out(runs_of_objects_left_out(dataset), {}));
-  if (!without.empty() && warn) warn(sentence_on(without, runs.size(), options.data, "tactile reproduce"));
+  const std::vector<windows::RunWithoutSamples> without = windows::runs_without_samples(dataset, runs);
+  if (options.strict) windows::refuse_objects_left_out(windows::objects_left_out(windows::runs_of_objects_left_out(dataset), {}));
+  if (!without.empty() && warn) warn(windows::sentence_on(without, runs.size(), options.data, "tactile reproduce"));
 }
 
-std::vector<std::string> all_remarks(const StudyOptions& options, const Dataset& dataset, const RunDivision& runs) {
-  const SplitOptions single{.kind = SplitKind::single_run, .train_run = options.train_run};
-  const SplitRemarks split = remarks_on(dataset, single, split_of(dataset, single));
+std::vector<std::string> all_remarks(const StudyOptions& options, const windows::Dataset& dataset,
+                                     const experiments::RunDivision& runs) {
+  const windows::SplitOptions single{.kind = windows::SplitKind::single_run, .train_run = options.train_run};
+  const model::SplitRemarks split = model::remarks_on(dataset, single, model::split_of(dataset, single));
   std::vector<std::string> remarks;
-  for (const auto& sentences : {split.substitutes, split.left_out, remarks_on(dataset, runs)})
+  for (const auto& sentences : {split.substitutes, split.left_out, experiments::remarks_on(dataset, runs)})
     remarks.insert(remarks.end(), sentences.begin(), sentences.end());
   return remarks;
 }
 
 /// Those requested, or those of the paper that are among `objects`; by name.
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& requested, const std::vector<std::string>& objects,
-                                             const Dataset& dataset) {
+                                             const windows::Dataset& dataset) {
   std::set<std::string> without_samples;
-  for (const RunWithoutSamples& run : runs_of_objects_left_out(dataset)) without_samples.insert(run.object);
+  for (const windows::RunWithoutSamples& run : windows::runs_of_objects_left_out(dataset)) without_samples.insert(run.object);
   std::vector<std::string> held_out;
-  for (const std::string& object : requested.empty() ? default_held_out() : requested) {
+  for (const std::string& object : requested.empty() ? windows::default_held_out() : requested) {
     if (std::find(objects.begin(), objects.end(), object) != objects.end()) {
       held_out.push_back(object);
     } else if (!requested.empty() && !without_samples.contains(object)) {
@@ -61,9 +62,10 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& req
 
 }  // namespace
 
-StudyPlan plan_study(const StudyOptions& options, const Dataset& dataset, const WarningCallback& warn) {
+StudyPlan plan_study(const StudyOptions& options, const windows::Dataset& dataset, const WarningCallback& warn) {
   warn_of_runs_without_samples(options, dataset, warn);
-  const RunDivision runs = divide_runs(dataset, options.train_run, preset_settings(options.preset).choice_runs);
+  const experiments::RunDivision runs =
+      experiments::divide_runs(dataset, options.train_run, preset_settings(options.preset).choice_runs);
   StudyPlan plan{.options = options,
                  .dataset = dataset,
                  .train = runs.train,
@@ -94,8 +96,8 @@ StudyModel model_of(const StudyPlan& plan, microseconds history, std::uint64_t s
   model.settings.training.epochs = *options.epochs;
   model.settings.training.engine = options.engine;
   model.settings.split.train_run = options.train_run;
-  if (!held_out.empty()) model.settings.split = {SplitKind::unseen, options.train_run, held_out};
-  model.bundle = {options.models / default_name(model.settings)};
+  if (!held_out.empty()) model.settings.split = {windows::SplitKind::unseen, options.train_run, held_out};
+  model.bundle = {options.models / model::default_name(model.settings)};
   for (const std::uint32_t run : plan.all_test.runs) {
     const std::string& object = plan.dataset.runs()[run].object;
     if (held_out.empty() || std::find(held_out.begin(), held_out.end(), object) != held_out.end()) model.runs.push_back(run);
@@ -103,9 +105,9 @@ StudyModel model_of(const StudyPlan& plan, microseconds history, std::uint64_t s
   return model;
 }
 
-nlohmann::json with_engine(nlohmann::json inputs, EngineKind engine) {
-  if (engine != EngineKind::fast) inputs["engine"] = name_of(engine);
+nlohmann::json with_engine(nlohmann::json inputs, model::EngineKind engine) {
+  if (engine != model::EngineKind::fast) inputs["engine"] = name_of(engine);
   return inputs;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -14,7 +14,7 @@
 #include "tactile/model/definition/model_settings.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// A set of runs that figures are computed on.
 struct RunSet {
@@ -25,8 +25,8 @@ struct RunSet {
 
 /// What a study does with its dataset.
 struct StudyPlan {
-  StudyOptions options;    ///< as `completed` returns them
-  const Dataset& dataset;  ///< must outlive the plan
+  StudyOptions options;             ///< as `completed` returns them
+  const windows::Dataset& dataset;  ///< must outlive the plan
   std::vector<std::uint32_t> train;
   RunSet choice;                      ///< empty if no run would be left to report on
   RunSet reported;                    ///< neither trained nor chosen on
@@ -45,12 +45,12 @@ struct StudyPlan {
 /// @param warn     receives each remark, and a sentence if runs have no samples
 /// @throws Error   if held-out objects have no training run or none would be left, splits are requested and nothing can be held
 ///                 out, an object has no samples and `options.strict` is set, or as `divide_runs`
-StudyPlan plan_study(const StudyOptions& options, const Dataset& dataset, const WarningCallback& warn);
+StudyPlan plan_study(const StudyOptions& options, const windows::Dataset& dataset, const WarningCallback& warn);
 
 /// A model that the study trains.
 struct StudyModel {
-  ModelSettings settings;
-  ModelBundle bundle;
+  model::ModelSettings settings;
+  model::ModelBundle bundle;
   std::vector<std::uint32_t> runs;  ///< of the dataset, whose samples it is judged on
 
   std::string name() const { return bundle.name(); }
@@ -61,6 +61,6 @@ StudyModel model_of(const StudyPlan& plan, microseconds history, std::uint64_t s
                     const std::vector<std::string>& held_out = {});
 
 /// `inputs` of a step that runs a model, with the engine. The default engine is not named, so that older steps are kept.
-nlohmann::json with_engine(nlohmann::json inputs, EngineKind engine);
+nlohmann::json with_engine(nlohmann::json inputs, model::EngineKind engine);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -21,7 +21,7 @@
 #include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,19 +48,19 @@ json simulated_files(const fs::path& data) {
   if (!is_there(data)) return files;
   for (const RunFolder& run : find_runs(data)) {
     files[run.name()] = {size_of(run.events()),      size_of(run.robot()), size_of(run.video()),
-                         size_of(run.video_times()), size_of(run.truth()), hash_of_file(run.info())};
+                         size_of(run.video_times()), size_of(run.truth()), experiments::hash_of_file(run.info())};
   }
   return files;
 }
 
-Step simulation_step(const StudyOptions& options) {
+experiments::Step simulation_step(const StudyOptions& options) {
   std::vector<std::string> words{"simulate", options.data.string(),       "--preset", options.preset,
                                  "--seed",   std::to_string(options.seed)};
   if (!options.objects.empty()) words.insert(words.end(), {"--objects", fmt::format("{}", fmt::join(options.objects, ","))});
   if (options.runs) words.insert(words.end(), {"--runs", std::to_string(*options.runs)});
   return {.name = "simulate",
-          .command = command_of(words),
-          .inputs = {{"data", from_folder(options.data, options.out)},
+          .command = experiments::command_of(words),
+          .inputs = {{"data", experiments::from_folder(options.data, options.out)},
                      {"preset", options.preset},
                      {"objects", options.objects},
                      {"runs", options.runs ? json(*options.runs) : json()},
@@ -68,22 +68,23 @@ Step simulation_step(const StudyOptions& options) {
           .outputs = [data = options.data] { return simulated_files(data); },
           .work =
               [options](const ProgressCallback& progress) {
-                simulate({.data = options.data,
-                          .preset = options.preset,
-                          .runs = options.runs,
-                          .objects = options.objects,
-                          .seed = options.seed,
-                          .force = options.force,
-                          .threads = options.threads},
-                         progress);
+                simulation::simulate({.data = options.data,
+                                      .preset = options.preset,
+                                      .runs = options.runs,
+                                      .objects = options.objects,
+                                      .seed = options.seed,
+                                      .force = options.force,
+                                      .threads = options.threads},
+                                     progress);
               }};
 }
 
 /// Simulates if there are no runs, or if this study began to simulate them.
 /// @return  whether it did
-bool simulate_runs(const StudyOptions& options, StepRunner& runner) {
+bool simulate_runs(const StudyOptions& options, experiments::StepRunner& runner) {
   const json known = runner.inputs_of("simulate");
-  const bool began_it = known.is_object() && known.contains("data") && known.at("data") == from_folder(options.data, options.out);
+  const bool began_it =
+      known.is_object() && known.contains("data") && known.at("data") == experiments::from_folder(options.data, options.out);
   if (began_it || simulated_files(options.data).is_null()) {
     runner.run(simulation_step(options));
     return true;
@@ -114,13 +115,14 @@ json hashes_of_labels(const std::vector<RunFolder>& runs) {
   json hashes;
   bool any = false;
   for (const RunFolder& run : runs) {
-    hashes[run.name()] = hash_of_file(run.labels());
+    hashes[run.name()] = experiments::hash_of_file(run.labels());
     any = any || !hashes[run.name()].is_null();
   }
   return any ? hashes : json();
 }
 
-void label(const StudyOptions& options, const std::vector<RunFolder>& runs, StepRunner& runner, PreparedData& prepared) {
+void label(const StudyOptions& options, const std::vector<RunFolder>& runs, experiments::StepRunner& runner,
+           PreparedData& prepared) {
   json inputs;
   for (const RunFolder& run : runs) {
     inputs[run.name()] = {state_of_file(run.events()), state_of_file(run.robot()), state_of_file(run.video()),
@@ -128,12 +130,12 @@ void label(const StudyOptions& options, const std::vector<RunFolder>& runs, Step
   }
   std::map<std::string, std::string> error_of;
   runner.run({.name = "label",
-              .command = command_of({"label", options.data.string(), "--no-pictures"}),
+              .command = experiments::command_of({"label", options.data.string(), "--no-pictures"}),
               .inputs = inputs,
               .outputs = [&runs] { return hashes_of_labels(runs); },
               .work =
                   [&](const ProgressCallback& progress) {
-                    for (const RunOutcome& outcome : label_runs(runs, {.threads = options.threads}, progress)) {
+                    for (const labels::RunOutcome& outcome : labels::label_runs(runs, {.threads = options.threads}, progress)) {
                       if (!outcome.error.empty()) error_of[outcome.run.name()] = outcome.error;
                     }
                     if (error_of.size() == runs.size()) throw Error(error_of.begin()->second);
@@ -150,18 +152,18 @@ void label(const StudyOptions& options, const std::vector<RunFolder>& runs, Step
 }
 
 /// Warns if the dataset of another study, or a user's own, will be replaced.
-void warn_of_another_dataset(const fs::path& dataset, const WindowsOptions& windows, const WarningCallback& warn) {
+void warn_of_another_dataset(const fs::path& dataset, const windows::WindowsOptions& windows, const WarningCallback& warn) {
   if (!warn) return;
-  const std::vector<std::string> differing = settings_unlike_those_in(dataset, windows);
+  const std::vector<std::string> differing = windows::settings_unlike_those_in(dataset, windows);
   if (differing.empty()) return;
   warn(fmt::format(
       "{} was made with other settings and is made again with {}; give each study a data folder of its own to keep both",
       dataset.string(), fmt::join(differing, ", ")));
 }
 
-void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& runs, StepRunner& runner, PreparedData& prepared,
-                  const WarningCallback& warn) {
-  WindowsOptions windows;
+void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& runs, experiments::StepRunner& runner,
+                  PreparedData& prepared, const WarningCallback& warn) {
+  windows::WindowsOptions windows;
   windows.sampling.seed = options.seed;
   windows.sampling.history = std::max(shortest_stored, options.histories.back());
   windows.include_flagged = options.include_flagged;
@@ -170,19 +172,20 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
   for (const RunFolder& run : runs) events[run.name()] = state_of_file(run.events());
   std::vector<std::string> words{"windows", options.data.string()};
   if (options.seed != 1) words.insert(words.end(), {"--seed", std::to_string(options.seed)});
-  if (windows.sampling.history != shortest_stored) words.insert(words.end(), {"--history-ms", ms_text(windows.sampling.history)});
+  if (windows.sampling.history != shortest_stored)
+    words.insert(words.end(), {"--history-ms", experiments::ms_text(windows.sampling.history)});
   json inputs = {{"sampling", windows.sampling}, {"labels", hashes_of_labels(runs)}, {"events", events}};
   if (options.include_flagged) {
     words.emplace_back("--include-flagged");
     inputs["include_flagged"] = true;  // only if it is on, so that older steps without it are kept
   }
   runner.run({.name = "windows",
-              .command = command_of(words),
+              .command = experiments::command_of(words),
               .inputs = inputs,
               .outputs =
                   [&] {
                     try {
-                      return json(Dataset(prepared.dataset).manifest_hash());
+                      return json(windows::Dataset(prepared.dataset).manifest_hash());
                     } catch (const Error&) {
                       return json();
                     }
@@ -190,7 +193,8 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
               .work =
                   [&](const ProgressCallback& progress) {
                     warn_of_another_dataset(prepared.dataset, windows, warn);
-                    const DatasetSummary made = write_dataset(options.data, prepared.dataset, windows, options.threads, progress);
+                    const windows::DatasetSummary made =
+                        windows::write_dataset(options.data, prepared.dataset, windows, options.threads, progress);
                     for (const std::string& error : made.errors) {
                       if (std::find(prepared.errors.begin(), prepared.errors.end(), error) == prepared.errors.end())
                         prepared.errors.push_back(error);
@@ -198,37 +202,39 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
                   }});
 }
 
-void render_heatmaps(const StudyOptions& options, const fs::path& file, StepRunner& runner) {
-  const Dataset dataset(file);
-  std::vector<HeatmapOptions> renderings;
+void render_heatmaps(const StudyOptions& options, const fs::path& file, experiments::StepRunner& runner) {
+  const windows::Dataset dataset(file);
+  std::vector<heatmaps::HeatmapOptions> renderings;
   std::vector<std::string> texts;
   for (const microseconds history : options.histories) {
     renderings.push_back({.history = history});
-    texts.push_back(ms_text(history));
-    check_renders(dataset, renderings.back());
+    texts.push_back(experiments::ms_text(history));
+    heatmaps::check_renders(dataset, renderings.back());
   }
   const std::string histories = fmt::format("{}", fmt::join(texts, ","));
-  runner.run(
-      {.name = "heatmaps",
-       .command = command_of({"heatmaps", options.data.string(), "--th", histories}),
-       .inputs = {{"manifest", dataset.manifest_hash()}, {"histories", histories}},
-       .outputs =
-           [&] {
-             const Dataset now(file);
-             json stored = json::array();
-             for (const HeatmapOptions& rendering : renderings) {
-               const auto found = now.find_heatmaps(stored_name(rendering));
-               if (!found) return json();
-               stored.push_back(found->name);
-             }
-             return stored;
-           },
-       .work = [&](const ProgressCallback& progress) { store_heatmaps(Dataset(file), renderings, options.threads, progress); }});
+  runner.run({.name = "heatmaps",
+              .command = experiments::command_of({"heatmaps", options.data.string(), "--th", histories}),
+              .inputs = {{"manifest", dataset.manifest_hash()}, {"histories", histories}},
+              .outputs =
+                  [&] {
+                    const windows::Dataset now(file);
+                    json stored = json::array();
+                    for (const heatmaps::HeatmapOptions& rendering : renderings) {
+                      const auto found = now.find_heatmaps(heatmaps::stored_name(rendering));
+                      if (!found) return json();
+                      stored.push_back(found->name);
+                    }
+                    return stored;
+                  },
+              .work =
+                  [&](const ProgressCallback& progress) {
+                    heatmaps::store_heatmaps(windows::Dataset(file), renderings, options.threads, progress);
+                  }});
 }
 
 }  // namespace
 
-PreparedData prepare_data(const StudyOptions& options, StepRunner& runner, const WarningCallback& warn) {
+PreparedData prepare_data(const StudyOptions& options, experiments::StepRunner& runner, const WarningCallback& warn) {
   PreparedData prepared;
   prepared.dataset = options.data / "dataset.h5";
   prepared.simulated = simulate_runs(options, runner);
@@ -239,4 +245,4 @@ PreparedData prepare_data(const StudyOptions& options, StepRunner& runner, const
   return prepared;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

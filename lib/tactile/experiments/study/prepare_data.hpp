@@ -7,7 +7,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study_options.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// The dataset of a study.
 struct PreparedData {
@@ -20,6 +20,6 @@ struct PreparedData {
 /// @param options  as `completed` returns them
 /// @param warn     receives a sentence for each misnamed folder, and one before a dataset with other settings is replaced
 /// @throws Error   if there are runs and the options choose what to simulate, no run can be labelled, or a step fails
-PreparedData prepare_data(const StudyOptions& options, StepRunner& runner, const WarningCallback& warn);
+PreparedData prepare_data(const StudyOptions& options, experiments::StepRunner& runner, const WarningCallback& warn);
 
-}  // namespace tactile
+}  // namespace tactile::study

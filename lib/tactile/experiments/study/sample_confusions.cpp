@@ -5,7 +5,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 void write_confusions(const std::filesystem::path& file, std::span<const NamedConfusion> confusions) {
   nlohmann::json runs = nlohmann::json::array();
@@ -17,13 +17,14 @@ void write_confusions(const std::filesystem::path& file, std::span<const NamedCo
 std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file) {
   const nlohmann::json json = read_json(file);
   std::vector<NamedConfusion> confusions;
-  for (const JsonView& run : JsonView(json, file.string(), MissingMember::is_error)["runs"].items())
-    confusions.push_back({run["run"].text(), run["object"].text(), run["confusion"].get<Confusion>()});
+  for (const results::JsonView& run : results::JsonView(json, file.string(), results::MissingMember::is_error)["runs"].items())
+    confusions.push_back({run["run"].text(), run["object"].text(), run["confusion"].get<results::Confusion>()});
   return confusions;
 }
 
-std::vector<RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions, std::span<const std::string> runs) {
-  std::vector<RunConfusion> chosen;
+std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions,
+                                                      std::span<const std::string> runs) {
+  std::vector<results::RunConfusion> chosen;
   for (const std::string& run : runs) {
     const auto found =
         std::find_if(confusions.begin(), confusions.end(), [&](const NamedConfusion& one) { return one.run == run; });
@@ -33,16 +34,17 @@ std::vector<RunConfusion> confusions_of_runs(std::span<const NamedConfusion> con
   return chosen;
 }
 
-std::vector<RunConfusion> sum_over_models(std::span<const std::vector<RunConfusion>> models) {
+std::vector<results::RunConfusion> sum_over_models(std::span<const std::vector<results::RunConfusion>> models) {
   if (models.empty()) return {};
-  std::vector<RunConfusion> sum = models.front();
-  for (const std::vector<RunConfusion>& model : models.subspan(1)) {
-    const bool same_runs = std::equal(model.begin(), model.end(), sum.begin(), sum.end(),
-                                      [](const RunConfusion& a, const RunConfusion& b) { return a.object == b.object; });
+  std::vector<results::RunConfusion> sum = models.front();
+  for (const std::vector<results::RunConfusion>& model : models.subspan(1)) {
+    const bool same_runs =
+        std::equal(model.begin(), model.end(), sum.begin(), sum.end(),
+                   [](const results::RunConfusion& a, const results::RunConfusion& b) { return a.object == b.object; });
     if (!same_runs) throw Error("confusions of models on different runs; expected the same runs for each");
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i].confusion += model[i].confusion;
   }
   return sum;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -7,13 +7,13 @@
 
 #include "tactile/evaluation/accuracy.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// The confusion of one model on the balanced samples of one run.
 struct NamedConfusion {
   std::string run;  ///< "fan/03"
   std::string object;
-  Confusion confusion;
+  results::Confusion confusion;
 };
 
 /// {"runs": [{"run", "object", "confusion"}]}, complete or not at all. @throws Error if it cannot be written
@@ -23,10 +23,11 @@ void write_confusions(const std::filesystem::path& file, std::span<const NamedCo
 std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file);
 
 /// Those of these runs, in their order. @throws Error  if one of them is missing
-std::vector<RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions, std::span<const std::string> runs);
+std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions,
+                                                      std::span<const std::string> runs);
 
 /// The sum over models, run by run: one more model counts as more samples of each run.
 /// @throws Error  if they are not of the same runs
-std::vector<RunConfusion> sum_over_models(std::span<const std::vector<RunConfusion>> models);
+std::vector<results::RunConfusion> sum_over_models(std::span<const std::vector<results::RunConfusion>> models);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -3,19 +3,19 @@
 #include "tactile/experiments/folder_lock.hpp"
 #include "tactile/experiments/study/study_results.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
-StudySummary run_study(const StudyOptions& requested, const NewProgress& new_progress, const StepCallback& on_step,
-                       const WarningCallback& warn) {
+StudySummary run_study(const StudyOptions& requested, const experiments::NewProgress& new_progress,
+                       const experiments::StepCallback& on_step, const WarningCallback& warn) {
   const StudyOptions options = completed(requested);
-  const FolderLock lock(options.out, "tactile reproduce");
-  StepRunner runner({.folder = options.out,
-                     .program = options.program,
-                     .threads = options.threads,
-                     .new_progress = new_progress,
-                     .on_step = on_step});
+  const experiments::FolderLock lock(options.out, "tactile reproduce");
+  experiments::StepRunner runner({.folder = options.out,
+                                  .program = options.program,
+                                  .threads = options.threads,
+                                  .new_progress = new_progress,
+                                  .on_step = on_step});
   const PreparedData prepared = prepare_data(options, runner, warn);
-  const Dataset dataset(prepared.dataset);
+  const windows::Dataset dataset(prepared.dataset);
   const StudyPlan plan = plan_study(options, dataset, warn);
   const TrainedModels trained = train_models(plan, runner);
   const JudgedModels judged = judge_models(plan, trained, runner);
@@ -28,4 +28,4 @@ StudySummary run_study(const StudyOptions& requested, const NewProgress& new_pro
           .errors = prepared.errors};
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

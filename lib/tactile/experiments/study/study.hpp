@@ -9,7 +9,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study_options.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// The outcome of a study.
 struct StudySummary {
@@ -29,7 +29,7 @@ struct StudySummary {
 /// @param warn          see `WarningCallback`; called before a dataset with other settings is replaced, among others
 /// @throws Error  if an option is out of its range, another study works in the same folder, or a step fails: the step's command
 ///                and what went wrong
-StudySummary run_study(const StudyOptions& options, const NewProgress& new_progress = {}, const StepCallback& on_step = {},
-                       const WarningCallback& warn = {});
+StudySummary run_study(const StudyOptions& options, const experiments::NewProgress& new_progress = {},
+                       const experiments::StepCallback& on_step = {}, const WarningCallback& warn = {});
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 PresetSettings preset_settings(std::string_view preset) {
   if (preset == "tiny") return {{}, 3};
@@ -24,8 +24,8 @@ StudyOptions completed(StudyOptions options) {
   std::sort(options.histories.begin(), options.histories.end());
   options.histories.erase(std::unique(options.histories.begin(), options.histories.end()), options.histories.end());
   if (options.histories.empty()) throw Error("no history to train for; expected one at least");
-  for (const microseconds history : options.histories) check(HeatmapOptions{.history = history});
+  for (const microseconds history : options.histories) check(heatmaps::HeatmapOptions{.history = history});
   return options;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

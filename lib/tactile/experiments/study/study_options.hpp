@@ -12,7 +12,7 @@
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/windows/split.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// What to study, and how.
 struct StudyOptions {
@@ -35,9 +35,9 @@ struct StudyOptions {
   std::uint64_t seed = 1;  ///< of simulation, samples, drawn splits and the first training; the next ones add 1, 2, …
   std::size_t splits = 0;  ///< drawn at random from all ways to hold out as many objects
 
-  EngineKind engine = EngineKind::fast;              ///< runs the models
-  std::filesystem::path program = "/proc/self/exe";  ///< trains
-  unsigned threads = 0;                              ///< 0: as many as the machine has cores
+  model::EngineKind engine = model::EngineKind::fast;  ///< runs the models
+  std::filesystem::path program = "/proc/self/exe";    ///< trains
+  unsigned threads = 0;                                ///< 0: as many as the machine has cores
 };
 
 /// What a preset decides beside the simulation.
@@ -58,4 +58,4 @@ using WarningCallback = std::function<void(const std::string& sentence)>;
 
 inline constexpr microseconds default_history{40'000};  ///< the paper's, used if there are no runs to choose one on
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -16,20 +16,20 @@
 #include "tactile/experiments/study/claims.hpp"
 #include "tactile/experiments/study/left_out.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string path_in(const StudyPlan& plan, const fs::path& path) { return from_folder(path, plan.options.out); }
+std::string path_in(const StudyPlan& plan, const fs::path& path) { return experiments::from_folder(path, plan.options.out); }
 
 json training_json(const StudyPlan& plan, const StudyModel& model) {
   return {{"seed", model.settings.training.seed},
           {"name", model.name()},
           {"folder", path_in(plan, model.bundle.folder)},
           {"history", path_in(plan, model.bundle.history())},
-          {"weights_sha256", read_description(model.bundle).weights_sha256},
+          {"weights_sha256", model::read_description(model.bundle).weights_sha256},
           {"samples", path_in(plan, samples_file(plan, model))}};
 }
 
@@ -39,7 +39,7 @@ json histories_json(const StudyPlan& plan, const TrainedModels& trained) {
     json entry = {{"th_ms", in_ms(history)}, {"models", json::array()}, {"accuracy", {{"choice", nullptr}}}};
     for (const StudyModel& model : models) {
       json one = training_json(plan, model);
-      one["accuracy"] = accuracy_of(confusions_of(plan, {model}, plan.reported.names)).mean;
+      one["accuracy"] = evaluation::accuracy_of(confusions_of(plan, {model}, plan.reported.names)).mean;
       entry["models"].push_back(one);
     }
     for (const auto& [set, comparison] : trained.comparisons) entry["accuracy"][set] = comparison.accuracies.at(history);
@@ -58,7 +58,7 @@ std::string rule_of(const HistoryComparison& comparison) {
   return fmt::format(
       " The mean over objects is higher at {} ms there, {:.2f} % against {:.2f} %; the paper's rule decides: the history that is "
       "best for the most objects; only among equals, the highest mean.",
-      ms_text(best->first), 100 * best->second.mean.value, 100 * chosen);
+      experiments::ms_text(best->first), 100 * best->second.mean.value, 100 * chosen);
 }
 
 json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
@@ -69,13 +69,13 @@ json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
                  {"best", {{"choice", nullptr}}}};
   if (chosen_on_runs) {
     const HistoryComparison& comparison = trained.comparisons.at("choice");
-    choice["why"] =
-        fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).{}", ms_text(trained.history),
-                    comparison.choice.counts.at(trained.history), comparison.choice.of_objects.size(),
-                    fmt::join(preset_settings(plan.options.preset).choice_runs, ", "), rule_of(comparison));
+    choice["why"] = fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).{}",
+                                experiments::ms_text(trained.history), comparison.choice.counts.at(trained.history),
+                                comparison.choice.of_objects.size(),
+                                fmt::join(preset_settings(plan.options.preset).choice_runs, ", "), rule_of(comparison));
   } else {
     choice["why"] = fmt::format("No run is left to choose a history on beside those reported on, so t_h stays {} ms.",
-                                ms_text(trained.history));
+                                experiments::ms_text(trained.history));
   }
   for (const auto& [set, comparison] : trained.comparisons) choice["best"][set] = comparison.choice;
   return choice;
@@ -87,13 +87,13 @@ json paper_way_json(const TrainedModels& trained) {
   return {{"th_ms", in_ms(history)},
           {"model", trained.by_history.at(history).front().name()},
           {"why", fmt::format("{} ms is the best history for {} of {} objects on all test runs, which are also reported on.{}",
-                              ms_text(history), comparison.choice.counts.at(history), comparison.choice.of_objects.size(),
-                              rule_of(comparison))}};
+                              experiments::ms_text(history), comparison.choice.counts.at(history),
+                              comparison.choice.of_objects.size(), rule_of(comparison))}};
 }
 
 json evaluation_json(const StudyPlan& plan, const EvaluatedModel& evaluated) {
   const json full = read_json(evaluated.json_file);
-  const JsonView view(full, evaluated.json_file.string(), MissingMember::is_error);
+  const results::JsonView view(full, evaluated.json_file.string(), results::MissingMember::is_error);
   json entry = {{"id", evaluated.id},
                 {"th_ms", in_ms(evaluated.model.settings.rendering.history)},
                 {"seed", evaluated.model.settings.training.seed},
@@ -104,7 +104,7 @@ json evaluation_json(const StudyPlan& plan, const EvaluatedModel& evaluated) {
   for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
     entry[key] = full.at(key);
   entry["slip_at_once"]["objects"] =
-      detected_at_first_tick(view["delay_ms"]["slip"].get<DelayTable>().objects, view["tick_ms"].number());
+      detected_at_first_tick(view["delay_ms"]["slip"].get<results::DelayTable>().objects, view["tick_ms"].number());
   return entry;
 }
 
@@ -141,22 +141,22 @@ std::string sentence_on_trainings(unsigned seeds) {
 
 /// All but objects held out and claims.
 json study_json(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const PreparedData& prepared,
-                std::span<const StepRecord> steps) {
-  const Dataset& dataset = plan.dataset;
-  const BootstrapOptions bootstrap;
+                std::span<const experiments::StepRecord> steps) {
+  const windows::Dataset& dataset = plan.dataset;
+  const results::BootstrapOptions bootstrap;
   json study = {{"format", "tactile-study-1"},
                 {"title", fmt::format("The paper's study on {} runs ({})", dataset.simulated() ? "simulated" : "real",
                                       plan.options.preset)},
                 {"simulated", dataset.simulated()},
                 {"settings", settings_json(plan, prepared.simulated)},
-                {"software", software_json()},
-                {"machine", machine_json(plan.options.threads)},
+                {"software", experiments::software_json()},
+                {"machine", experiments::machine_json(plan.options.threads)},
                 {"bootstrap",
                  {{"draws", bootstrap.draws},
                   {"confidence", bootstrap.confidence},
                   {"seed", bootstrap.seed},
                   {"trainings", sentence_on_trainings(plan.options.seeds)}}},
-                {"steps", steps_json(steps)},
+                {"steps", experiments::steps_json(steps)},
                 {"dataset",
                  {{"file", path_in(plan, prepared.dataset)},
                   {"manifest_hash", dataset.manifest_hash()},
@@ -185,8 +185,8 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
 /// Accuracy on held-out objects: of models trained without them, and of as many models of the same seeds trained with them.
 /// @param held_out  models trained without the same objects, one at least
 /// @return  without runs, if the set has none of these objects
-UnseenComparison compared_on(const StudyPlan& plan, const TrainedModels& trained, const std::vector<StudyModel>& held_out,
-                             const RunSet& set) {
+results::UnseenComparison compared_on(const StudyPlan& plan, const TrainedModels& trained,
+                                      const std::vector<StudyModel>& held_out, const RunSet& set) {
   std::vector<std::string> runs;
   const std::vector<std::uint32_t>& judged_on = held_out.front().runs;
   for (std::size_t i = 0; i < set.runs.size(); ++i) {
@@ -195,17 +195,18 @@ UnseenComparison compared_on(const StudyPlan& plan, const TrainedModels& trained
   if (runs.empty()) return {};
   std::vector<StudyModel> seen = trained.by_history.at(trained.history);
   seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(std::min(seen.size(), held_out.size())), seen.end());
-  UnseenComparison comparison = unseen_comparison(confusions_of(plan, seen, runs), confusions_of(plan, held_out, runs));
+  results::UnseenComparison comparison =
+      evaluation::unseen_comparison(confusions_of(plan, seen, runs), confusions_of(plan, held_out, runs));
   comparison.runs = std::move(runs);
   return comparison;
 }
 
 /// The loss of accuracy over all drawn splits: an object's runs count once for each split that holds it out.
 /// @return  nothing if the set has no run of a held-out object
-std::optional<Figure> mean_difference_of_splits(const StudyPlan& plan, const TrainedModels& trained, const RunSet& set) {
-  std::map<std::string, RunConfusion> seen_in, held_out_in;  // by run
+std::optional<results::Figure> mean_difference_of_splits(const StudyPlan& plan, const TrainedModels& trained, const RunSet& set) {
+  std::map<std::string, results::RunConfusion> seen_in, held_out_in;  // by run
   for (const StudyModel& model : trained.splits) {
-    const UnseenComparison comparison = compared_on(plan, trained, {model}, set);
+    const results::UnseenComparison comparison = compared_on(plan, trained, {model}, set);
     if (comparison.runs.empty()) continue;
     const auto seen = confusions_of(plan, {trained.chosen()}, comparison.runs);
     const auto held_out = confusions_of(plan, {model}, comparison.runs);
@@ -217,12 +218,12 @@ std::optional<Figure> mean_difference_of_splits(const StudyPlan& plan, const Tra
     }
   }
   if (seen_in.empty()) return std::nullopt;
-  std::vector<RunConfusion> seen, held_out;
+  std::vector<results::RunConfusion> seen, held_out;
   for (const auto& [run, confusion] : seen_in) {
     seen.push_back(confusion);
     held_out.push_back(held_out_in.at(run));
   }
-  return accuracy_difference(seen, held_out).mean;
+  return evaluation::accuracy_difference(seen, held_out).mean;
 }
 
 /// Adds "unseen", "splits" and "splits_mean" to study.json, and the rows of unseen.csv.
@@ -230,7 +231,7 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
   json& study = results.study;
   const auto add_comparison = [&](json& entry, const std::string& split, const std::vector<StudyModel>& held_out) {
     for (const RunSet* set : {&plan.reported, &plan.all_test}) {
-      const UnseenComparison comparison = compared_on(plan, trained, held_out, *set);
+      const results::UnseenComparison comparison = compared_on(plan, trained, held_out, *set);
       entry[set->name] = comparison.runs.empty() ? json() : json(comparison);
       if (!comparison.runs.empty()) results.unseen.push_back({split, set->name, comparison});
     }
@@ -254,16 +255,17 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
   }
   for (const RunSet* set : {&plan.reported, &plan.all_test}) {
     if (plan.splits.empty()) break;
-    const std::optional<Figure> mean = mean_difference_of_splits(plan, trained, *set);
+    const std::optional<results::Figure> mean = mean_difference_of_splits(plan, trained, *set);
     study["splits_mean"][set->name] = mean ? json(*mean) : json();
   }
 }
 
-std::vector<Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const RunSet& set) {
+std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
+                                      const RunSet& set) {
   const EvaluatedModel& evaluated = judged.evaluation(set.name);
   const std::string where = evaluated.json_file.string();
   const json evaluation = read_json(evaluated.json_file);
-  const JsonView over_time = JsonView(evaluation, where, MissingMember::is_error)["over_time"];
+  const results::JsonView over_time = results::JsonView(evaluation, where, results::MissingMember::is_error)["over_time"];
   ClaimInputs inputs;
   inputs.histories = trained.comparisons.at(set.name).confusions;
   for (const microseconds history : StudyOptions{}.histories) {
@@ -272,7 +274,7 @@ std::vector<Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained
   inputs.detections = detections_in(evaluation, where);
   inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
   inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
-  inputs.over_time = over_time["both"].get<ShareOverTime>();
+  inputs.over_time = over_time["both"].get<results::ShareOverTime>();
   inputs.after_ms = over_time["after_ms"].number();
   if (!trained.held_out.empty()) {
     const std::vector<std::string> runs = compared_on(plan, trained, trained.held_out, set).runs;
@@ -285,14 +287,14 @@ std::vector<Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained
 }  // namespace
 
 StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                        const PreparedData& prepared, std::span<const StepRecord> steps) {
+                        const PreparedData& prepared, std::span<const experiments::StepRecord> steps) {
   StudyResults results;
   results.study = study_json(plan, trained, judged, prepared, steps);
   add_unseen_objects(plan, trained, results);
   results.claims = claims_on(plan, trained, judged, plan.reported);
-  const std::vector<Claim> on_all_test_runs = claims_on(plan, trained, judged, plan.all_test);
+  const std::vector<results::Claim> on_all_test_runs = claims_on(plan, trained, judged, plan.all_test);
   for (std::size_t i = 0; i < results.claims.size(); ++i)
-    results.claims[i].all_test = static_cast<const ClaimOutcome&>(on_all_test_runs[i]);
+    results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
   for (const RunSet* set : plan.run_sets()) {
@@ -313,4 +315,4 @@ void write_results(const StudyResults& results, const fs::path& folder) {
   write_if_changed("study.json", json_text(results.study, 2) + "\n");
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -8,21 +8,21 @@
 #include "tactile/experiments/study/prepare_data.hpp"
 #include "tactile/experiments/study/study_tables.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// What a study writes.
 struct StudyResults {
-  nlohmann::json study;               ///< study.json; docs/format.md lists its keys
-  std::vector<AccuracyRow> accuracy;  ///< accuracy.csv; points into the `TrainedModels` of the study
-  std::vector<UnseenRow> unseen;      ///< unseen.csv
-  std::vector<Claim> claims;          ///< claims.csv
+  nlohmann::json study;                ///< study.json; docs/format.md lists its keys
+  std::vector<AccuracyRow> accuracy;   ///< accuracy.csv; points into the `TrainedModels` of the study
+  std::vector<UnseenRow> unseen;       ///< unseen.csv
+  std::vector<results::Claim> claims;  ///< claims.csv
 };
 
 /// Last stage of a study: all results, and the verdicts on the paper's claims.
 StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                        const PreparedData& prepared, std::span<const StepRecord> steps);
+                        const PreparedData& prepared, std::span<const experiments::StepRecord> steps);
 
 /// Writes the four files into the folder; those that would not change keep their modification time.
 void write_results(const StudyResults& results, const std::filesystem::path& folder);
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -9,37 +9,38 @@
 #include "tactile/experiments/training_step.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
-namespace tactile {
+namespace tactile::study {
 namespace {
 
-Step step_to_train(const StudyPlan& plan, const StudyModel& model) {
+experiments::Step step_to_train(const StudyPlan& plan, const StudyModel& model) {
   const StudyOptions& options = plan.options;
-  return training_step(plan.dataset, model.settings, model.bundle,
-                       {options.data, options.models, from_folder(options.models, options.out)});
+  return experiments::training_step(plan.dataset, model.settings, model.bundle,
+                                    {options.data, options.models, experiments::from_folder(options.models, options.out)});
 }
 
-Step step_to_judge(const StudyPlan& plan, const StudyModel& model) {
+experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model) {
   const auto file = samples_file(plan, model);
-  return file_step("judge-" + model.name(),
-                   with_engine({{"manifest", plan.dataset.manifest_hash()},
-                                {"weights", read_description(model.bundle).weights_sha256},
-                                {"runs", names_of(plan.dataset, model.runs)}},
-                               plan.options.engine),
-                   file, [&plan, model, file](const ProgressCallback& progress) {
-                     const unsigned threads = plan.options.threads;
-                     const Classifier classifier = open_classifier(model.bundle.folder, threads, plan.options.engine);
-                     const auto confusions =
-                         sample_confusions(plan.dataset, classifier, model.runs, {.threads = threads}, progress);
-                     const std::vector<std::string> names = names_of(plan.dataset, model.runs);
-                     std::vector<NamedConfusion> named;
-                     for (std::size_t i = 0; i < names.size(); ++i)
-                       named.push_back({names[i], confusions[i].object, confusions[i].confusion});
-                     write_confusions(file, named);
-                   });
+  return experiments::file_step("judge-" + model.name(),
+                                with_engine({{"manifest", plan.dataset.manifest_hash()},
+                                             {"weights", model::read_description(model.bundle).weights_sha256},
+                                             {"runs", names_of(plan.dataset, model.runs)}},
+                                            plan.options.engine),
+                                file, [&plan, model, file](const ProgressCallback& progress) {
+                                  const unsigned threads = plan.options.threads;
+                                  const model::Classifier classifier =
+                                      model::open_classifier(model.bundle.folder, threads, plan.options.engine);
+                                  const auto confusions = evaluation::sample_confusions(plan.dataset, classifier, model.runs,
+                                                                                        {.threads = threads}, progress);
+                                  const std::vector<std::string> names = names_of(plan.dataset, model.runs);
+                                  std::vector<NamedConfusion> named;
+                                  for (std::size_t i = 0; i < names.size(); ++i)
+                                    named.push_back({names[i], confusions[i].object, confusions[i].confusion});
+                                  write_confusions(file, named);
+                                });
 }
 
-void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& models, StepRunner& runner) {
-  std::vector<Step> steps;
+void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& models, experiments::StepRunner& runner) {
+  std::vector<experiments::Step> steps;
   for (const StudyModel& model : models) steps.push_back(step_to_train(plan, model));
   runner.run_side_by_side(steps);
   for (const StudyModel& model : models) runner.run(step_to_judge(plan, model));
@@ -69,7 +70,7 @@ HistoryComparison compare_histories(const StudyPlan& plan, const RunSet& set, co
   HistoryComparison comparison;
   for (const auto& [history, models] : trained.by_history) {
     comparison.confusions[history] = confusions_of(plan, models, set.names);
-    comparison.accuracies[history] = accuracy_of(comparison.confusions[history]);
+    comparison.accuracies[history] = evaluation::accuracy_of(comparison.confusions[history]);
   }
   comparison.choice = choose_history(comparison.accuracies);
   return comparison;
@@ -81,14 +82,14 @@ std::filesystem::path samples_file(const StudyPlan& plan, const StudyModel& mode
   return plan.options.out / "samples" / (model.name() + ".json");
 }
 
-std::vector<RunConfusion> confusions_of(const StudyPlan& plan, const std::vector<StudyModel>& models,
-                                        const std::vector<std::string>& runs) {
-  std::vector<std::vector<RunConfusion>> each;
+std::vector<results::RunConfusion> confusions_of(const StudyPlan& plan, const std::vector<StudyModel>& models,
+                                                 const std::vector<std::string>& runs) {
+  std::vector<std::vector<results::RunConfusion>> each;
   for (const StudyModel& model : models) each.push_back(confusions_of_runs(read_confusions(samples_file(plan, model)), runs));
   return sum_over_models(each);
 }
 
-TrainedModels train_models(const StudyPlan& plan, StepRunner& runner) {
+TrainedModels train_models(const StudyPlan& plan, experiments::StepRunner& runner) {
   TrainedModels trained;
   std::vector<StudyModel> due;
   for (const microseconds history : plan.options.histories) {
@@ -116,4 +117,4 @@ TrainedModels train_models(const StudyPlan& plan, StepRunner& runner) {
   return trained;
 }
 
-}  // namespace tactile
+}  // namespace tactile::study

@@ -10,11 +10,11 @@
 #include "tactile/experiments/study/history_choice.hpp"
 #include "tactile/experiments/study/plan_study.hpp"
 
-namespace tactile {
+namespace tactile::study {
 
 /// Histories compared on one set of runs.
 struct HistoryComparison {
-  std::map<microseconds, std::vector<RunConfusion>> confusions;  ///< of each run, all trainings summed
+  std::map<microseconds, std::vector<results::RunConfusion>> confusions;  ///< of each run, all trainings summed
   AccuracyByHistory accuracies;
   HistoryChoice choice;
 };
@@ -34,13 +34,13 @@ struct TrainedModels {
 /// Third stage of a study: trains a model for each history and seed, chooses a history, and trains models without held-out
 /// objects. Each model is judged on its samples, which the choice depends on.
 /// @throws Error  if a step fails
-TrainedModels train_models(const StudyPlan& plan, StepRunner& runner);
+TrainedModels train_models(const StudyPlan& plan, experiments::StepRunner& runner);
 
 /// The file with a model's confusion on each of its runs.
 std::filesystem::path samples_file(const StudyPlan& plan, const StudyModel& model);
 
 /// The confusion of models, summed, on each of these runs. @throws Error  if one of the models was not judged on all of them
-std::vector<RunConfusion> confusions_of(const StudyPlan& plan, const std::vector<StudyModel>& models,
-                                        const std::vector<std::string>& runs);
+std::vector<results::RunConfusion> confusions_of(const StudyPlan& plan, const std::vector<StudyModel>& models,
+                                                 const std::vector<std::string>& runs);
 
-}  // namespace tactile
+}  // namespace tactile::study

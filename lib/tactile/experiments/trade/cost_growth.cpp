@@ -16,7 +16,7 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -25,11 +25,11 @@ constexpr microseconds tick{2'000};
 constexpr microseconds usual_history{40'000};
 constexpr std::size_t fewest_events = 100;  // in a millisecond in which the skin moves
 
-Weights random_weights(SensorSize input) {
+model::Weights random_weights(events::SensorSize input) {
   Random random(1);
-  Weights weights;
-  for (const ParameterShape& shape : lenet_layers(input).parameters()) {
-    Parameter parameter{shape, std::vector<float>(shape.count())};
+  model::Weights weights;
+  for (const model::ParameterShape& shape : model::lenet_layers(input).parameters()) {
+    model::Parameter parameter{shape, std::vector<float>(shape.count())};
     const double inputs = std::max(1.0, static_cast<double>(shape.count()) / static_cast<double>(shape.sizes.front()));
     for (float& value : parameter.values) value = static_cast<float>(random.uniform(-1, 1) / std::sqrt(inputs));
     weights.push_back(std::move(parameter));
@@ -50,7 +50,7 @@ void keep_shorter(TickParts& kept, Clock::time_point begin, Clock::time_point re
   if (now.rendering + now.network < kept.rendering + kept.network) kept = now;
 }
 
-GrowthPoint::Way way_of(std::span<const TickParts> ticks) {
+results::GrowthPoint::Way way_of(std::span<const TickParts> ticks) {
   std::vector<double> rendering, network, both;
   for (const TickParts& one : ticks) {
     rendering.push_back(one.rendering);
@@ -63,8 +63,8 @@ GrowthPoint::Way way_of(std::span<const TickParts> ticks) {
 /// A stream of one rate: the events of each tick, all just before it.
 class EvenStream {
  public:
-  EvenStream(std::span<const Event> source, SensorSize from, SensorSize to, double events_per_s, std::size_t ticks,
-             std::size_t begin)
+  EvenStream(std::span<const events::Event> source, events::SensorSize from, events::SensorSize to, double events_per_s,
+             std::size_t ticks, std::size_t begin)
       : events_per_tick_(events_per_s * 1e-6 * static_cast<double>(tick.count())), events_(until(ticks)) {
     std::size_t at = 1;
     for (std::size_t i = 0; i < events_.size(); ++i) {
@@ -76,7 +76,7 @@ class EvenStream {
     }
   }
   /// Those between the ends of two ticks, counted from 0.
-  std::span<const Event> between(std::size_t from, std::size_t to) const {
+  std::span<const events::Event> between(std::size_t from, std::size_t to) const {
     return std::span(events_).subspan(until(from), until(to) - until(from));
   }
   static CameraTime time_of(std::size_t at) { return camera_time(tick.count() * static_cast<std::int64_t>(at)); }
@@ -84,14 +84,14 @@ class EvenStream {
  private:
   std::size_t until(std::size_t at) const { return static_cast<std::size_t>(events_per_tick_ * static_cast<double>(at)); }
   double events_per_tick_;
-  std::vector<Event> events_;
+  std::vector<events::Event> events_;
 };
 
 /// A point of the curves, measured turn by turn.
 class MeasuredPoint {
  public:
-  MeasuredPoint(std::span<const Event> source, SensorSize source_sensor, SensorSize sensor, double events_per_s,
-                microseconds history, const GrowthOptions& options)
+  MeasuredPoint(std::span<const events::Event> source, events::SensorSize source_sensor, events::SensorSize sensor,
+                double events_per_s, microseconds history, const GrowthOptions& options)
       : source_(source),
         source_sensor_(source_sensor),
         options_(options),
@@ -99,7 +99,7 @@ class MeasuredPoint {
         point_{.events_per_s = events_per_s,
                .history = history,
                .sensor = sensor,
-               .heatmap = heatmap_size(sensor, rendering_.factor),
+               .heatmap = heatmaps::heatmap_size(sensor, rendering_.factor),
                .lit_share = 0,
                .sparse = {},
                .dense = {}},
@@ -108,8 +108,8 @@ class MeasuredPoint {
 
   void take_turn() {
     const auto history = static_cast<std::size_t>(rendering_.history / tick);
-    const Weights weights = random_weights(point_.heatmap);
-    LeNetEngine skipping(point_.heatmap, weights), whole(point_.heatmap, weights, {}, {.skip_empty = false});
+    const model::Weights weights = random_weights(point_.heatmap);
+    model::LeNetEngine skipping(point_.heatmap, weights), whole(point_.heatmap, weights, {}, {.skip_empty = false});
     for (unsigned piece = 0; piece < options_.pieces; ++piece) {
       const EvenStream stream(source_, source_sensor_, point_.sensor, point_.events_per_s, history + options_.ticks,
                               source_.size() / options_.pieces * piece);
@@ -119,8 +119,8 @@ class MeasuredPoint {
     }
   }
 
-  GrowthPoint result() const {
-    GrowthPoint point = point_;
+  results::GrowthPoint result() const {
+    results::GrowthPoint point = point_;
     point.lit_share = cells_ == 0 ? 0 : static_cast<double>(lit_) / static_cast<double>(cells_);
     point.sparse = way_of(sparse_);
     point.dense = way_of(dense_);
@@ -128,11 +128,11 @@ class MeasuredPoint {
   }
 
  private:
-  void render_sparse(const EvenStream& stream, LeNetEngine& network, std::span<TickParts> kept) {
+  void render_sparse(const EvenStream& stream, model::LeNetEngine& network, std::span<TickParts> kept) {
     const auto history = static_cast<std::size_t>(rendering_.history / tick);
     std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(point_.heatmap.width) *
                                       static_cast<std::size_t>(point_.heatmap.height));
-    HeatmapRenderer renderer(point_.sensor, rendering_);
+    heatmaps::HeatmapRenderer renderer(point_.sensor, rendering_);
     for (std::size_t at = 1; at <= history; ++at) {
       renderer.add(stream.between(at - 1, at));
       renderer.move_to(EvenStream::time_of(at));
@@ -154,7 +154,7 @@ class MeasuredPoint {
     }
   }
 
-  void render_dense(const EvenStream& stream, LeNetEngine& network, std::span<TickParts> kept) const {
+  void render_dense(const EvenStream& stream, model::LeNetEngine& network, std::span<TickParts> kept) const {
     const auto history = static_cast<std::size_t>(rendering_.history / tick);
     DenseHeatmaps plain(point_.sensor, rendering_.factor);
     plain.add(stream.between(0, history));
@@ -172,27 +172,28 @@ class MeasuredPoint {
     }
   }
 
-  std::span<const Event> source_;
-  SensorSize source_sensor_;
+  std::span<const events::Event> source_;
+  events::SensorSize source_sensor_;
   GrowthOptions options_;
-  HeatmapOptions rendering_;
-  GrowthPoint point_;
+  heatmaps::HeatmapOptions rendering_;
+  results::GrowthPoint point_;
   std::vector<TickParts> sparse_, dense_;
   std::uint64_t lit_ = 0, cells_ = 0;
 };
 
 }  // namespace
 
-std::vector<Event> moving_events(std::span<const std::filesystem::path> recordings) {
-  std::vector<Event> all;
+std::vector<events::Event> moving_events(std::span<const std::filesystem::path> recordings) {
+  std::vector<events::Event> all;
   for (const auto& file : recordings) {
-    std::vector<Event> of_recording;
-    RecordingReader recording(file);
-    for_all_events(recording, event_stream(recording).id,
-                   [&](std::span<const Event> events) { of_recording.insert(of_recording.end(), events.begin(), events.end()); });
+    std::vector<events::Event> of_recording;
+    events::RecordingReader recording(file);
+    events::for_all_events(recording, events::event_stream(recording).id, [&](std::span<const events::Event> events) {
+      of_recording.insert(of_recording.end(), events.begin(), events.end());
+    });
     for (auto begin = of_recording.begin(); begin != of_recording.end();) {
       const CameraTime end_of_ms = after(begin->t, 1ms);
-      const auto end = std::find_if(begin, of_recording.end(), [&](const Event& event) { return event.t >= end_of_ms; });
+      const auto end = std::find_if(begin, of_recording.end(), [&](const events::Event& event) { return event.t >= end_of_ms; });
       if (static_cast<std::size_t>(end - begin) >= fewest_events) all.insert(all.end(), begin, end);
       begin = end;
     }
@@ -201,19 +202,19 @@ std::vector<Event> moving_events(std::span<const std::filesystem::path> recordin
   return all;
 }
 
-CostGrowth measure_growth(std::span<const Event> source, SensorSize sensor, const GrowthOptions& options,
-                          const ProgressCallback& progress) {
+results::CostGrowth measure_growth(std::span<const events::Event> source, events::SensorSize sensor, const GrowthOptions& options,
+                                   const ProgressCallback& progress) {
   if (source.empty() || sensor.width <= 0 || sensor.height <= 0)
     throw Error("growth of cost: no events or no sensor; expected some of a sensor's");
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);  // as our engine
-  const auto point = [&](SensorSize of, double rate, microseconds history) {
+  const auto point = [&](events::SensorSize of, double rate, microseconds history) {
     return MeasuredPoint(source, sensor, of, rate, history, options);
   };
   std::vector<MeasuredPoint> by_rate, by_history, by_resolution;
   for (const double rate : options.rates) by_rate.push_back(point(sensor, rate, usual_history));
   for (const microseconds history : options.histories) by_history.push_back(point(sensor, options.usual_rate, history));
-  for (const SensorSize of : options.sensors) by_resolution.push_back(point(of, options.usual_rate, usual_history));
+  for (const events::SensorSize of : options.sensors) by_resolution.push_back(point(of, options.usual_rate, usual_history));
   const std::uint64_t total = (by_rate.size() + by_history.size() + by_resolution.size()) * options.turns;
   std::uint64_t done = 0;
   try {
@@ -230,11 +231,11 @@ CostGrowth measure_growth(std::span<const Event> source, SensorSize sensor, cons
     throw;
   }
   cv::setNumThreads(threads);
-  CostGrowth growth;
+  results::CostGrowth growth;
   for (const MeasuredPoint& one : by_rate) growth.by_rate.push_back(one.result());
   for (const MeasuredPoint& one : by_history) growth.by_history.push_back(one.result());
   for (const MeasuredPoint& one : by_resolution) growth.by_resolution.push_back(one.result());
   return growth;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-namespace tactile {
+namespace tactile::trade {
 
-DenseHeatmaps::DenseHeatmaps(SensorSize sensor, double factor)
+DenseHeatmaps::DenseHeatmaps(events::SensorSize sensor, double factor)
     : factor_(factor), counts_(cv::Mat1f::zeros(sensor.height, sensor.width)) {
-  const SensorSize size = heatmap_size(sensor, factor);
+  const events::SensorSize size = heatmaps::heatmap_size(sensor, factor);
   heatmap_ = cv::Mat1b::zeros(size.height, size.width);
 }
 
-void DenseHeatmaps::add(std::span<const Event> events) {
-  for (const Event& event : events) counts_(event.y, event.x) += 1;
+void DenseHeatmaps::add(std::span<const events::Event> events) {
+  for (const events::Event& event : events) counts_(event.y, event.x) += 1;
 }
 
-void DenseHeatmaps::forget(std::span<const Event> events) {
-  for (const Event& event : events) counts_(event.y, event.x) -= 1;
+void DenseHeatmaps::forget(std::span<const events::Event> events) {
+  for (const events::Event& event : events) counts_(event.y, event.x) -= 1;
 }
 
 void DenseHeatmaps::render() {
@@ -33,4 +33,4 @@ void DenseHeatmaps::render() {
 
 std::span<const std::uint8_t> DenseHeatmaps::heatmap() const { return {heatmap_.data, heatmap_.total()}; }
 
-}  // namespace tactile
+}  // namespace tactile::trade

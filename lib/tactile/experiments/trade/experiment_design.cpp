@@ -8,7 +8,7 @@
 
 #include "tactile/experiments/trade/pareto_front.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 /// @param set  puts a value into a setting; its text is then that of the setting's JSON
@@ -50,16 +50,17 @@ std::vector<std::size_t> thinned(const std::vector<std::size_t>& indexes, std::s
 }  // namespace
 
 std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
-  return {factor_of("tick_ms", levels.ticks, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
-          factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
-          factor_of("gate", levels.gate, [](TradeSetting& s, bool gate) { s.gate = gate; }),
-          factor_of("precision", levels.precisions, [](TradeSetting& s, Precision precision) { s.precision = precision; }),
-          factor_of("pass", levels.sparse, [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
-          factor_of("engine", levels.engines, [](TradeSetting& s, EngineKind engine) { s.engine = engine; }),
-          factor_of("th_ms", levels.histories, [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
-          factor_of("factor", levels.factors, [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
-          factor_of("resize", levels.resizes, [](TradeSetting& s, Resize resize) { s.rendering.resize = resize; }),
-          factor_of("denoise", levels.denoises, [](TradeSetting& s, Denoise denoise) { s.rendering.denoise = denoise; })};
+  return {
+      factor_of("tick_ms", levels.ticks, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
+      factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
+      factor_of("gate", levels.gate, [](TradeSetting& s, bool gate) { s.gate = gate; }),
+      factor_of("precision", levels.precisions, [](TradeSetting& s, model::Precision precision) { s.precision = precision; }),
+      factor_of("pass", levels.sparse, [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
+      factor_of("engine", levels.engines, [](TradeSetting& s, model::EngineKind engine) { s.engine = engine; }),
+      factor_of("th_ms", levels.histories, [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
+      factor_of("factor", levels.factors, [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
+      factor_of("resize", levels.resizes, [](TradeSetting& s, heatmaps::Resize resize) { s.rendering.resize = resize; }),
+      factor_of("denoise", levels.denoises, [](TradeSetting& s, heatmaps::Denoise denoise) { s.rendering.denoise = denoise; })};
 }
 
 std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels) {
@@ -156,4 +157,4 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
   return corners;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

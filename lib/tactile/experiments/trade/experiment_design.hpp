@@ -7,17 +7,17 @@
 
 #include "tactile/experiments/trade/trade_setting.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// The values to try of each parameter.
 struct TradeLevels {
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};
   std::vector<microseconds> ticks{1ms, 2ms, 4ms, 5ms, 10ms};
   std::vector<double> factors{0.1, 0.2, 0.25};
-  std::vector<Resize> resizes{Resize::area, Resize::linear};
-  std::vector<Denoise> denoises{Denoise::mean, Denoise::literal, Denoise::none};
-  std::vector<EngineKind> engines{EngineKind::fast, EngineKind::libtorch};
-  std::vector<Precision> precisions{Precision::fp32, Precision::int8};
+  std::vector<heatmaps::Resize> resizes{heatmaps::Resize::area, heatmaps::Resize::linear};
+  std::vector<heatmaps::Denoise> denoises{heatmaps::Denoise::mean, heatmaps::Denoise::literal, heatmaps::Denoise::none};
+  std::vector<model::EngineKind> engines{model::EngineKind::fast, model::EngineKind::libtorch};
+  std::vector<model::Precision> precisions{model::Precision::fp32, model::Precision::int8};
   std::vector<bool> sparse{true, false};
   std::vector<Confirmation> confirmations{{1, 1}, {2, 3}, {3, 5}, {5, 9}};
   std::vector<bool> gate{false, true};
@@ -70,4 +70,4 @@ struct TradeOutcome {
 std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const TradeLevels& levels,
                                             const std::map<std::string, TradeOutcome>& measured, std::size_t most);
 
-}  // namespace tactile
+}  // namespace tactile::trade

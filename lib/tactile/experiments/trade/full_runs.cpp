@@ -11,20 +11,21 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 }  // namespace
 
-std::vector<FullRun> classify_full_runs(const Dataset& dataset, std::span<const std::uint32_t> runs, const Classifier& classifier,
-                                        microseconds tick, unsigned threads, const ProgressCallback& progress) {
-  std::vector<FullRun> classified(runs.size());
+std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
+                                                 const model::Classifier& classifier, microseconds tick, unsigned threads,
+                                                 const ProgressCallback& progress) {
+  std::vector<results::FullRun> classified(runs.size());
   std::mutex one_at_a_time;
   std::size_t done = 0;
   parallel_for(runs.size(), threads, [&](std::size_t i) {
-    classified[i] = classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier, 1, {}, {}, tick);
+    classified[i] = evaluation::classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier, 1, {}, {}, tick);
     classified[i].run = name_of(dataset.runs()[runs[i]]);
     classified[i].probabilities = {};
     const std::scoped_lock lock(one_at_a_time);
@@ -33,13 +34,13 @@ std::vector<FullRun> classify_full_runs(const Dataset& dataset, std::span<const 
   return classified;
 }
 
-FullRun at_tick(const FullRun& run, microseconds tick) {
+results::FullRun at_tick(const results::FullRun& run, microseconds tick) {
   if (tick <= microseconds{0} || tick % run.ticks.tick != microseconds{0}) {
     throw Error(
         fmt::format("ticks of {} us of a run predicted every {} us; expected a multiple", tick.count(), run.ticks.tick.count()));
   }
   if (tick == run.ticks.tick) return run;
-  FullRun fewer{.run = run.run, .ticks = {.first = {}, .count = 0, .tick = tick}};
+  results::FullRun fewer{.run = run.run, .ticks = {.first = {}, .count = 0, .tick = tick}};
   for (std::int64_t i = 0; i < run.ticks.count; ++i) {
     const CameraTime t = run.ticks.at(i);
     if (us_of(t) % tick.count() != 0) continue;
@@ -50,7 +51,7 @@ FullRun at_tick(const FullRun& run, microseconds tick) {
   return fewer;
 }
 
-std::vector<Touch> verdicts_of(const FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation) {
+std::vector<Touch> verdicts_of(const results::FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation) {
   std::vector<Touch> verdicts = run.verdicts;
   for (std::size_t i = 0; gate && i < verdicts.size(); ++i) {
     if (run.events[i] < *gate) verdicts[i] = Touch::none;
@@ -58,16 +59,16 @@ std::vector<Touch> verdicts_of(const FullRun& run, std::optional<std::uint64_t> 
   return confirmed(verdicts, confirmation);
 }
 
-void write_full_runs(const std::filesystem::path& file, std::span<const FullRun> runs) {
+void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs) {
   nlohmann::json list = nlohmann::json::array();
-  for (const FullRun& run : runs) list.push_back(run);
+  for (const results::FullRun& run : runs) list.push_back(run);
   write_whole(file, nlohmann::json{{"runs", list}}.dump() + "\n");
 }
 
-std::vector<FullRun> read_full_runs(const std::filesystem::path& file) {
+std::vector<results::FullRun> read_full_runs(const std::filesystem::path& file) {
   const auto json = nlohmann::json::parse(read_text(file, largest_file), nullptr, false);
   if (json.is_discarded()) throw Error(file.string() + ": no JSON; expected predictions of runs");
-  return JsonView(json, file.string(), MissingMember::is_error)["runs"].list_of<FullRun>();
+  return results::JsonView(json, file.string(), results::MissingMember::is_error)["runs"].list_of<results::FullRun>();
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -13,23 +13,24 @@
 #include "tactile/results/full_run.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Renders and classifies every full tick of these runs, by the classifier's settings but for the tick.
 /// @return  the runs in their order, without probabilities
 /// @throws Error  as `classify_full_run`
-std::vector<FullRun> classify_full_runs(const Dataset& dataset, std::span<const std::uint32_t> runs, const Classifier& classifier,
-                                        microseconds tick, unsigned threads, const ProgressCallback& progress = {});
+std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
+                                                 const model::Classifier& classifier, microseconds tick, unsigned threads,
+                                                 const ProgressCallback& progress = {});
 
 /// The same run at a tick that is a multiple of its own: equal to what `classify_full_runs` gives, because a heatmap depends only
 /// on the events of its history. @throws Error  if it is no multiple
-FullRun at_tick(const FullRun& run, microseconds tick);
+results::FullRun at_tick(const results::FullRun& run, microseconds tick);
 
 /// The verdict at each tick: none below the gate's limit, then confirmed.
-std::vector<Touch> verdicts_of(const FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation);
+std::vector<Touch> verdicts_of(const results::FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation);
 
 /// {"runs": []}, complete or not at all.
-void write_full_runs(const std::filesystem::path& file, std::span<const FullRun> runs);
-std::vector<FullRun> read_full_runs(const std::filesystem::path& file);  ///< @throws Error  if it has another form
+void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs);
+std::vector<results::FullRun> read_full_runs(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 
-}  // namespace tactile
+}  // namespace tactile::trade

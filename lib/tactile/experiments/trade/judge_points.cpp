@@ -7,7 +7,7 @@
 #include "tactile/experiments/trade/full_runs.hpp"
 #include "tactile/experiments/trade/pareto_front.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 /// Of every tested run, the first `seeds` networks together.
@@ -18,9 +18,9 @@ std::vector<TradedRun> outcomes_of(const TradePlan& plan, const MeasuredPoints& 
   for (std::size_t seed = 0; seed < seeds; ++seed) {
     const TradeNetwork& network = point.networks[seed];
     const auto gate = gate_of(setting, network);
-    const std::vector<FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
+    const std::vector<results::FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
     for (std::size_t run = 0; run < outcomes.size(); ++run) {
-      const FullRun at_its_tick = at_tick(predicted[run], setting.rendering.tick);
+      const results::FullRun at_its_tick = at_tick(predicted[run], setting.rendering.tick);
       const TradedRun outcome =
           outcome_of(plan.tested.judged[run], at_its_tick, verdicts_of(at_its_tick, gate, setting.confirmation));
       if (seed == 0) {
@@ -85,4 +85,4 @@ std::map<std::string, TradeOutcome> known_outcomes(std::span<const TradePoint> p
   return known;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

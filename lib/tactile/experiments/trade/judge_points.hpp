@@ -6,7 +6,7 @@
 
 #include "tactile/experiments/trade/measure_points.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Computes all figures of the points, their differences from the first one, and which are on a front.
 /// @param measured  with predictions of all networks of the points, and times of all points
@@ -15,4 +15,4 @@ void judge(const TradePlan& plan, MeasuredPoints& measured);
 /// The outcomes on the runs to choose on, by `id_of`; points with an unknown figure are left out.
 std::map<std::string, TradeOutcome> known_outcomes(std::span<const TradePoint> points);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -18,7 +18,7 @@
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,7 +38,7 @@ void remove_unless(MeasuredPoints& measured, const TradeSetting& usual, Stays st
 /// @throws Error  if the dataset cannot render a setting
 void check_setting(const TradePlan& plan, const TradeSetting& setting) {
   const TradeNetwork network = network_of(plan, setting, 0);
-  check_renders(plan.dataset, network.settings.rendering);
+  heatmaps::check_renders(plan.dataset, network.settings.rendering);
   check(setting.rendering);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   if (tick >= shortest_prediction_tick) return;
@@ -75,7 +75,7 @@ void take_networks(const TradePlan& plan, const NetworkTrainer& trainer, Measure
   remove_unless(
       measured, usual,
       [](const TradePoint& point) {
-        return !point.setting.gate || read_description(point.networks.front().bundle).gate.has_value();
+        return !point.setting.gate || model::read_description(point.networks.front().bundle).gate.has_value();
       },
       "its network was made without a gate");
   if (measured.points.empty() || !(measured.points.front().setting == usual))
@@ -84,21 +84,22 @@ void take_networks(const TradePlan& plan, const NetworkTrainer& trainer, Measure
 
 fs::path file_of(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }
 
-Step step_to_predict(const TradePlan& plan, const TradeNetwork& network, const TradeSetting& setting) {
+experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& network, const TradeSetting& setting) {
   const std::string name = prediction_name(network, setting);
   const fs::path file = file_of(plan, name);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
-  return file_step(
+  return experiments::file_step(
       name,
       {{"manifest", plan.dataset.manifest_hash()},
-       {"weights", read_description(network.bundle).weights_sha256},
+       {"weights", model::read_description(network.bundle).weights_sha256},
        {"runs", names_of(plan.dataset, plan.tested.indexes)},
        {"tick_us", tick.count()},
        {"engine", name_of(setting.engine)},
        {"precision", name_of(setting.precision)}},
       file,
       [&plan, file, tick, network, setting](const ProgressCallback& progress) {
-        const Classifier classifier = open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+        const model::Classifier classifier =
+            model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
         write_full_runs(file,
                         classify_full_runs(plan.dataset, plan.tested.indexes, classifier, tick, plan.options.threads, progress));
       },
@@ -114,10 +115,10 @@ std::string time_left(Clock::time_point begun, std::size_t done, std::size_t lef
 }
 
 /// Adds the predictions of all networks of the points that are missing.
-void predict(const TradePlan& plan, StepRunner& runner, MeasuredPoints& measured) {
-  std::vector<Step> due;
+void predict(const TradePlan& plan, experiments::StepRunner& runner, MeasuredPoints& measured) {
+  std::vector<experiments::Step> due;
   std::set<std::string> seen;
-  const auto run = [&](const Step& step) {
+  const auto run = [&](const experiments::Step& step) {
     runner.run(step);
     measured.predictions[step.name] = read_full_runs(file_of(plan, step.name));
   };
@@ -125,7 +126,7 @@ void predict(const TradePlan& plan, StepRunner& runner, MeasuredPoints& measured
     for (const TradeNetwork& network : point.networks) {
       const std::string name = prediction_name(network, point.setting);
       if (measured.predictions.contains(name) || !seen.insert(name).second) continue;
-      const Step step = step_to_predict(plan, network, point.setting);
+      const experiments::Step step = step_to_predict(plan, network, point.setting);
       if (runner.is_done(step)) {
         run(step);
       } else {
@@ -146,11 +147,11 @@ json json_of(const TimedSetting& setting) {
           {"engine", name_of(setting.engine)},
           {"precision", name_of(setting.precision)},
           {"sparse", setting.sparse},
-          {"weights", read_description({setting.model}).weights_sha256}};
+          {"weights", model::read_description({setting.model}).weights_sha256}};
 }
 
 PointTimes time_points(const TradePlan& plan, std::span<const TradePoint> points, const std::string& step_name,
-                       StepRunner& runner) {
+                       experiments::StepRunner& runner) {
   PointTimes timed;
   json timed_json = json::array();
   for (const TradePoint& point : points) {
@@ -161,7 +162,7 @@ PointTimes time_points(const TradePlan& plan, std::span<const TradePoint> points
   }
   const TickTimesOptions& timing = plan.options.timing;
   const fs::path file = plan.options.out / "times" / (step_name + ".json");
-  runner.run(file_step(
+  runner.run(experiments::file_step(
       step_name,
       {{"manifest", plan.dataset.manifest_hash()},
        {"runs", names_of(plan.dataset, plan.tested.indexes)},
@@ -185,15 +186,15 @@ PointTimes time_points(const TradePlan& plan, std::span<const TradePoint> points
 
 }  // namespace
 
-Step NetworkTrainer::step_for(const TradeNetwork& network) const {
+experiments::Step NetworkTrainer::step_for(const TradeNetwork& network) const {
   const TradeOptions& options = plan_.options;
-  return training_step(plan_.dataset, network.settings, network.bundle,
-                       {options.data, options.models, from_folder(options.models, options.out)});
+  return experiments::training_step(plan_.dataset, network.settings, network.bundle,
+                                    {options.data, options.models, experiments::from_folder(options.models, options.out)});
 }
 
 double NetworkTrainer::longest_training_s() const {
   double longest = 0;
-  for (const StepRecord& record : runner_.records()) {
+  for (const experiments::StepRecord& record : runner_.records()) {
     if (record.name.starts_with("train-")) longest = std::max(longest, record.seconds);
   }
   return longest;
@@ -206,12 +207,12 @@ bool NetworkTrainer::budget_allows_training() const {
 }
 
 void NetworkTrainer::train(const std::vector<TradeNetwork>& networks) {
-  std::vector<Step> kept;
+  std::vector<experiments::Step> kept;
   std::vector<const TradeNetwork*> due;
   std::set<std::string> seen = trained_;
   for (const TradeNetwork& network : networks) {
     if (!seen.insert(network.name()).second) continue;
-    if (state_of(network.bundle, plan_.dataset, network.settings) == BundleState::unchanged) {
+    if (model::state_of(network.bundle, plan_.dataset, network.settings) == model::BundleState::unchanged) {
       kept.push_back(step_for(network));
       trained_.insert(network.name());
     } else {
@@ -225,7 +226,7 @@ void NetworkTrainer::train(const std::vector<TradeNetwork>& networks) {
       budget_ended_ = true;
       return;
     }
-    std::vector<Step> batch;
+    std::vector<experiments::Step> batch;
     for (std::size_t i = begin; i < std::min(begin + at_once, due.size()); ++i) {
       batch.push_back(step_for(*due[i]));
       batch.back().description = fmt::format("training {} of {}: {}", i + 1, due.size(), text_of(plan_, *due[i]));
@@ -270,7 +271,7 @@ const TimesOfRuns& PointTimes::of(const TradePoint& point) const {
   return times[static_cast<std::size_t>(std::find(settings.begin(), settings.end(), timed_setting_of(point)) - settings.begin())];
 }
 
-void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, StepRunner& runner,
+void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, experiments::StepRunner& runner,
              MeasuredPoints& measured) {
   remove_what_cannot_be_rendered(plan, measured);
   std::vector<TradeNetwork> networks;
@@ -282,7 +283,8 @@ void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTra
   judge(plan, measured);
 }
 
-void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, StepRunner& runner, MeasuredPoints& measured) {
+void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, experiments::StepRunner& runner,
+                       MeasuredPoints& measured) {
   for (;;) {
     std::vector<TradeNetwork> networks;
     for (const TradePoint& point : measured.points) {
@@ -299,7 +301,7 @@ void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, StepRunne
   }
 }
 
-json time_cost_growth(const TradePlan& plan, StepRunner& runner) {
+json time_cost_growth(const TradePlan& plan, experiments::StepRunner& runner) {
   constexpr std::size_t enough_recordings = 3;
   std::vector<fs::path> recordings;
   for (std::size_t i = 0; i < std::min(plan.train.size(), enough_recordings); ++i)
@@ -307,9 +309,9 @@ json time_cost_growth(const TradePlan& plan, StepRunner& runner) {
   const GrowthOptions& growth = plan.options.growth_options;
   json histories = json::array(), sensors = json::array();
   for (const microseconds history : growth.histories) histories.push_back(history.count());
-  for (const SensorSize& sensor : growth.sensors) sensors.push_back({sensor.width, sensor.height});
+  for (const events::SensorSize& sensor : growth.sensors) sensors.push_back({sensor.width, sensor.height});
   const fs::path file = plan.options.out / "growth.json";
-  runner.run(file_step(
+  runner.run(experiments::file_step(
       "growth",
       {{"manifest", plan.dataset.manifest_hash()},
        {"machine", cpu_name()},
@@ -330,4 +332,4 @@ json time_cost_growth(const TradePlan& plan, StepRunner& runner) {
   return read_json(file);
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

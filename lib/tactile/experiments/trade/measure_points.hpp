@@ -12,13 +12,13 @@
 #include "tactile/experiments/trade/plan_trade.hpp"
 #include "tactile/results/full_run.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Trains networks, and knows which are trained. Starts no training that would exceed the budget, by the longest one so far.
 class NetworkTrainer {
  public:
   /// The time of the budget starts. @param runner  must outlive this, as `plan`
-  NetworkTrainer(const TradePlan& plan, StepRunner& runner) : plan_(plan), runner_(runner) {}
+  NetworkTrainer(const TradePlan& plan, experiments::StepRunner& runner) : plan_(plan), runner_(runner) {}
 
   /// In their order, each once.
   void train(const std::vector<TradeNetwork>& networks);
@@ -32,12 +32,12 @@ class NetworkTrainer {
   std::string unfinished() const;
 
  private:
-  Step step_for(const TradeNetwork& network) const;
+  experiments::Step step_for(const TradeNetwork& network) const;
   double longest_training_s() const;
   bool budget_allows_training() const;
 
   const TradePlan& plan_;
-  StepRunner& runner_;
+  experiments::StepRunner& runner_;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::set<std::string> trained_;  ///< names
   std::size_t begun_trainings_ = 0;
@@ -56,7 +56,8 @@ struct PointTimes {
 struct MeasuredPoints {
   std::vector<TradePoint> points;  ///< the usual setting first
   std::vector<NotMeasured> not_measured = {};
-  std::map<std::string, std::vector<FullRun>> predictions = {};  ///< at every tick of the tested runs, by `prediction_name`
+  std::map<std::string, std::vector<results::FullRun>> predictions =
+      {};  ///< at every tick of the tested runs, by `prediction_name`
   PointTimes times = {};
 };
 
@@ -67,15 +68,15 @@ std::string prediction_name(const TradeNetwork& network, const TradeSetting& set
 /// measured are moved to `not_measured`.
 /// @param step_of_times  name of the step that times all points
 /// @throws Error  if the usual setting cannot be measured, or a step fails
-void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, StepRunner& runner,
+void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, experiments::StepRunner& runner,
              MeasuredPoints& measured);
 
 /// Third stage: does the same with all seeds for the points on a front and the usual setting. Judges again, which may change the
 /// fronts, and repeats until no network is left to train. Times stay.
-void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, StepRunner& runner, MeasuredPoints& measured);
+void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, experiments::StepRunner& runner, MeasuredPoints& measured);
 
 /// Times ticks over event rates, histories and resolutions in one step.
 /// @return  `CostGrowth` as JSON. @throws Error  if the step fails
-nlohmann::json time_cost_growth(const TradePlan& plan, StepRunner& runner);
+nlohmann::json time_cost_growth(const TradePlan& plan, experiments::StepRunner& runner);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace tactile {
+namespace tactile::trade {
 
 std::vector<std::size_t> pareto_front(std::span<const TradePlace> places) {
   std::vector<std::size_t> order;
@@ -23,4 +23,4 @@ std::vector<std::size_t> pareto_front(std::span<const TradePlace> places) {
   return front;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Two or three figures of a setting, of which less is better.
 struct TradePlace {
@@ -15,4 +15,4 @@ struct TradePlace {
 /// equal places, the first beats the others. Places with a figure that is not finite are left out.
 std::vector<std::size_t> pareto_front(std::span<const TradePlace> places);
 
-}  // namespace tactile
+}  // namespace tactile::trade

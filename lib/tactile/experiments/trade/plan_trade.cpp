@@ -13,18 +13,19 @@
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/model/training/train_model.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 /// The longest tick that both are multiples of.
 microseconds common_tick(microseconds a, microseconds b) { return microseconds{std::gcd(a.count(), b.count())}; }
 
-JudgedRun judged_run(const Dataset& dataset, std::uint32_t run) {
-  const DatasetRun& names = dataset.runs()[run];
+JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
+  const windows::DatasetRun& names = dataset.runs()[run];
   JudgedRun judged{.run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset.sampling().guard};
-  for (const std::uint32_t sample : samples_of_runs(dataset, {&run, 1})) judged.samples.push_back(dataset.samples()[sample]);
-  judged.truth = read_run_truth({dataset.run_folder(run), names.object, names.run},
-                                member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  for (const std::uint32_t sample : model::samples_of_runs(dataset, {&run, 1}))
+    judged.samples.push_back(dataset.samples()[sample]);
+  judged.truth = evaluation::read_run_truth({dataset.run_folder(run), names.object, names.run},
+                                            member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   return judged;
 }
 
@@ -42,8 +43,8 @@ TradeOptions completed(TradeOptions options) {
   return options;
 }
 
-TradePlan plan_trade(const TradeOptions& options, const Dataset& dataset) {
-  const RunDivision runs = divide_runs(dataset, options.train_run, options.choice_runs);
+TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset) {
+  const experiments::RunDivision runs = experiments::divide_runs(dataset, options.train_run, options.choice_runs);
   if (runs.choice.empty()) {
     throw Error(
         fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
@@ -54,7 +55,7 @@ TradePlan plan_trade(const TradeOptions& options, const Dataset& dataset) {
   plan.tested.indexes = runs.choice;
   plan.tested.indexes.insert(plan.tested.indexes.end(), runs.reported.begin(), runs.reported.end());
   for (const std::uint32_t run : plan.tested.indexes) {
-    check_unchanged(dataset, run);
+    windows::check_unchanged(dataset, run);
     plan.tested.judged.push_back(judged_run(dataset, run));
     plan.tested.recordings.push_back(dataset.run_folder(run) / "events.aedat4");
   }
@@ -86,7 +87,7 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
   network.settings.split.train_run = plan.options.train_run;
-  network.bundle = {plan.options.models / default_name(network.settings)};
+  network.bundle = {plan.options.models / model::default_name(network.settings)};
   return network;
 }
 
@@ -94,8 +95,8 @@ microseconds prediction_tick(const TradeNetwork& network, microseconds tick) {
   return common_tick(network.settings.rendering.tick, tick);
 }
 
-std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, EngineKind engine,
-                    Precision precision) {
+std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, model::EngineKind engine,
+                    model::Precision precision) {
   TradeSetting setting = plan.options.usual, usual = plan.options.usual;
   setting.rendering = network.settings.rendering;
   setting.rendering.tick = tick;
@@ -125,7 +126,7 @@ TimedSetting timed_setting_of(const TradePoint& point) {
 
 std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
   if (!setting.gate) return std::nullopt;
-  return gate_limit(network.bundle, read_description(network.bundle));
+  return model::gate_limit(network.bundle, model::read_description(network.bundle));
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

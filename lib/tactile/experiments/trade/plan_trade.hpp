@@ -16,7 +16,7 @@
 #include "tactile/model/definition/model_settings.hpp"
 #include "tactile/windows/dataset.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// What to measure of speed against accuracy.
 struct TradeOptions {
@@ -45,8 +45,8 @@ TradeOptions completed(TradeOptions options);
 
 /// A network, which several settings may share, of one seed.
 struct TradeNetwork {
-  ModelSettings settings;
-  ModelBundle bundle;
+  model::ModelSettings settings;
+  model::ModelBundle bundle;
 
   std::string name() const { return bundle.name(); }
 };
@@ -83,8 +83,8 @@ std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNet
 
 /// What settings are measured on.
 struct TradePlan {
-  TradeOptions options;    ///< as `completed` returns them
-  const Dataset& dataset;  ///< must outlive the plan
+  TradeOptions options;             ///< as `completed` returns them
+  const windows::Dataset& dataset;  ///< must outlive the plan
   std::vector<std::uint32_t> train;
   TestedRuns tested;             ///< runs to choose on, then those to report on
   std::size_t choice_count = 0;  ///< number of runs to choose on
@@ -95,7 +95,7 @@ struct TradePlan {
 
 /// First stage: divides the runs and reads the truth of those to test on.
 /// @throws Error  if there are no runs to choose on beside those to report on, or a recording differs from the dataset's
-TradePlan plan_trade(const TradeOptions& options, const Dataset& dataset);
+TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset);
 
 /// The points of the design, the usual setting first: all others are compared with it.
 std::vector<TradePoint> designed_points(const TradePlan& plan);
@@ -111,10 +111,10 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
 microseconds prediction_tick(const TradeNetwork& network, microseconds tick);
 
 /// A network by its differences from the usual one: "t_h 20 ms, int8", "the usual network"; with the seed if there are several.
-std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, EngineKind engine,
-                    Precision precision);
+std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, model::EngineKind engine,
+                    model::Precision precision);
 
 /// The same for the usual tick, engine and precision.
 std::string text_of(const TradePlan& plan, const TradeNetwork& network);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -13,7 +13,7 @@
 #include "tactile/experiments/trade/recommendation.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,9 +51,9 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
   const std::vector<TimedSetting> timed{timed_setting_of(usual), timed_setting_of(point)};
   const auto times = time_ticks(timed, runs.recordings, plan.options.timing, progress);
   const auto open_network = [&](unsigned network_threads) {
-    return open_classifier(network.bundle.folder, network_threads, setting.engine, {.precision = setting.precision});
+    return model::open_classifier(network.bundle.folder, network_threads, setting.engine, {.precision = setting.precision});
   };
-  const std::vector<FullRun> predicted =
+  const std::vector<results::FullRun> predicted =
       classify_full_runs(plan.dataset, runs.indexes, open_network(1), setting.rendering.tick, threads, progress);
   std::vector<TradedRun> outcomes;
   for (std::size_t i = 0; i < runs.indexes.size(); ++i) {
@@ -64,9 +64,9 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
   result["by"] = "trade";
   // `eval` judges only at the network's own ticks, where samples lie.
   if (setting.rendering.tick == network.settings.rendering.tick) {
-    const Evaluation evaluation =
-        evaluate(plan.dataset, open_network(threads), runs.indexes,
-                 {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);
+    const results::Evaluation evaluation =
+        evaluation::evaluate(plan.dataset, open_network(threads), runs.indexes,
+                             {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);
     result["by"] = "eval";
     result["accuracy"] = evaluation.accuracy.mean;
     result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
@@ -77,17 +77,17 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
 }
 
 /// The same as a step.
-json run_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, StepRunner& runner) {
+json run_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, experiments::StepRunner& runner) {
   const std::string id = id_of(point.setting);
   const fs::path file = plan.options.out / "again" / (id + ".json");
   const TestedRuns reported = plan.tested.from(plan.choice_count);
-  runner.run(file_step(
+  runner.run(experiments::file_step(
       "again-" + id,
       {{"manifest", plan.dataset.manifest_hash()},
-       {"weights", read_description(point.networks.front().bundle).weights_sha256},
+       {"weights", model::read_description(point.networks.front().bundle).weights_sha256},
        {"setting", point.setting},
        {"runs", names_of(plan.dataset, reported.indexes)},
-       {"truth", truth_hashes(plan.dataset, reported.indexes)},
+       {"truth", experiments::truth_hashes(plan.dataset, reported.indexes)},
        {"machine", cpu_name()},
        {"revision", revision()}},
       file, [&](const ProgressCallback& progress) { write_json(file, measure_again(plan, point, usual, reported, progress)); },
@@ -97,18 +97,18 @@ json run_again(const TradePlan& plan, const TradePoint& point, const TradePoint&
 }
 
 TradeFigures figures_in(const json& again, const fs::path& folder, double tick_us) {
-  const JsonView view(again, folder.string(), MissingMember::is_error);
-  return {.accuracy = view["accuracy"].get<Figure>(),
-          .us_p99 = view["us"]["p99"].get<Figure>(),
-          .us_p50 = view["us"]["p50"].get<Figure>(),
-          .delay_us = view["delay_us"]["mean"].get<Figure>(),
-          .false_alarms_per_min = view["false_alarms_per_min"].get<Figure>(),
+  const results::JsonView view(again, folder.string(), results::MissingMember::is_error);
+  return {.accuracy = view["accuracy"].get<results::Figure>(),
+          .us_p99 = view["us"]["p99"].get<results::Figure>(),
+          .us_p50 = view["us"]["p50"].get<results::Figure>(),
+          .delay_us = view["delay_us"]["mean"].get<results::Figure>(),
+          .false_alarms_per_min = view["false_alarms_per_min"].get<results::Figure>(),
           .tick_us = tick_us};
 }
 
 }  // namespace
 
-json recommend_setting(const TradePlan& plan, std::span<const TradePoint> points, StepRunner& runner) {
+json recommend_setting(const TradePlan& plan, std::span<const TradePoint> points, experiments::StepRunner& runner) {
   const TradeConstraints& constraints = plan.options.constraints;
   json result = {{"wish", constraints},           {"setting", nullptr}, {"id", nullptr}, {"met", false},
                  {"chosen_in_interval", nullptr}, {"again", nullptr}};
@@ -133,4 +133,4 @@ json recommend_setting(const TradePlan& plan, std::span<const TradePoint> points
   return result;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

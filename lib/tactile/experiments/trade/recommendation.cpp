@@ -10,11 +10,11 @@
 #include <tuple>
 #include <vector>
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 bool all_met(const TradeConstraints& constraints, const TradeFigures& figures,
-             const std::function<bool(const Figure&, double, bool at_least)>& is_met) {
+             const std::function<bool(const results::Figure&, double, bool at_least)>& is_met) {
   return (!constraints.at_most_us || is_met(figures.us_p99, *constraints.at_most_us, false)) &&
          (!constraints.at_least_accuracy || is_met(figures.accuracy, *constraints.at_least_accuracy, true)) &&
          (!constraints.at_most_false_alarms_per_min ||
@@ -22,7 +22,7 @@ bool all_met(const TradeConstraints& constraints, const TradeFigures& figures,
 }
 
 /// The distance of a figure from its limit, in halves of its interval; 0 without an interval.
-double margin(const Figure& figure, double limit, bool at_least) {
+double margin(const results::Figure& figure, double limit, bool at_least) {
   const std::optional<double>& bound = at_least ? figure.low : figure.high;
   if (!bound) return 0;
   const double room = std::abs(figure.value - limit), doubt = std::abs(figure.value - *bound);
@@ -32,14 +32,14 @@ double margin(const Figure& figure, double limit, bool at_least) {
 /// The least margin over all constraints, for a setting whose values meet them.
 double least_margin(const TradeConstraints& constraints, const TradeFigures& figures) {
   double least = std::numeric_limits<double>::infinity();
-  all_met(constraints, figures, [&](const Figure& figure, double limit, bool at_least) {
+  all_met(constraints, figures, [&](const results::Figure& figure, double limit, bool at_least) {
     least = std::min(least, margin(figure, limit, at_least));
     return true;
   });
   return least;
 }
 
-std::string interval_text(const Figure& figure, double factor, const char* format_of, const char* unit) {
+std::string interval_text(const results::Figure& figure, double factor, const char* format_of, const char* unit) {
   if (!std::isfinite(figure.value)) return "unknown";
   const auto number = [&](double value) { return fmt::format(fmt::runtime(format_of), factor * value); };
   std::string text = number(figure.value) + unit;
@@ -78,13 +78,14 @@ std::string text_of(const TradeConstraints& constraints) {
 bool keeps_up(const TradeFigures& figures) { return figures.us_p99.value <= figures.tick_us; }
 
 bool meets(const TradeConstraints& constraints, const TradeFigures& figures) {
-  return keeps_up(figures) && all_met(constraints, figures, [](const Figure& figure, double limit, bool at_least) {
+  return keeps_up(figures) && all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            return at_least ? figure.value >= limit : figure.value <= limit;  // false for NaN
          });
 }
 
 bool meets_in_interval(const TradeConstraints& constraints, const TradeFigures& figures) {
-  return meets(constraints, figures) && all_met(constraints, figures, [](const Figure& figure, double limit, bool at_least) {
+  return meets(constraints, figures) &&
+         all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            const std::optional<double>& bound = at_least ? figure.low : figure.high;
            return bound && (at_least ? *bound >= limit : *bound <= limit);
          });
@@ -137,4 +138,4 @@ Recommendation recommend(const TradeConstraints& constraints, const std::optiona
   return recommendation;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

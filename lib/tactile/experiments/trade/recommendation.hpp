@@ -9,7 +9,7 @@
 
 #include "tactile/evaluation/confidence_interval.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Constraints on a detector; those not given are met by all.
 struct TradeConstraints {
@@ -25,11 +25,11 @@ std::string text_of(const TradeConstraints& constraints);  ///< "at most 200 us 
 
 /// The figures of a setting that constraints apply to.
 struct TradeFigures {
-  Figure accuracy;  ///< in [0, 1]
-  Figure us_p99;    ///< time per tick that 99 of 100 ticks do not exceed
-  Figure us_p50;
-  Figure delay_us;  ///< mean detection delay
-  Figure false_alarms_per_min;
+  results::Figure accuracy;  ///< in [0, 1]
+  results::Figure us_p99;    ///< time per tick that 99 of 100 ticks do not exceed
+  results::Figure us_p50;
+  results::Figure delay_us;  ///< mean detection delay
+  results::Figure false_alarms_per_min;
   double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next
 };
 
@@ -69,4 +69,4 @@ struct Recommendation {
 Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
                          const TradeFigures& again, bool simulated);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -20,11 +20,11 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Network = std::function<Logits(std::span<const std::uint8_t>)>;
+using Network = std::function<model::Logits(std::span<const std::uint8_t>)>;
 
 constexpr std::int64_t warm_up_ticks = 1;
 constexpr std::size_t largest_file = std::size_t{1} << 30;
@@ -44,40 +44,41 @@ class Networks {
 
  private:
   static Network opened(const TimedSetting& setting) {
-    if (setting.engine == EngineKind::libtorch) {
-      const auto classifier = std::make_shared<Classifier>(open_classifier(setting.model, 1, EngineKind::libtorch));
+    if (setting.engine == model::EngineKind::libtorch) {
+      const auto classifier =
+          std::make_shared<model::Classifier>(model::open_classifier(setting.model, 1, model::EngineKind::libtorch));
       return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
     }
-    const ModelBundle bundle{setting.model};
-    const ModelDescription description = read_description(bundle);
-    const auto engine =
-        std::make_shared<LeNetEngine>(description.input, read_bundle_weights(bundle, description), description.settings.network,
-                                      EngineOptions{.precision = setting.precision, .skip_empty = setting.sparse});
+    const model::ModelBundle bundle{setting.model};
+    const model::ModelDescription description = model::read_description(bundle);
+    const auto engine = std::make_shared<model::LeNetEngine>(
+        description.input, model::read_bundle_weights(bundle, description), description.settings.network,
+        model::EngineOptions{.precision = setting.precision, .skip_empty = setting.sparse});
     return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
   }
 
-  std::map<std::tuple<std::filesystem::path, EngineKind, Precision, bool>, Network> networks_;
+  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, Network> networks_;
 };
 
 struct Recorded {
-  std::vector<Event> events;
-  SensorSize sensor;
+  std::vector<events::Event> events;
+  events::SensorSize sensor;
 
-  std::span<const Event> between(CameraTime begin, CameraTime end) const {
+  std::span<const events::Event> between(CameraTime begin, CameraTime end) const {
     const auto place = [&](CameraTime t) {
       return std::lower_bound(events.begin(), events.end(), t,
-                              [](const Event& event, CameraTime time) { return event.t < time; });
+                              [](const events::Event& event, CameraTime time) { return event.t < time; });
     };
     return {place(begin), place(end)};
   }
 };
 
 Recorded events_of(const std::filesystem::path& recording) {
-  RecordingReader reader(recording);
-  const Stream& stream = event_stream(reader);
+  events::RecordingReader reader(recording);
+  const events::Stream& stream = events::event_stream(reader);
   Recorded recorded;
-  recorded.sensor = stream.size.value_or(SensorSize{});
-  for_all_events(reader, stream.id, [&](std::span<const Event> events) {
+  recorded.sensor = stream.size.value_or(events::SensorSize{});
+  events::for_all_events(reader, stream.id, [&](std::span<const events::Event> events) {
     recorded.events.insert(recorded.events.end(), events.begin(), events.end());
   });
   if (recorded.events.empty()) throw Error(recording.string() + ": no events; expected some to time detection with");
@@ -100,14 +101,14 @@ Piece piece_of(const TickRange& all, unsigned piece, const TickTimesOptions& opt
 /// One turn of one setting over a piece.
 void take_turn(const TimedSetting& setting, const Network& network, const Recorded& recorded, const Piece& piece,
                std::span<std::vector<TickTime>> turns) {
-  const HeatmapOptions& options = setting.rendering;
-  HeatmapRenderer renderer(recorded.sensor, options);
+  const heatmaps::HeatmapOptions& options = setting.rendering;
+  heatmaps::HeatmapRenderer renderer(recorded.sensor, options);
   std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(renderer.size().width) *
                                     static_cast<std::size_t>(renderer.size().height));
   CameraTime given = before(piece.first, options.history + options.tick * warm_up_ticks);
   for (std::int64_t i = -warm_up_ticks; i < piece.ticks; ++i) {
     const CameraTime t = after(piece.first, options.tick * i);
-    const std::span<const Event> events = recorded.between(given, t);
+    const std::span<const events::Event> events = recorded.between(given, t);
     given = t;
     const auto begin = Clock::now();
     renderer.add(events);
@@ -207,4 +208,4 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -11,7 +11,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/experiments/trade/trade_setting.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// Duration of one tick on one thread [us].
 struct TickTime {
@@ -28,9 +28,9 @@ struct TickTime {
 
 /// The part of a setting that costs time. Gate and confirmation themselves cost almost nothing.
 struct TimedSetting {
-  HeatmapOptions rendering;
-  EngineKind engine = EngineKind::fast;
-  Precision precision = Precision::fp32;
+  heatmaps::HeatmapOptions rendering;
+  model::EngineKind engine = model::EngineKind::fast;
+  model::Precision precision = model::Precision::fp32;
   bool sparse = true;
   std::filesystem::path model;  ///< the bundle
 
@@ -56,4 +56,4 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -10,7 +10,7 @@
 #include "tactile/experiments/trade/recommend_setting.hpp"
 #include "tactile/experiments/trade/trade_results.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ using nlohmann::json;
 /// Announces the parts of the work, each once one of its steps is due: parts whose steps are all kept are not mentioned.
 class Parts {
  public:
-  Parts(const TradeOptions& options, StepCallback on_step)
+  Parts(const TradeOptions& options, experiments::StepCallback on_step)
       : on_step_(std::move(on_step)),
         count_(1 + (options.full ? 0 : 1) + (options.seeds > 1 ? 1 : 0) + (options.growth ? 1 : 0) +
                (options.constraints.any() ? 1 : 0)) {}
@@ -33,12 +33,12 @@ class Parts {
   }
 
  private:
-  StepCallback on_step_;
+  experiments::StepCallback on_step_;
   int count_, begun_ = 0;
   std::string part_;  ///< not announced yet
 };
 
-MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Parts& parts, StepRunner& runner) {
+MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Parts& parts, experiments::StepRunner& runner) {
   const TradeOptions& options = plan.options;
   MeasuredPoints measured{.points = designed_points(plan)};
   parts.begin(
@@ -58,16 +58,17 @@ MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Pa
 
 }  // namespace
 
-TradeSummary run_trade(const TradeOptions& requested, const NewProgress& new_progress, const StepCallback& on_step) {
+TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProgress& new_progress,
+                       const experiments::StepCallback& on_step) {
   const TradeOptions options = completed(requested);
   Parts parts(options, on_step);
-  const FolderLock lock(options.out, "tactile trade");
-  StepRunner runner({.folder = options.out,
-                     .program = options.program,
-                     .threads = options.threads,
-                     .new_progress = new_progress,
-                     .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
-  const Dataset dataset(options.data / "dataset.h5");
+  const experiments::FolderLock lock(options.out, "tactile trade");
+  experiments::StepRunner runner({.folder = options.out,
+                                  .program = options.program,
+                                  .threads = options.threads,
+                                  .new_progress = new_progress,
+                                  .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
+  const windows::Dataset dataset(options.data / "dataset.h5");
   const TradePlan plan = plan_trade(options, dataset);
   NetworkTrainer trainer(plan, runner);
   const MeasuredPoints measured = measure_design(plan, trainer, parts, runner);
@@ -99,4 +100,4 @@ json detect_config(const json& trade, const fs::path& trade_folder) {
           {"gate", setting.at("gate")}};
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

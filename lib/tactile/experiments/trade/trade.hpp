@@ -7,7 +7,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// The outcome of `run_trade`.
 struct TradeSummary {
@@ -22,9 +22,10 @@ struct TradeSummary {
 /// is done and unchanged. An interrupted call resumes.
 /// @throws Error  if an option is out of its range, there are no runs to choose on beside those to report on, another process
 ///                works in the same folder, or a step fails
-TradeSummary run_trade(const TradeOptions& options, const NewProgress& new_progress = {}, const StepCallback& on_step = {});
+TradeSummary run_trade(const TradeOptions& options, const experiments::NewProgress& new_progress = {},
+                       const experiments::StepCallback& on_step = {});
 
 /// The config that `tactile detect --config` reads, for the recommended setting. @throws Error  if none was recommended
 nlohmann::json detect_config(const nlohmann::json& trade, const std::filesystem::path& trade_folder);
 
-}  // namespace tactile
+}  // namespace tactile::trade

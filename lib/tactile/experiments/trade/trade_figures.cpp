@@ -7,17 +7,17 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/ticks.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 using Runs = std::span<const TradedRun>;
-using OfRuns = std::function<std::optional<double>(const RunsByObject&)>;
+using OfRuns = std::function<std::optional<double>(const evaluation::RunsByObject&)>;
 
 std::optional<double> quantile_of(const std::vector<double>& values, double q) {
   return values.empty() ? std::nullopt : std::optional(quantile(values, q));
 }
 
-std::vector<double> joined(Runs runs, const RunsByObject& chosen, std::vector<double> TradedRun::*values) {
+std::vector<double> joined(Runs runs, const evaluation::RunsByObject& chosen, std::vector<double> TradedRun::*values) {
   std::vector<double> all;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) all.insert(all.end(), (runs[i].*values).begin(), (runs[i].*values).end());
@@ -26,8 +26,8 @@ std::vector<double> joined(Runs runs, const RunsByObject& chosen, std::vector<do
 }
 
 OfRuns accuracy_in(Runs runs) {
-  return mean_over_objects([runs](std::span<const std::size_t> indexes) {
-    Confusion sum;
+  return evaluation::mean_over_objects([runs](std::span<const std::size_t> indexes) {
+    results::Confusion sum;
     for (const std::size_t i : indexes) sum += runs[i].confusion;
     return sum.accuracy();
   });
@@ -35,18 +35,18 @@ OfRuns accuracy_in(Runs runs) {
 
 /// Of ticks whose gate is open; of all ticks if it is open at none.
 OfRuns open_tick_us_in(Runs runs) {
-  return [runs](const RunsByObject& chosen) {
+  return [runs](const evaluation::RunsByObject& chosen) {
     const auto open = quantile_of(joined(runs, chosen, &TradedRun::open_tick_us), 0.5);
     return open ? open : quantile_of(joined(runs, chosen, &TradedRun::tick_us), 0.5);
   };
 }
 
 OfRuns tick_us_in(Runs runs, double q) {
-  return [runs, q](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::tick_us), q); };
+  return [runs, q](const evaluation::RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::tick_us), q); };
 }
 
 OfRuns delay_in(Runs runs) {
-  return [runs](const RunsByObject& chosen) -> std::optional<double> {
+  return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
     const std::vector<double> delays = joined(runs, chosen, &TradedRun::delays_us);
     if (delays.empty()) return std::nullopt;
     double sum = 0;
@@ -56,7 +56,7 @@ OfRuns delay_in(Runs runs) {
 }
 
 OfRuns missed_in(Runs runs) {
-  return [runs](const RunsByObject& chosen) -> std::optional<double> {
+  return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
     std::uint64_t not_detected = 0, intervals = 0;
     for (const auto& object : chosen) {
       for (const std::size_t i : object) not_detected += runs[i].misses + runs[i].early, intervals += runs[i].intervals;
@@ -67,8 +67,8 @@ OfRuns missed_in(Runs runs) {
 }
 
 OfRuns alarms_in(Runs runs) {
-  return [runs](const RunsByObject& chosen) -> std::optional<double> {
-    FalseAlarms sum;
+  return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
+    results::FalseAlarms sum;
     for (const auto& object : chosen) {
       for (const std::size_t i : object) sum += runs[i].alarms;
     }
@@ -77,18 +77,18 @@ OfRuns alarms_in(Runs runs) {
 }
 
 /// For few alarms, or little time, the bootstrap over runs gives too narrow an interval.
-void widen_by_few_alarms_in(Runs runs, Figure& per_min, double confidence) {
-  FalseAlarms sum;
+void widen_by_few_alarms_in(Runs runs, results::Figure& per_min, double confidence) {
+  results::FalseAlarms sum;
   unsigned seeds = 1;
   for (const TradedRun& run : runs) sum += run.alarms, seeds = std::max(seeds, run.seeds);
-  widen_by_few_alarms(per_min, sum, confidence, seeds);
+  evaluation::widen_by_few_alarms(per_min, sum, confidence, seeds);
 }
 
-RunsByObject all_by_object(Runs runs) {
-  return without_names(runs_by_object(runs, [](const TradedRun&) { return true; }));
+evaluation::RunsByObject all_by_object(Runs runs) {
+  return evaluation::without_names(evaluation::runs_by_object(runs, [](const TradedRun&) { return true; }));
 }
 
-void add_to(Figure& figure, double more) {
+void add_to(results::Figure& figure, double more) {
   figure.value += more;
   if (figure.low) *figure.low += more;
   if (figure.high) *figure.high += more;
@@ -107,27 +107,28 @@ TradedRun& TradedRun::operator+=(const TradedRun& other) {
   return *this;
 }
 
-TradedRun outcome_of(const JudgedRun& run, const FullRun& full, std::span<const Touch> verdicts) {
+TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts) {
   TradedRun outcome;
   outcome.object = run.object;
   const TickRange& ticks = full.ticks;
-  for (const Sample& sample : run.samples) {
+  for (const windows::Sample& sample : run.samples) {
     const CameraTime tick = last_tick_until(sample.t, ticks.tick);
     const std::int64_t place = ticks.count > 0 && tick >= ticks.first ? between(ticks.first, tick) / ticks.tick : -1;
     const bool is_predicted = place >= 0 && ticks.count > 0;
     outcome.confusion.add(sample.touch,
                           is_predicted ? verdicts[static_cast<std::size_t>(std::min(place, ticks.count - 1))] : Touch::none);
   }
-  const auto detections = detections_of(ticks, verdicts, run.truth.used());
-  for (const Detection& detection : detections) {
+  const auto detections = evaluation::detections_of(ticks, verdicts, run.truth.used());
+  for (const results::Detection& detection : detections) {
     ++outcome.intervals;
-    if (detection.outcome == DetectionOutcome::missed) ++outcome.misses;
-    if (detection.outcome == DetectionOutcome::early) ++outcome.early;
-    if (detection.outcome == DetectionOutcome::detected)
+    if (detection.outcome == results::DetectionOutcome::missed) ++outcome.misses;
+    if (detection.outcome == results::DetectionOutcome::early) ++outcome.early;
+    if (detection.outcome == results::DetectionOutcome::detected)
       outcome.delays_us.push_back(static_cast<double>(between(detection.interval.start, detection.first_right).count()));
   }
   if (!run.truth.labels.empty())
-    outcome.alarms = false_alarms_of(ticks, verdicts, run.truth.all_labelled(), run.truth.unlabelled, detections, run.guard);
+    outcome.alarms =
+        evaluation::false_alarms_of(ticks, verdicts, run.truth.all_labelled(), run.truth.unlabelled, detections, run.guard);
   return outcome;
 }
 
@@ -152,9 +153,9 @@ void to_json(nlohmann::json& json, const TradeResult& result) {
           {"us", {{"p50", result.figures.us_p50}, {"p99", result.figures.us_p99}}}};
 }
 
-TradeResult result_of(Runs runs, const BootstrapOptions& options) {
-  const RunsByObject all = all_by_object(runs);
-  const auto figure = [&](const OfRuns& statistic) { return figure_over_objects(all, statistic, options); };
+TradeResult result_of(Runs runs, const results::BootstrapOptions& options) {
+  const evaluation::RunsByObject all = all_by_object(runs);
+  const auto figure = [&](const OfRuns& statistic) { return evaluation::figure_over_objects(all, statistic, options); };
   TradeResult result;
   result.figures.accuracy = figure(accuracy_in(runs));
   result.figures.us_p50 = figure(tick_us_in(runs, 0.5));
@@ -162,8 +163,8 @@ TradeResult result_of(Runs runs, const BootstrapOptions& options) {
   result.figures.delay_us = figure(delay_in(runs));
   result.figures.false_alarms_per_min = figure(alarms_in(runs));
   widen_by_few_alarms_in(runs, result.figures.false_alarms_per_min, options.confidence);
-  result.delay_p95_us =
-      figure([runs](const RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
+  result.delay_p95_us = figure(
+      [runs](const evaluation::RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));
   const double computing_us = open_tick_us_in(runs)(all).value_or(std::numeric_limits<double>::quiet_NaN());
   add_to(result.figures.delay_us, computing_us);
@@ -184,15 +185,15 @@ void to_json(nlohmann::json& json, const TradeDifference& difference) {
           {"us", {{"p50", difference.us_p50}, {"p99", difference.us_p99}}}};
 }
 
-TradeDifference difference_of(Runs a, Runs b, const BootstrapOptions& options) {
+TradeDifference difference_of(Runs a, Runs b, const results::BootstrapOptions& options) {
   const bool same = std::equal(a.begin(), a.end(), b.begin(), b.end(),
                                [](const TradedRun& one, const TradedRun& other) { return one.object == other.object; });
   if (!same) throw Error("difference of settings: the two are not of the same objects; expected the same runs in the same order");
-  const RunsByObject all = all_by_object(a);
+  const evaluation::RunsByObject all = all_by_object(a);
   const auto figure = [&](const OfRuns& of_a, const OfRuns& of_b) {
-    return figure_over_objects(
+    return evaluation::figure_over_objects(
         all,
-        [&](const RunsByObject& chosen) -> std::optional<double> {
+        [&](const evaluation::RunsByObject& chosen) -> std::optional<double> {
           const auto first = of_a(chosen), second = of_b(chosen);
           if (!first || !second) return std::nullopt;
           return *second - *first;
@@ -200,7 +201,7 @@ TradeDifference difference_of(Runs a, Runs b, const BootstrapOptions& options) {
         options);
   };
   const auto with_computing = [](const OfRuns& delay, const OfRuns& us) {
-    return [=](const RunsByObject& chosen) -> std::optional<double> {
+    return [=](const evaluation::RunsByObject& chosen) -> std::optional<double> {
       const auto found = delay(chosen);
       if (!found) return std::nullopt;
       return *found + us(chosen).value_or(0);
@@ -213,4 +214,4 @@ TradeDifference difference_of(Runs a, Runs b, const BootstrapOptions& options) {
           .us_p99 = figure(tick_us_in(a, 0.99), tick_us_in(b, 0.99))};
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -12,7 +12,7 @@
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ json point_json(const TradePoint& point, const TradeSetting& usual) {
 /// heatmap of a run takes about twice as long as usual; all else is other load on the machine.
 std::size_t on_a_busy_machine(std::span<const TradePoint> points) {
   return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [](const TradePoint& point) {
-    const auto is_uncertain = [](const Figure& us) { return us.has_interval() && *us.high > 4 * *us.low; };
+    const auto is_uncertain = [](const results::Figure& us) { return us.has_interval() && *us.high > 4 * *us.low; };
     return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
   }));
 }
@@ -50,8 +50,8 @@ json json_of(const TradeLevels& tried) {
 }
 
 json settings_json(const TradeOptions& options) {
-  return {{"data", from_folder(options.data, options.out)},
-          {"models", from_folder(options.models, options.out)},
+  return {{"data", experiments::from_folder(options.data, options.out)},
+          {"models", experiments::from_folder(options.models, options.out)},
           {"train_run", options.train_run},
           {"choice_runs", options.choice_runs},
           {"epochs", options.epochs},
@@ -88,8 +88,8 @@ json not_measured_json(const TradeOptions& options, const TradeFindings& finding
 
 json trade_json(const TradePlan& plan, const TradeFindings& findings) {
   const TradeOptions& options = plan.options;
-  const Dataset& dataset = plan.dataset;
-  const BootstrapOptions bootstrap;
+  const windows::Dataset& dataset = plan.dataset;
+  const results::BootstrapOptions bootstrap;
   json points = json::array();
   for (const TradePoint& point : findings.points) points.push_back(point_json(point, options.usual));
   return {{"format", "tactile-trade-1"},
@@ -102,13 +102,13 @@ json trade_json(const TradePlan& plan, const TradeFindings& findings) {
                "the machine does falls on all alike. 'tactile detect' reports itself how long it waits beside that.",
                options.timing.ticks * options.timing.pieces, options.timing.turns)},
           {"settings", settings_json(options)},
-          {"software", software_json()},
-          {"machine", machine_json(options.threads)},
+          {"software", experiments::software_json()},
+          {"machine", experiments::machine_json(options.threads)},
           {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
           {"dataset",
-           {{"file", from_folder(dataset.file(), options.out)},
+           {{"file", experiments::from_folder(dataset.file(), options.out)},
             {"manifest_hash", dataset.manifest_hash()},
-            {"settings", dataset_settings_in(dataset.settings())},
+            {"settings", windows::dataset_settings_in(dataset.settings())},
             {"samples", dataset.samples().size()}}},
           {"runs",
            {{"train", names_of(dataset, plan.train)},
@@ -122,7 +122,7 @@ json trade_json(const TradePlan& plan, const TradeFindings& findings) {
           {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
           {"growth", findings.growth},
           {"recommendation", findings.recommendation},
-          {"steps", steps_json(findings.steps)}};
+          {"steps", experiments::steps_json(findings.steps)}};
 }
 
 void write_trade(const json& trade, const fs::path& folder) {
@@ -162,4 +162,4 @@ std::string trade_csv(const json& trade) {
   return csv;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -10,7 +10,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// All that was measured. Everything is viewed.
 struct TradeFindings {
@@ -19,7 +19,7 @@ struct TradeFindings {
   const nlohmann::json& growth;          ///< null if it was not measured
   const nlohmann::json& recommendation;  ///< as in trade.json
   std::string unfinished;                ///< a sentence if the budget ended the work; else empty
-  std::span<const StepRecord> steps;
+  std::span<const experiments::StepRecord> steps;
 };
 
 /// The contents of trade.json; docs/format.md lists its keys.
@@ -31,4 +31,4 @@ void write_trade(const nlohmann::json& trade, const std::filesystem::path& folde
 /// One row for each setting and set of runs. @param trade  the contents of trade.json
 std::string trade_csv(const nlohmann::json& trade);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -7,7 +7,7 @@
 
 #include "tactile/core/duration_units.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 namespace {
 
 /// One value of a setting, in the form of each output.
@@ -59,12 +59,12 @@ std::string text_of(const TradeSetting& setting, const TradeSetting& base) {
 }
 
 std::optional<std::string> why_impossible(const TradeSetting& setting) {
-  const HeatmapOptions& rendering = setting.rendering;
+  const heatmaps::HeatmapOptions& rendering = setting.rendering;
   if (rendering.history % rendering.tick != microseconds{0})
     return fmt::format("t_h {:g} ms is no whole number of ticks of {:g} ms", in_ms(rendering.history), in_ms(rendering.tick));
-  if (setting.engine == EngineKind::libtorch && (setting.precision != Precision::fp32 || !setting.sparse))
+  if (setting.engine == model::EngineKind::libtorch && (setting.precision != model::Precision::fp32 || !setting.sparse))
     return "libtorch computes all, in fp32";
   return std::nullopt;
 }
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -9,14 +9,14 @@
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 
-namespace tactile {
+namespace tactile::trade {
 
 /// All parameters of a detector that trade speed for accuracy. The defaults are the paper's; those that change no verdict are the
 /// fastest.
 struct TradeSetting {
-  HeatmapOptions rendering{};  ///< its tick is the detector's; the model may have another
-  EngineKind engine = EngineKind::fast;
-  Precision precision = Precision::fp32;
+  heatmaps::HeatmapOptions rendering{};  ///< its tick is the detector's; the model may have another
+  model::EngineKind engine = model::EngineKind::fast;
+  model::Precision precision = model::Precision::fp32;
   bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
   Confirmation confirmation{};
   bool gate = false;
@@ -36,4 +36,4 @@ std::string text_of(const TradeSetting& setting, const TradeSetting& base = {});
 /// Why the setting is impossible; nothing if it is possible.
 std::optional<std::string> why_impossible(const TradeSetting& setting);
 
-}  // namespace tactile
+}  // namespace tactile::trade

@@ -9,7 +9,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 std::string_view next_word(std::string_view& text) {
@@ -109,4 +109,4 @@ ImportedLabels read_audacity(const std::filesystem::path& file) {
   return labels;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

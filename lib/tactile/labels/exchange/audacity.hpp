@@ -5,7 +5,7 @@
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// A label track of Audacity: UTF-8, one label per line, `start TAB end TAB text`, seconds with six decimals. The text is the
 /// interval's id, its class, half the 95 % interval of its onset, and "ok" if a person confirmed it. The first label, a point at
@@ -18,4 +18,4 @@ std::string audacity_text(const LabelsToExport& labels);
 /// @throws Error  with the line, if it cannot be read, or if the file is empty or larger than 8 MiB
 ImportedLabels read_audacity(const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -14,7 +14,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -291,4 +291,4 @@ ImportedLabels read_elan(const fs::path& path) {
   return labels;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -5,7 +5,7 @@
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// An annotation document of ELAN (EAF 3.0). The tier `touch` has the intervals in whole milliseconds, "press" or "slip", with "
 /// ok" if a person confirmed it. The ANNOTATION_ID is the interval's id. A vocabulary offers the four values. The tiers `onset 95
@@ -23,4 +23,4 @@ std::string elan_text(const LabelsToExport& labels, const std::filesystem::path&
 ///                `touch`, or declares a document type or entities
 ImportedLabels read_elan(const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::labels

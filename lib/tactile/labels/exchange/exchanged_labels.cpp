@@ -9,7 +9,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 struct FormatNames {
@@ -173,4 +173,4 @@ std::string shown_text(std::string_view text) {
   return "'" + plain + (text.size() > 40 ? "...'" : "'");
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

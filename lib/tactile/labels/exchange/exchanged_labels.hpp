@@ -10,7 +10,7 @@
 
 #include "tactile/labels/labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The formats of other tools. All four keep the ids of intervals, so that an edited file can be imported.
 enum class ExchangeFormat : std::uint8_t { audacity, elan, label_studio, csv };
@@ -107,4 +107,4 @@ void read_words(std::string_view text, const std::string& where, ImportedInterva
 /// The text for an error: at most 40 characters, without control characters.
 std::string shown_text(std::string_view text);
 
-}  // namespace tactile
+}  // namespace tactile::labels

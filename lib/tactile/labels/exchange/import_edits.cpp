@@ -9,7 +9,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr std::size_t nothing = static_cast<std::size_t>(-1);
@@ -125,7 +125,8 @@ class Edits {
     }
   }
 
-  UncertainTime moved(const ImportedInterval& imported, std::int64_t us, std::int64_t rounding_us, const char* what) const {
+  alignment::UncertainTime moved(const ImportedInterval& imported, std::int64_t us, std::int64_t rounding_us,
+                                 const char* what) const {
     const CameraTime t = clock_.camera_from(us);
     const microseconds rounding{rounding_us};
     if (t < before(first_, rounding) || t > after(last_, rounding)) {
@@ -145,7 +146,7 @@ class Edits {
   std::vector<std::size_t> old_of_;
 };
 
-void put_at(UncertainTime& time, CameraTime t) { time = {t, std::min(time.low, t), std::max(time.high, t)}; }
+void put_at(alignment::UncertainTime& time, CameraTime t) { time = {t, std::min(time.low, t), std::max(time.high, t)}; }
 
 /// Closes overlaps of neighbours that are due to the tool's rounding: the edited end is moved to the exact one.
 void make_neighbours_meet(std::vector<Placed>& placed, const std::string& file) {
@@ -247,4 +248,4 @@ Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes
   return labels;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -4,7 +4,7 @@
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The outcome for a run's intervals.
 struct EditCounts {
@@ -30,4 +30,4 @@ struct EditCounts {
 Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes& times, CameraTime first_event,
                   CameraTime last_event, EditCounts& counts);
 
-}  // namespace tactile
+}  // namespace tactile::labels

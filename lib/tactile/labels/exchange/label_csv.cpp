@@ -12,7 +12,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 constexpr std::string_view header =
@@ -236,4 +236,4 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
   return runs;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

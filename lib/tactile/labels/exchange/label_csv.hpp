@@ -7,7 +7,7 @@
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The intervals of all runs, one per row; seconds with six decimals:
 ///
@@ -25,4 +25,4 @@ std::string label_csv_text(std::span<const LabelsToExport> runs);
 /// @throws Error  with the row and the column, if it cannot be read, or if the file is larger than 8 MiB
 std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -16,7 +16,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 using nlohmann::json;
@@ -233,4 +233,4 @@ std::vector<ImportedLabels> read_label_studio(const std::filesystem::path& file)
   return runs;
 }
 
-}  // namespace tactile
+}  // namespace tactile::labels

@@ -7,7 +7,7 @@
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// Tasks of Label Studio. `data` has the run, its flags as text, the origin of its times, and the signals, so that one file is
 /// enough to import. The labels are a prediction with score 0 if there is an unconfirmed flag, otherwise 1. If a person has
@@ -25,4 +25,4 @@ std::string label_studio_config(std::span<const LabelsToExport> runs);
 /// @throws Error  with task and result, if it cannot be read, or if the file is larger than 256 MiB
 std::vector<ImportedLabels> read_label_studio(const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::labels

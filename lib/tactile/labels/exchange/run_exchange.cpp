@@ -17,7 +17,7 @@
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ std::int64_t written_s(const fs::path& file) {
 /// The film's first frame in camera time, and the film's drift. A player's time 0 is the first frame.
 std::optional<ClockRelation> film_clock(const RunFolder& run, const Labels& labels) {
   if (!labels.video_clock || !fs::exists(run.video_times())) return std::nullopt;
-  const std::vector<VideoTime> frames = read_video_times(run.video_times());
+  const std::vector<VideoTime> frames = video::read_video_times(run.video_times());
   if (frames.empty()) return std::nullopt;
   const ClockRelation& clock = labels.video_clock->relation;
   return ClockRelation{.offset_us = us_of(clock.camera_from(frames.front())), .drift_ppm = clock.drift_ppm, .reference_us = 0};
@@ -119,24 +119,25 @@ double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 }  // namespace
 
 RecordingSpan span_of_events(const RunFolder& run) {
-  RecordingReader recording(run.events());
-  const std::int32_t id = event_stream(recording).id;
+  events::RecordingReader recording(run.events());
+  const std::int32_t id = events::event_stream(recording).id;
   RecordingSpan span{CameraTime::max(), CameraTime::min()};
   // The table's times are only a hint. The events of the outermost non-empty packets count.
-  std::vector<PacketRecord> packets;
-  for (const PacketRecord& packet : recording.packets()) {
+  std::vector<events::PacketRecord> packets;
+  for (const events::PacketRecord& packet : recording.packets()) {
     if (packet.stream_id == id && packet.elements > 0) packets.push_back(packet);
   }
-  const auto widen = [&](const PacketRecord& packet) {
-    const std::span<Event> events = recording.read_events(packet);
-    for (const Event& event : events) span = {std::min(span.first, event.t), std::max(span.last, event.t)};
+  const auto widen = [&](const events::PacketRecord& packet) {
+    const std::span<events::Event> events = recording.read_events(packet);
+    for (const events::Event& event : events) span = {std::min(span.first, event.t), std::max(span.last, event.t)};
     return !events.empty();
   };
   std::stable_sort(packets.begin(), packets.end(),
-                   [](const PacketRecord& a, const PacketRecord& b) { return a.first < b.first; });
+                   [](const events::PacketRecord& a, const events::PacketRecord& b) { return a.first < b.first; });
   if (std::none_of(packets.begin(), packets.end(), widen))
     throw Error(run.events().string() + ": has no event; expected a recording with events");
-  std::stable_sort(packets.begin(), packets.end(), [](const PacketRecord& a, const PacketRecord& b) { return a.last > b.last; });
+  std::stable_sort(packets.begin(), packets.end(),
+                   [](const events::PacketRecord& a, const events::PacketRecord& b) { return a.last > b.last; });
   static_cast<void>(std::any_of(packets.begin(), packets.end(), widen));
   return span;
 }
@@ -165,8 +166,8 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
   constexpr std::int64_t most_points = 20'000;
   const std::int64_t length_us = between(labels.first_event, labels.last_event).count();
   const microseconds bin{1000 * (1 + length_us / (1000 * most_points))};
-  RecordingReader recording(run.events());
-  const EventRate rate = event_rate(recording, event_stream(recording).id, {.bin = bin});
+  events::RecordingReader recording(run.events());
+  const alignment::EventRate rate = alignment::event_rate(recording, events::event_stream(recording).id, {.bin = bin});
   const ClockRelation axis = labels.times.to_camera(labels.first_event);
   const double per_s = 1e6 / static_cast<double>(bin.count());
 
@@ -179,12 +180,12 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
     signals.curves[0].second.push_back(rounded(rate.counts[i] * per_s));
   }
   if (labels.labels.robot_clocks.empty() || !fs::exists(run.robot())) return signals;
-  const RobotLogFile file = read_robot_log(run.robot());
+  const robot::RobotLogFile file = robot::read_robot_log(run.robot());
   Curve height, speed;
-  for (const RobotLog& log : file.pieces) {
-    const FittedClock* clock = labels.labels.robot_clock_of(log.states.front().t);
+  for (const robot::RobotLog& log : file.pieces) {
+    const alignment::FittedClock* clock = labels.labels.robot_clock_of(log.states.front().t);
     if (clock == nullptr) continue;
-    for (const RobotState& state : log.states) {
+    for (const robot::RobotState& state : log.states) {
       const CameraTime t = clock->relation.camera_from(state.t);
       height.add(t, 1000.0 * state.tcp_pose[2]);
       speed.add(t, 1000.0 * std::hypot(state.tcp_speed[0], state.tcp_speed[1], state.tcp_speed[2]));
@@ -226,4 +227,4 @@ std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::option
 
 std::string file_stem_of(const RunFolder& run) { return run.object + "-" + run.run; }
 
-}  // namespace tactile
+}  // namespace tactile::labels

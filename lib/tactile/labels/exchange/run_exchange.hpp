@@ -8,7 +8,7 @@
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 #include "tactile/labels/exchange/import_edits.hpp"
 
-namespace tactile {
+namespace tactile::labels {
 
 /// The first and the last event of a run's recording.
 struct RecordingSpan {
@@ -48,4 +48,4 @@ std::vector<ImportedRun> read_edits(std::span<const std::filesystem::path> files
 /// "fan-01" for "fan/01": the name of a run's file in a folder of exports.
 std::string file_stem_of(const RunFolder& run);
 
-}  // namespace tactile
+}  // namespace tactile::labels

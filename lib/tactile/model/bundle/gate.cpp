@@ -6,7 +6,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 void to_json(nlohmann::json& json, const Gate& gate) {
   json = {{"limit_events", gate.limit}, {"share", gate.share}, {"ticks", gate.ticks}};
@@ -28,4 +28,4 @@ Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {
   return gate;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

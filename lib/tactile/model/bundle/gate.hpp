@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-namespace tactile {
+namespace tactile::model {
 
 /// Skips the network while the skin is quiet: with fewer than `limit` events in t_h the verdict is none.
 struct Gate {
@@ -26,4 +26,4 @@ inline constexpr double gate_share = 1e-3;
 /// @param share   in [0, 1)
 Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share = gate_share);
 
-}  // namespace tactile
+}  // namespace tactile::model

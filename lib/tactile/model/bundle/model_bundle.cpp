@@ -10,7 +10,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,7 +100,7 @@ void check_description(const ModelDescription& description) {
       throw Error("model.json: " + member + ": " + e.what());
     }
   };
-  const SensorSize& input = description.input;
+  const events::SensorSize& input = description.input;
   if (std::min(input.width, input.height) < 1 || std::max(input.width, input.height) > longest_side)
     throw Error(
         fmt::format("model.json: network.input: {} x {}; expected sides of 1 to {}", input.width, input.height, longest_side));
@@ -222,4 +222,4 @@ std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::func
   return newest;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

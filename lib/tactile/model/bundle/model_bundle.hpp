@@ -15,7 +15,7 @@
 #include "tactile/model/bundle/weights.hpp"
 #include "tactile/model/definition/model_settings.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// A training run, identified by its recording: in another dataset, another run may have its name.
 struct LearnedRun {
@@ -28,7 +28,7 @@ struct LearnedRun {
 /// The contents of `model.json`.
 struct ModelDescription {
   ModelSettings settings;
-  SensorSize input;                     ///< of a heatmap [cells]
+  events::SensorSize input;             ///< of a heatmap [cells]
   std::string dataset;                  ///< file, as given
   std::string manifest_hash;            ///< of that dataset
   nlohmann::json manifest;              ///< settings of that dataset and hashes of its runs
@@ -101,4 +101,4 @@ std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& desc
 std::optional<ModelBundle> newest_bundle(const std::filesystem::path& models,
                                          const std::function<bool(const ModelDescription&)>& wanted);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -10,7 +10,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/core/version.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "raw_data holds values least byte first");
@@ -145,4 +145,4 @@ std::string onnx_model(const LeNetLayers& layers, const LeNetOptions& options, c
   return model.SerializeAsString();
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -6,7 +6,7 @@
 #include "tactile/model/bundle/weights.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The version of the operators: ONNX 1.8 (November 2020), supported by onnxruntime from 1.6, TensorRT from 8, OpenVINO and
 /// OpenCV's dnn. The network needs nothing newer, and older runtimes do not support newer versions. Source:
@@ -26,4 +26,4 @@ inline constexpr int onnx_opset = 13, onnx_ir_version = 7;
 std::string onnx_model(const LeNetLayers& layers, const LeNetOptions& options, const Weights& weights, const std::string& name,
                        const std::map<std::string, std::string>& metadata);
 
-}  // namespace tactile
+}  // namespace tactile::model

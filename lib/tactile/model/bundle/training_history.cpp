@@ -10,7 +10,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 constexpr const char* header =
@@ -98,4 +98,4 @@ void from_json(const nlohmann::json& json, EpochResult& epoch) {
   epoch.seconds = member<double>(json, "seconds", where);
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

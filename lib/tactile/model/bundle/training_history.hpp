@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tactile {
+namespace tactile::model {
 
 /// The result of one epoch: each batch is evaluated with the weights before its step, the validation part with those at the end
 /// of the epoch.
@@ -40,4 +40,4 @@ std::string history_csv(const std::vector<EpochResult>& history);
 /// Reads the output of `history_csv` from a file. @throws Error  if it cannot be read or a row has other columns
 std::vector<EpochResult> read_history(const std::filesystem::path& file);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -13,7 +13,7 @@
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "values and the header's length are written as they lie in memory");
@@ -140,4 +140,4 @@ void check_finite(const Weights& weights, const std::string& where) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

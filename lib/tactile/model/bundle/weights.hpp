@@ -7,7 +7,7 @@
 
 #include "tactile/model/definition/lenet_layers.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// A parameter and its values; the index of the last size changes fastest.
 struct Parameter {
@@ -38,4 +38,4 @@ void check_shapes(const Weights& weights, const std::vector<ParameterShape>& sha
 /// @throws Error  with `where`, the parameter and the index, if a value is NaN or infinite: "w: fc1.weight[3,7] is nan; ..."
 void check_finite(const Weights& weights, const std::string& where);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -4,7 +4,7 @@
 
 #include "tactile/core/enum_names.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 namespace {
 constexpr std::array<std::string_view, 2> names{"fast", "libtorch"};
@@ -13,4 +13,4 @@ constexpr std::array<std::string_view, 2> names{"fast", "libtorch"};
 std::string_view name_of(EngineKind engine) { return names.at(static_cast<std::size_t>(engine)); }
 EngineKind engine_named(std::string_view name) { return enumerator_named<EngineKind>(name, names, "engine"); }
 
-}  // namespace tactile
+}  // namespace tactile::model

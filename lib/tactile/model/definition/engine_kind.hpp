@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace tactile {
+namespace tactile::model {
 
 /// The inference engine.
 enum class EngineKind : std::uint8_t {
@@ -14,4 +14,4 @@ enum class EngineKind : std::uint8_t {
 std::string_view name_of(EngineKind engine);     ///< "fast", "libtorch"
 EngineKind engine_named(std::string_view name);  ///< @throws Error
 
-}  // namespace tactile
+}  // namespace tactile::model

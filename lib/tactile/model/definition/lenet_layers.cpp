@@ -7,7 +7,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 constexpr int kernel = 5, first_channels = 6, second_channels = 16;
@@ -17,7 +17,7 @@ constexpr int smallest_side = 16, largest_side = 4096;
 constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
 constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
 
-SensorSize pooled(SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
+events::SensorSize pooled(events::SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
 
 }  // namespace
 
@@ -63,7 +63,7 @@ std::size_t LeNetLayers::parameter_count() const {
   return sum;
 }
 
-LeNetLayers lenet_layers(SensorSize input) {
+LeNetLayers lenet_layers(events::SensorSize input) {
   if (input.width < smallest_side || input.height < smallest_side || input.width > largest_side || input.height > largest_side) {
     throw Error("heatmaps of " + std::to_string(input.width) + " x " + std::to_string(input.height) +
                 " cells: the network's layers do not fit; expected " + std::to_string(smallest_side) + " to " +
@@ -78,7 +78,7 @@ LeNetLayers lenet_layers(SensorSize input) {
   return layers;
 }
 
-std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size) {
+std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, events::SensorSize size) {
   const std::size_t cells = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   if (heatmaps.size() % cells == 0) return heatmaps.size() / cells;
   throw Error("heatmaps: " + std::to_string(heatmaps.size()) + " bytes; expected a whole number of heatmaps of " +
@@ -98,4 +98,4 @@ nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
   return json;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

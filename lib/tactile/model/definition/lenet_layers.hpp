@@ -10,7 +10,7 @@
 
 #include "tactile/events/event.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// A parameter of the network: its name in the weights file, and its sizes, outermost first.
 struct ParameterShape {
@@ -51,9 +51,9 @@ void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws
 ///
 /// Source: LeCun et al., 1998, as Faris et al., arXiv:2403.10120, use it.
 struct LeNetLayers {
-  SensorSize input;         ///< of a heatmap [cells]
-  SensorSize first_pooled;  ///< after the first max-pool
-  SensorSize second_pooled;
+  events::SensorSize input;         ///< of a heatmap [cells]
+  events::SensorSize first_pooled;  ///< after the first max-pool
+  events::SensorSize second_pooled;
   std::size_t flat = 0;  ///< values after flattening; 9744 for 128 x 96
 
   /// In the order of the layers, weight before bias: "conv1.weight" [6, 1, 5, 5], "conv1.bias" [6], ... "fc3.bias" [3].
@@ -62,12 +62,12 @@ struct LeNetLayers {
 };
 
 /// @throws Error  if the heatmap is too small for the layers (at least 16 x 16 cells) or larger than 4096 cells in a direction
-LeNetLayers lenet_layers(SensorSize input);
+LeNetLayers lenet_layers(events::SensorSize input);
 
 /// The number of consecutive heatmaps of this size. @throws Error  if it is not a whole number
-std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, SensorSize size);
+std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, events::SensorSize size);
 
 /// A description of the layers and options for a bundle's model.json.
 nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -6,11 +6,11 @@
 
 #include "tactile/core/json.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 void to_json(nlohmann::json& json, const ModelSettings& settings) {
   nlohmann::json split = {{"kind", name_of(settings.split.kind)}, {"train_run", settings.split.train_run}};
-  if (settings.split.kind == SplitKind::unseen) {
+  if (settings.split.kind == windows::SplitKind::unseen) {
     auto held_out = settings.split.held_out;
     std::sort(held_out.begin(), held_out.end());
     held_out.erase(std::unique(held_out.begin(), held_out.end()), held_out.end());
@@ -24,16 +24,16 @@ void to_json(nlohmann::json& json, const ModelSettings& settings) {
 
 void from_json(const nlohmann::json& json, ModelSettings& settings) {
   const std::string where = "model settings";
-  settings.rendering = member<nlohmann::json>(json, "rendering", where).get<HeatmapOptions>();
+  settings.rendering = member<nlohmann::json>(json, "rendering", where).get<heatmaps::HeatmapOptions>();
   settings.network = member<nlohmann::json>(json, "network", where).get<LeNetOptions>();
   const auto training = member<nlohmann::json>(json, "training", where);
   settings.training = training.get<TrainingOptions>();
   if (const auto from = member<nlohmann::json>(training, "from", where); !from.is_null())
     settings.from = StartingPoint{member<std::string>(from, "name", where), member<std::string>(from, "weights_sha256", where)};
   const auto split = member<nlohmann::json>(json, "split", where);
-  settings.split.kind = split_named(member<std::string>(split, "kind", where));
+  settings.split.kind = windows::split_named(member<std::string>(split, "kind", where));
   settings.split.train_run = member<std::string>(split, "train_run", where);
-  if (settings.split.kind == SplitKind::unseen)
+  if (settings.split.kind == windows::SplitKind::unseen)
     settings.split.held_out = member<std::vector<std::string>>(split, "held_out", where);
 }
 
@@ -59,4 +59,4 @@ std::string default_name(const ModelSettings& settings) {
   return off_default.empty() ? name : name + "-" + hash_of(off_default).substr(0, 8);
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -9,7 +9,7 @@
 #include "tactile/model/definition/training_options.hpp"
 #include "tactile/windows/split.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The model whose weights a training starts from.
 struct StartingPoint {
@@ -20,8 +20,8 @@ struct StartingPoint {
 /// Everything that, with the dataset, determines a trained model. The number of threads is not included: it affects only the last
 /// bits.
 struct ModelSettings {
-  HeatmapOptions rendering;
-  SplitOptions split;
+  heatmaps::HeatmapOptions rendering;
+  windows::SplitOptions split;
   LeNetOptions network;
   TrainingOptions training;
   std::optional<StartingPoint> from;
@@ -39,4 +39,4 @@ bool same_settings(const ModelSettings& a, const ModelSettings& b);
 /// characters of their hash follow.
 std::string default_name(const ModelSettings& settings);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -12,7 +12,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 constexpr std::array<std::string_view, 3> optimizer_names{"adam", "adamw", "sgd"};
@@ -131,4 +131,4 @@ double learning_rate_at(const TrainingOptions& options, std::uint64_t step, std:
   return options.learning_rate;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -10,7 +10,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The optimizer: Adam (betas 0.9 and 0.999, epsilon 1e-8), AdamW (the same with a weight decay of 0.01), or stochastic
 /// gradient descent with a momentum of 0.9.
@@ -76,4 +76,4 @@ void check(const TrainingOptions& options);
 /// @param step  from 0, below `steps`, the number in all epochs
 double learning_rate_at(const TrainingOptions& options, std::uint64_t step, std::uint64_t steps);
 
-}  // namespace tactile
+}  // namespace tactile::model

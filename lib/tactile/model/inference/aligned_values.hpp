@@ -4,7 +4,7 @@
 #include <new>
 #include <vector>
 
-namespace tactile {
+namespace tactile::model {
 
 inline constexpr std::size_t cache_line = 64;  ///< [B]; also the size of the widest vector
 
@@ -26,4 +26,4 @@ struct CacheLineAllocator {
 template <class T>
 using AlignedValues = std::vector<T, CacheLineAllocator<T>>;
 
-}  // namespace tactile
+}  // namespace tactile::model

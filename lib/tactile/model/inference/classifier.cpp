@@ -10,7 +10,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 namespace {
 
@@ -19,7 +19,7 @@ class Engines {
  public:
   explicit Engines(LeNetEngine first) { idle_.push_back(std::move(first)); }
 
-  std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, SensorSize size, unsigned threads) {
+  std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, events::SensorSize size, unsigned threads) {
     constexpr std::size_t share = 32;  // heatmaps per piece of work
     std::vector<Logits> logits(heatmap_count(heatmaps, size));
     const std::size_t cells = logits.empty() ? 0 : heatmaps.size() / logits.size();
@@ -102,4 +102,4 @@ std::vector<Probabilities> Classifier::probabilities(std::span<const std::uint8_
   return probabilities;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -14,7 +14,7 @@
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The logits of consecutive heatmaps. Must be thread-safe.
 using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::uint8_t> heatmaps, unsigned threads)>;
@@ -36,8 +36,8 @@ class Classifier {
   const std::filesystem::path& bundle() const { return bundle_.folder; }
   const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json
   const ModelDescription& model() const { return description_; }  ///< the same as a struct
-  const HeatmapOptions& rendering() const { return description_.settings.rendering; }
-  SensorSize input_size() const { return description_.input; }
+  const heatmaps::HeatmapOptions& rendering() const { return description_.settings.rendering; }
+  events::SensorSize input_size() const { return description_.input; }
   EngineKind engine() const { return engine_; }
 
   /// Thread-safe.
@@ -63,4 +63,4 @@ class Classifier {
   ClassifyHeatmaps network_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

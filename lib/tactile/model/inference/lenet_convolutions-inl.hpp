@@ -8,7 +8,7 @@
 #include "tactile/model/inference/lenet_kernel.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -326,5 +326,5 @@ HWY_INLINE void second_at(const LeNetPlan& plan, const float* const* in, const A
 }
 
 }  // namespace
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

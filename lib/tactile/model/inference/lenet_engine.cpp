@@ -8,7 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/model/inference/lenet_kernel.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using Sizes = LeNetSizes;
@@ -45,7 +45,7 @@ void check_range(const Weights& weights) {
 }
 
 void set_sizes(LeNetPlan& plan) {
-  const SensorSize first = plan.layers.first_pooled;
+  const events::SensorSize first = plan.layers.first_pooled;
   plan.input_rows = 2 * side(first.height) + taps - 1;
   plan.input_pairs = side(first.width) + taps / 2;
   plan.pair_chunks = rounded_up(plan.input_pairs, Sizes::lanes) / Sizes::lanes + 1;
@@ -166,7 +166,8 @@ struct LeNetEngine::State {
   LeNetMemory memory;
 };
 
-LeNetEngine::LeNetEngine(SensorSize input, const Weights& weights, const LeNetOptions& layers, const EngineOptions& options) {
+LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const LeNetOptions& layers,
+                         const EngineOptions& options) {
   if (layers != LeNetOptions{}) {
     throw Error("network with " + std::string(name_of(layers.activation)) + " and " + std::string(name_of(layers.pooling)) +
                 "-pooling: the fast engine does not support it; expected relu and max-pooling, or --engine libtorch");
@@ -214,7 +215,7 @@ std::vector<std::string> LeNetEngine::targets() {
 }
 
 Logits LeNetEngine::classify(std::span<const std::uint8_t> heatmap) {
-  const SensorSize size = state_->plan->layers.input;
+  const events::SensorSize size = state_->plan->layers.input;
   if (heatmap.size() != side(size.width) * side(size.height)) {
     throw Error("heatmap of " + std::to_string(heatmap.size()) + " bytes; expected one of " + std::to_string(size.width) + " x " +
                 std::to_string(size.height) + " cells");
@@ -224,4 +225,4 @@ Logits LeNetEngine::classify(std::span<const std::uint8_t> heatmap) {
   return logits;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

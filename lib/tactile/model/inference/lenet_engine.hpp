@@ -12,7 +12,7 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/model/inference/logits.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The number format of the first fully connected layer's weights, which are nine tenths of all.
 enum class Precision : std::uint8_t {
@@ -40,7 +40,8 @@ class LeNetEngine {
  public:
   /// @throws Error  if the layers are not ReLU and max-pooling, or as `lenet_layers`; if the weights have other shapes, are not
   ///                finite, or are so large that sums may exceed float32
-  LeNetEngine(SensorSize input, const Weights& weights, const LeNetOptions& layers = {}, const EngineOptions& options = {});
+  LeNetEngine(events::SensorSize input, const Weights& weights, const LeNetOptions& layers = {},
+              const EngineOptions& options = {});
   ~LeNetEngine();
   LeNetEngine(const LeNetEngine& other);
   LeNetEngine& operator=(const LeNetEngine& other);
@@ -63,4 +64,4 @@ class LeNetEngine {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

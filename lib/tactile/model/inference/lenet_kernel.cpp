@@ -13,7 +13,7 @@
 #include "tactile/model/inference/lenet_convolutions-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 namespace {
 
 /// Appends the nonzero differences, or all.
@@ -169,11 +169,11 @@ LeNetKernel kernel() { return {hwy::TargetName(HWY_TARGET), &run}; }
 // The tables of the dispatch do not see into an unnamed namespace of another target.
 LeNetKernel kernel_here() { return kernel(); }
 
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactile {
+namespace tactile::model {
 
 HWY_EXPORT(kernel_here);
 
@@ -224,5 +224,5 @@ LeNetMemory memory_for(const LeNetPlan& plan) {
   return memory;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model
 #endif

@@ -9,7 +9,7 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/model/inference/aligned_values.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Sizes that the layers have whatever the heatmap is, and those that vectors round them up to.
 struct LeNetSizes {
@@ -87,4 +87,4 @@ LeNetKernel best_kernel();
 /// All that this processor can, the fastest first.
 std::vector<LeNetKernel> kernels();
 
-}  // namespace tactile
+}  // namespace tactile::model

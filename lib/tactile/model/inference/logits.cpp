@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::model {
 
 Touch verdict_of(const Logits& logits) {
   return all_touches[static_cast<std::size_t>(std::max_element(logits.begin(), logits.end()) - logits.begin())];
@@ -26,4 +26,4 @@ Probabilities probabilities_of(const Logits& logits) {
   return probabilities;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

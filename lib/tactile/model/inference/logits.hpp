@@ -4,7 +4,7 @@
 
 #include "tactile/core/touch.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The output of the network for a heatmap: one number for each of none, press, slip.
 using Logits = std::array<float, touch_count>;
@@ -22,4 +22,4 @@ bool is_close(const Logits& logits);
 /// exp(logit) / sum of exp(logits), valid for all finite logits.
 Probabilities probabilities_of(const Logits& logits);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstdlib>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 constexpr int farthest = 4;  // largest shift of a heatmap [cells]
@@ -25,7 +25,7 @@ int drawn_shift(Random& random) { return static_cast<int>(random.below(2 * farth
 
 }  // namespace
 
-void augment(std::span<std::uint8_t> heatmap, SensorSize size, const Augmentation& augmentation, Random& random) {
+void augment(std::span<std::uint8_t> heatmap, events::SensorSize size, const Augmentation& augmentation, Random& random) {
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
   assert(heatmap.size() == width * height);
   const auto row = [&](std::size_t y) { return heatmap.subspan(y * width, width); };
@@ -44,4 +44,4 @@ void augment(std::span<std::uint8_t> heatmap, SensorSize size, const Augmentatio
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -7,11 +7,11 @@
 #include "tactile/events/event.hpp"
 #include "tactile/model/definition/training_options.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Changes a heatmap at random, in place.
 /// @param heatmap  [height, width] of `size`, row by row
 /// @param random   used only for the selected augmentation
-void augment(std::span<std::uint8_t> heatmap, SensorSize size, const Augmentation& augmentation, Random& random);
+void augment(std::span<std::uint8_t> heatmap, events::SensorSize size, const Augmentation& augmentation, Random& random);
 
-}  // namespace tactile
+}  // namespace tactile::model

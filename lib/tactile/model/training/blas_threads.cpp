@@ -9,7 +9,7 @@
 
 #include "tactile/core/error.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 /// False with another BLAS library.
@@ -47,4 +47,4 @@ void prepare_blas(unsigned threads) {
   if (keep_blas_to_one_thread()) check_room_for_blas(threads);
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

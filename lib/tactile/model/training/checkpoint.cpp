@@ -13,7 +13,7 @@
 #include "tactile/core/make_folders.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -151,4 +151,4 @@ std::optional<nlohmann::json> task_of_checkpoint(const fs::path& folder) {
   return parsed(read_metadata(last_file(folder)), "task", last_file(folder).string());
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

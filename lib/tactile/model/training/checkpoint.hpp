@@ -6,7 +6,7 @@
 
 #include "tactile/model/training/training.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The saved state of a training, beside its bundle until that is complete: the folder `models/<name>.training/`.
 ///
@@ -43,4 +43,4 @@ class CheckpointFolder {
 /// The task of a saved state; nothing if there is none. @throws Error  if it is damaged
 std::optional<nlohmann::json> task_of_checkpoint(const std::filesystem::path& folder);
 
-}  // namespace tactile
+}  // namespace tactile::model

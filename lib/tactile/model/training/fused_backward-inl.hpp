@@ -8,7 +8,7 @@
 #include "tactile/model/training/fused_convolutions.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 namespace {
 
 constexpr std::size_t vectors_a_row = padded_row / sixteen_lanes;
@@ -191,5 +191,5 @@ void backward(const LeNetLayers& layers, const Packed& packed, const std::uint8_
 }
 
 }  // namespace
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

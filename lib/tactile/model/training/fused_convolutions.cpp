@@ -15,7 +15,7 @@
 #include "tactile/model/training/fused_backward-inl.hpp"
 
 #if HWY_ONCE
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 HWY_EXPORT(forward);
@@ -25,7 +25,9 @@ HWY_EXPORT(answer_empty);
 constexpr std::size_t channels_1 = 6, channels_2 = 16, side = 5,
                       beyond = 64;  // floats that a vector may read or write beyond the end
 
-std::size_t cells_of(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
+std::size_t cells_of(events::SensorSize size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
 
 /// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its index in the layout of the passes and in
 /// libtorch's.
@@ -115,5 +117,5 @@ void FusedConvolutions::Gradients::write(const ConvolutionValues<float>& values)
   std::copy_n(second_bias.begin(), channels_2, values.second_bias);
 }
 
-}  // namespace tactile
+}  // namespace tactile::model
 #endif

@@ -9,7 +9,7 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/model/inference/aligned_values.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Weights and biases of the two layers, or their gradients, in libtorch's layout: [out][in][5][5].
 template <class Float>
@@ -92,4 +92,4 @@ class FusedConvolutions {
   Packed packed_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -8,7 +8,7 @@
 #include "tactile/model/training/fused_convolutions.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -259,5 +259,5 @@ void answer_empty(Packed& packed) {
 }
 
 }  // namespace
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

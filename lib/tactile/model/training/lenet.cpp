@@ -14,7 +14,7 @@
 #include "tactile/model/training/torch_fused.hpp"
 #include "tactile/model/training/torch_network.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 /// Heatmaps per call of the network: enough for full speed, and constant, so that the logits do not change.
@@ -35,7 +35,7 @@ void set_threads(unsigned threads) {
   if (at::get_num_threads() != count) at::set_num_threads(count);
 }
 
-torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, SensorSize size) {
+torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, events::SensorSize size) {
   const auto cells = static_cast<std::int64_t>(size.width) * size.height;
   const torch::Tensor input = torch::empty({static_cast<std::int64_t>(heatmaps.size()) / cells, 1, size.height, size.width});
   std::transform(heatmaps.begin(), heatmaps.end(), input.data_ptr<float>(),
@@ -107,13 +107,13 @@ struct LeNet::State {
   std::shared_ptr<LeNetModule> network;
 };
 
-LeNet::LeNet(SensorSize input, std::uint64_t seed, const LeNetOptions& options) : state_(std::make_unique<State>()) {
+LeNet::LeNet(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options) : state_(std::make_unique<State>()) {
   state_->layers = lenet_layers(input);
   torch::manual_seed(seed);
   state_->network = std::make_shared<LeNetModule>(state_->layers, options);
 }
 
-LeNet::LeNet(SensorSize input, const Weights& weights, const LeNetOptions& options) : LeNet(input, 0, options) {
+LeNet::LeNet(events::SensorSize input, const Weights& weights, const LeNetOptions& options) : LeNet(input, 0, options) {
   const torch::NoGradGuard no_gradients;
   const auto shapes = state_->layers.parameters();
   check_shapes(weights, shapes, "weights: not of this network");
@@ -135,7 +135,7 @@ Weights LeNet::weights() const {
 }
 
 std::vector<Logits> LeNet::logits(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
-  const SensorSize size = state_->layers.input;
+  const events::SensorSize size = state_->layers.input;
   const std::size_t count = heatmap_count(heatmaps, size), cells = count == 0 ? 0 : heatmaps.size() / count;
   std::vector<Logits> logits(count);
   set_threads(1);
@@ -348,4 +348,4 @@ void LeNetTrainer::restore(const OptimizerState& state) {
   }
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

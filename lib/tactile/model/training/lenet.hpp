@@ -12,16 +12,16 @@
 #include "tactile/model/definition/training_options.hpp"
 #include "tactile/model/inference/logits.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The network, with libtorch.
 class LeNet {
  public:
   /// With libtorch's default initialisation for this seed. @throws Error  as `lenet_layers`
-  LeNet(SensorSize input, std::uint64_t seed, const LeNetOptions& options = {});
+  LeNet(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options = {});
 
   /// @throws Error  if the weights have other shapes, or as `lenet_layers`
-  LeNet(SensorSize input, const Weights& weights, const LeNetOptions& options = {});
+  LeNet(events::SensorSize input, const Weights& weights, const LeNetOptions& options = {});
   ~LeNet();
   LeNet(LeNet&&) noexcept;
   LeNet& operator=(LeNet&&) noexcept;
@@ -99,4 +99,4 @@ class LeNetTrainer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -4,7 +4,7 @@
 
 #include "tactile/model/training/lenet.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 Classifier open_classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
                            const EngineOptions& options) {
@@ -17,4 +17,4 @@ Classifier open_classifier(const std::filesystem::path& bundle, unsigned threads
           }};
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -4,7 +4,7 @@
 
 #include "tactile/model/inference/classifier.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Opens a model bundle with either engine. Their verdicts are the same unless the logits are `is_close`.
 /// @param threads  0: one per core
@@ -13,4 +13,4 @@ namespace tactile {
 Classifier open_classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
                            const EngineOptions& options = {});
 
-}  // namespace tactile
+}  // namespace tactile::model

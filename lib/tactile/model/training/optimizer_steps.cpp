@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::HWY_NAMESPACE {
+namespace tactile::model::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -94,11 +94,11 @@ float squares_of(std::span<const float> values) {
 }
 
 }  // namespace
-}  // namespace tactile::HWY_NAMESPACE
+}  // namespace tactile::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 HWY_EXPORT(step_adam);
@@ -122,5 +122,5 @@ double sum_of_squares(std::span<const float> values) {
   return sum;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model
 #endif

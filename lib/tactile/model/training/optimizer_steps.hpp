@@ -5,7 +5,7 @@
 
 #include "tactile/model/definition/training_options.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// A step of an optimizer, equal to libtorch's except for rounding:
 ///
@@ -33,4 +33,4 @@ void take_step(const OptimizerStep& step, const WeightSlice& slice);
 /// Summed in float32 over up to 4096 values and in float64 over these.
 double sum_of_squares(std::span<const float> values);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -9,7 +9,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/split.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The deviations of a split from the requested one, a sentence each, by object.
 struct SplitRemarks {
@@ -20,10 +20,10 @@ struct SplitRemarks {
 };
 
 /// The reasons come from the labels of the runs, if they exist.
-SplitRemarks remarks_on(const Dataset& dataset, const SplitOptions& options, const Split& split);
+SplitRemarks remarks_on(const windows::Dataset& dataset, const windows::SplitOptions& options, const windows::Split& split);
 
 /// Objects with samples in `runs` but not in `others`, by name.
-std::vector<std::string> objects_only_in(const Dataset& dataset, std::span<const std::uint32_t> runs,
+std::vector<std::string> objects_only_in(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
                                          std::span<const std::uint32_t> others);
 
-}  // namespace tactile
+}  // namespace tactile::model

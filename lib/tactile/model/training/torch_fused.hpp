@@ -11,7 +11,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/model/training/fused_convolutions.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// A batch in the fused layers, forward and backward, with memory that later batches reuse.
 class FusedBatch {
@@ -143,4 +143,4 @@ class SharedLinear : public torch::autograd::Function<SharedLinear> {
   }
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

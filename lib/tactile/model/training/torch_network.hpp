@@ -5,7 +5,7 @@
 
 #include "tactile/model/definition/lenet_layers.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// The largest value of each 2 x 2 block and its gradient, bit-identical to torch::max_pool2d(x, 2), which processes one value at
 /// a time and took a quarter of the run time.
@@ -115,4 +115,4 @@ struct LeNetModule : torch::nn::Module {
   torch::nn::Linear fc1, fc2, fc3;
 };
 
-}  // namespace tactile
+}  // namespace tactile::model

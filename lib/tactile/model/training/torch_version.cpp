@@ -2,8 +2,8 @@
 
 #include <torch/version.h>
 
-namespace tactile {
+namespace tactile::model {
 
 std::string torch_version() { return TORCH_VERSION; }
 
-}  // namespace tactile
+}  // namespace tactile::model

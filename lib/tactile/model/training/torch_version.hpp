@@ -2,9 +2,9 @@
 
 #include <string>
 
-namespace tactile {
+namespace tactile::model {
 
 /// The version of libtorch of this build, "1.13.1".
 std::string torch_version();
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -14,7 +14,7 @@
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/event_counts.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 std::string now_utc() {
@@ -27,21 +27,16 @@ std::string now_utc() {
                      utc.tm_min, utc.tm_sec, fraction);
 }
 
-std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
-  std::vector<std::string> names;
-  for (const std::uint32_t run : run_indexes) names.push_back(name_of(dataset.runs()[run]));
-  return names;
-}
-
 /// The samples of the training runs, by their index in the dataset, with their classes.
 struct CutSamples {
   std::vector<std::uint32_t> training, validation;
   std::vector<Touch> training_truth, validation_truth;
 };
 
-CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, std::span<const std::uint32_t> train_runs) {
+CutSamples cut_samples(const windows::Dataset& dataset, const ModelSettings& settings,
+                       std::span<const std::uint32_t> train_runs) {
   const std::vector<std::uint32_t> indexes = samples_of_runs(dataset, train_runs);
-  std::vector<Sample> samples;
+  std::vector<windows::Sample> samples;
   for (const std::uint32_t index : indexes) samples.push_back(dataset.samples()[index]);
   const ValidationCut cut = cut_in_time(samples, settings.training.validation_share, settings.rendering.history);
   CutSamples result;
@@ -61,12 +56,12 @@ CutSamples cut_samples(const Dataset& dataset, const ModelSettings& settings, st
 }
 
 /// The gate for the presses and slips of these runs.
-Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
+Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
   std::vector<std::uint64_t> counts;
   for (const std::uint32_t run : runs) {
     std::vector<std::uint32_t> touches = samples_of_runs(dataset, {&run, 1});
     std::erase_if(touches, [&](std::uint32_t sample) { return dataset.samples()[sample].touch == Touch::none; });
-    const auto of_run = event_counts(dataset, run, touches, history);
+    const auto of_run = windows::event_counts(dataset, run, touches, history);
     counts.insert(counts.end(), of_run.begin(), of_run.end());
   }
   return calibrated_gate(counts);
@@ -74,17 +69,15 @@ Gate gate_of(const Dataset& dataset, std::span<const std::uint32_t> runs, micros
 
 }  // namespace
 
-std::string name_of(const DatasetRun& run) { return run.object + "/" + run.run; }
-
-Split split_of(const Dataset& dataset, const SplitOptions& options) {
-  std::vector<RunName> names;
-  for (const DatasetRun& run : dataset.runs()) names.push_back({run.object, run.run, false});
-  for (const Sample& sample : dataset.samples()) names[sample.run_index].has_samples = true;
-  return split_runs(names, options);
+windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOptions& options) {
+  std::vector<windows::RunName> names;
+  for (const windows::DatasetRun& run : dataset.runs()) names.push_back({run.object, run.run, false});
+  for (const windows::Sample& sample : dataset.samples()) names[sample.run_index].has_samples = true;
+  return windows::split_runs(names, options);
 }
 
-std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model) {
-  const SplitOptions& split = model.settings.split;
+std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const ModelDescription& model) {
+  const windows::SplitOptions& split = model.settings.split;
   std::vector<std::uint32_t> runs;
   if (model.manifest_hash == dataset.manifest_hash()) {
     runs = split_of(dataset, split).test_runs;
@@ -92,7 +85,7 @@ std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescr
     for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
       const bool is_held_out =
           std::find(split.held_out.begin(), split.held_out.end(), dataset.runs()[run].object) != split.held_out.end();
-      if (split.kind == SplitKind::single_run || is_held_out) runs.push_back(run);
+      if (split.kind == windows::SplitKind::single_run || is_held_out) runs.push_back(run);
     }
   }
   std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
@@ -103,7 +96,7 @@ std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescr
   return runs;
 }
 
-std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
+std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
   std::vector<std::uint32_t> samples;
   for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
     if (std::find(run_indexes.begin(), run_indexes.end(), dataset.samples()[i].run_index) != run_indexes.end())
@@ -112,16 +105,16 @@ std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<con
   return samples;
 }
 
-std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapOptions& options,
+std::vector<std::uint8_t> sample_heatmaps(const windows::Dataset& dataset, const heatmaps::HeatmapOptions& options,
                                           std::span<const std::uint32_t> sample_indexes, unsigned threads,
                                           const ProgressCallback& progress) {
-  const std::string name = stored_name(options);
+  const std::string name = heatmaps::stored_name(options);
   const auto stored = dataset.find_heatmaps(name);
   if (stored && stored->settings == nlohmann::json(options)) return dataset.read_heatmaps(name, sample_indexes);
-  return render_samples(dataset, options, sample_indexes, threads, progress);
+  return heatmaps::render_samples(dataset, options, sample_indexes, threads, progress);
 }
 
-BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings) {
+BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset, const ModelSettings& settings) {
   if (!std::filesystem::exists(bundle.folder)) return BundleState::missing;
   try {
     const ModelDescription description = read_description(bundle);
@@ -133,7 +126,7 @@ BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const Mo
   }
 }
 
-StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings) {
+StartingPoint starting_point(const ModelBundle& from, const windows::Dataset& dataset, const ModelSettings& settings) {
   const ModelDescription model = read_description(from);
   read_bundle_weights(from, model);
   const std::string where = from.folder.string() + ": ";
@@ -145,11 +138,11 @@ StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, co
     throw Error(fmt::format("{}has the network {}; expected {}", where, nlohmann::json(model.settings.network).dump(),
                             nlohmann::json(settings.network).dump()));
   }
-  if (const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
+  if (const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
     throw Error(fmt::format("{}takes heatmaps of {} x {}; expected the {} x {} of {}", where, model.input.width,
                             model.input.height, size.width, size.height, dataset.file().string()));
   }
-  if (settings.split.kind == SplitKind::unseen) {
+  if (settings.split.kind == windows::SplitKind::unseen) {
     for (const LearnedRun& learned : model.learned_from) {
       const std::string object = learned.run.substr(0, learned.run.find('/'));
       const auto& held_out = settings.split.held_out;
@@ -179,7 +172,7 @@ std::optional<Weights> starting_weights(const ModelSettings& settings, const std
 }
 
 /// Completes the description of a trained model.
-void describe(ModelDescription& description, const Dataset& dataset, const Split& split,
+void describe(ModelDescription& description, const windows::Dataset& dataset, const windows::Split& split,
               std::span<const std::uint32_t> test_runs) {
   description.dataset = dataset.file().string();
   description.manifest = dataset.settings();
@@ -194,11 +187,11 @@ void describe(ModelDescription& description, const Dataset& dataset, const Split
 
 }  // namespace
 
-TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options, const ProgressCallback& progress) {
   check(settings.training);
-  const Split split = split_of(dataset, settings.split);
-  const SensorSize size = heatmap_size(dataset.sensor(), settings.rendering.factor);
+  const windows::Split split = split_of(dataset, settings.split);
+  const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor);
   const LeNetLayers layers = lenet_layers(size);  // throws for a heatmap that is too small before any is rendered
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   ModelDescription description;
@@ -248,4 +241,4 @@ TrainingSummary train_model(const Dataset& dataset, const ModelSettings& setting
   return trained.summary;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

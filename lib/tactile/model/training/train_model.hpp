@@ -14,26 +14,23 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/split.hpp"
 
-namespace tactile {
-
-/// "fan/01"
-std::string name_of(const DatasetRun& run);
+namespace tactile::model {
 
 /// The split of a dataset's runs. @throws Error as `split_runs`
-Split split_of(const Dataset& dataset, const SplitOptions& options);
+windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOptions& options);
 
 /// The test runs of a model: those of its split; in another dataset all runs, or those of the held-out objects. Runs that the
 /// model, or its starting model, learned from are excluded. @throws Error  if none with samples remains
-std::vector<std::uint32_t> test_runs_of(const Dataset& dataset, const ModelDescription& model);
+std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const ModelDescription& model);
 
 /// The samples of these runs, by their index, in the dataset's order.
-std::vector<std::uint32_t> samples_of_runs(const Dataset& dataset, std::span<const std::uint32_t> run_indexes);
+std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> run_indexes);
 
 /// The heatmaps of samples, read from the dataset if that rendering is stored, otherwise rendered from its events. Both give the
 /// same bytes.
 /// @return  [sample_indexes, height, width]
 /// @throws Error as `render_samples`
-std::vector<std::uint8_t> sample_heatmaps(const Dataset& dataset, const HeatmapOptions& options,
+std::vector<std::uint8_t> sample_heatmaps(const windows::Dataset& dataset, const heatmaps::HeatmapOptions& options,
                                           std::span<const std::uint32_t> sample_indexes, unsigned threads = 0,
                                           const ProgressCallback& progress = {});
 
@@ -44,11 +41,11 @@ enum class BundleState : std::uint8_t {
 };
 
 /// Compares an existing bundle with what `train_model` would write.
-BundleState state_of(const ModelBundle& bundle, const Dataset& dataset, const ModelSettings& settings);
+BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset, const ModelSettings& settings);
 
 /// The model that training starts from, for these settings.
 /// @throws Error  if the bundle is damaged, its rendering, network or heatmap size differ, or it learned from a held-out object
-StartingPoint starting_point(const ModelBundle& from, const Dataset& dataset, const ModelSettings& settings);
+StartingPoint starting_point(const ModelBundle& from, const windows::Dataset& dataset, const ModelSettings& settings);
 
 struct TrainModelOptions {
   unsigned threads = 0;  ///< 0: one per core, or as in the resumed state
@@ -66,7 +63,7 @@ struct TrainModelOptions {
 /// then the state is saved in the bundle's CheckpointFolder. It stays there if training is interrupted or the bundle cannot be
 /// written.
 /// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; then nothing is replaced
-TrainingSummary train_model(const Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options = {}, const ProgressCallback& progress = {});
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -12,14 +12,16 @@
 #include "tactile/core/random.hpp"
 #include "tactile/model/training/augmentation.hpp"
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-std::size_t cells_of(SensorSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
+std::size_t cells_of(events::SensorSize size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
 
 void check_samples(const TrainingTask& task) {
   const auto& [heatmaps, truth] = task.training;
@@ -272,4 +274,4 @@ TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& cont
   return Training(task, control, task.threads > 0 ? task.threads : std::max(1U, std::thread::hardware_concurrency())).run();
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -12,7 +12,7 @@
 #include "tactile/model/definition/training_options.hpp"
 #include "tactile/model/training/lenet.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Heatmaps and their classes.
 struct LabelledHeatmaps {
@@ -50,7 +50,7 @@ struct TrainedNetwork {
 
 /// The data and settings of a training.
 struct TrainingTask {
-  SensorSize size;  ///< of a heatmap
+  events::SensorSize size;  ///< of a heatmap
   LabelledHeatmaps training;
   LabelledHeatmaps validation{};  ///< may be empty without early stop
   TrainingOptions options{};
@@ -78,4 +78,4 @@ TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& cont
 /// The weight of the samples of each class. @throws Error  if a class to be balanced has no sample
 std::array<double, touch_count> weights_of_classes(const ClassWeights& weights, std::span<const Touch> truth);
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactile {
+namespace tactile::model {
 namespace {
 
 /// The validation samples of one run: the last of each class.
-std::vector<bool> last_of_each_class(std::span<const Sample> run, double share) {
+std::vector<bool> last_of_each_class(std::span<const windows::Sample> run, double share) {
   std::vector<bool> last(run.size(), false);
   for (const Touch touch : all_touches) {
-    const auto is_of_it = [touch](const Sample& sample) { return sample.touch == touch; };
+    const auto is_of_it = [touch](const windows::Sample& sample) { return sample.touch == touch; };
     auto left = static_cast<std::size_t>(share * static_cast<double>(std::count_if(run.begin(), run.end(), is_of_it)));
     for (std::size_t i = run.size(); i-- > 0 && left > 0;) {
       if (!is_of_it(run[i])) continue;
@@ -23,7 +23,7 @@ std::vector<bool> last_of_each_class(std::span<const Sample> run, double share) 
 
 }  // namespace
 
-ValidationCut cut_in_time(std::span<const Sample> samples, double share, microseconds history) {
+ValidationCut cut_in_time(std::span<const windows::Sample> samples, double share, microseconds history) {
   ValidationCut cut;
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     while (end < samples.size() && samples[end].run_index == samples[begin].run_index) ++end;
@@ -48,4 +48,4 @@ ValidationCut cut_in_time(std::span<const Sample> samples, double share, microse
   return cut;
 }
 
-}  // namespace tactile
+}  // namespace tactile::model

@@ -6,7 +6,7 @@
 
 #include "tactile/windows/sample.hpp"
 
-namespace tactile {
+namespace tactile::model {
 
 /// Training and validation samples, as indexes of the given ones, ascending.
 struct ValidationCut {
@@ -20,6 +20,6 @@ struct ValidationCut {
 /// @param samples  sorted by run, then time, as in a dataset
 /// @param share    in [0, 1); 0: all samples are for training
 /// @param history  t_h: samples of a run closer than this share events
-ValidationCut cut_in_time(std::span<const Sample> samples, double share, microseconds history);
+ValidationCut cut_in_time(std::span<const windows::Sample> samples, double share, microseconds history);
 
-}  // namespace tactile
+}  // namespace tactile::model

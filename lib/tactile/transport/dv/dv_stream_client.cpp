@@ -9,7 +9,7 @@
 #include "tactile/transport/deadline.hpp"
 #include "tactile/transport/dv/dv_stream_parser.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 using std::chrono::milliseconds;
 
@@ -110,18 +110,18 @@ DvStreamClient::DvStreamClient(DvStreamClient&&) noexcept = default;
 DvStreamClient& DvStreamClient::operator=(DvStreamClient&&) noexcept = default;
 
 const NetworkAddress& DvStreamClient::address() const { return state_->connection.address(); }
-const Stream& DvStreamClient::stream() const { return state_->parser.stream(); }
-Compression DvStreamClient::compression() const { return state_->parser.compression(); }
+const events::Stream& DvStreamClient::stream() const { return state_->parser.stream(); }
+events::Compression DvStreamClient::compression() const { return state_->parser.compression(); }
 DvStreamClient::Received DvStreamClient::receive(microseconds patience) { return state_->receive(patience); }
 
-std::span<Event> DvStreamClient::events() { return state_->parser.events(); }
-std::span<const ImuSample> DvStreamClient::imu() const { return state_->parser.imu(); }
-std::span<const Trigger> DvStreamClient::triggers() const { return state_->parser.triggers(); }
-const std::optional<Frame>& DvStreamClient::frame() const { return state_->parser.frame(); }
+std::span<events::Event> DvStreamClient::events() { return state_->parser.events(); }
+std::span<const events::ImuSample> DvStreamClient::imu() const { return state_->parser.imu(); }
+std::span<const events::Trigger> DvStreamClient::triggers() const { return state_->parser.triggers(); }
+const std::optional<events::Frame>& DvStreamClient::frame() const { return state_->parser.frame(); }
 const DvStreamProblems& DvStreamClient::problems() const { return state_->parser.problems(); }
 std::optional<HostTime> DvStreamClient::arrived() const { return state_->connection.arrived(); }
 bool DvStreamClient::more_came() const { return state_->more_came; }
 bool DvStreamClient::reports_arrivals() const { return state_->connection.reports_arrivals(); }
 std::uint64_t DvStreamClient::bytes_received() const { return state_->bytes; }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -13,7 +13,7 @@
 #include "tactile/events/stream.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 /// Faults of a stream so far. Such packets are skipped.
 struct DvStreamProblems {
@@ -40,8 +40,8 @@ class DvStreamClient {
   DvStreamClient& operator=(DvStreamClient&&) noexcept;
 
   const NetworkAddress& address() const;
-  const Stream& stream() const;
-  Compression compression() const;
+  const events::Stream& stream() const;
+  events::Compression compression() const;
 
   enum class Received : std::uint8_t { packet, nothing, closed };
   /// Waits up to `patience` for a complete packet. A server may be silent between packets. `closed`: the server ended the stream
@@ -51,10 +51,10 @@ class DvStreamClient {
   Received receive(std::chrono::microseconds patience);
 
   // Contents of the last packet; empty for other types than the stream's. Valid until the next `receive`.
-  std::span<Event> events();
-  std::span<const ImuSample> imu() const;
-  std::span<const Trigger> triggers() const;
-  const std::optional<Frame>& frame() const;
+  std::span<events::Event> events();
+  std::span<const events::ImuSample> imu() const;
+  std::span<const events::Trigger> triggers() const;
+  const std::optional<events::Frame>& frame() const;
   /// When its last bytes reached this machine, even if they were read later. Nothing if the system does not report it: it does
   /// so over TCP only.
   std::optional<HostTime> arrived() const;
@@ -72,4 +72,4 @@ class DvStreamClient {
 /// The largest packet as sent [B].
 inline constexpr std::uint32_t dv_packet_limit = std::uint32_t{64} << 20;
 
-}  // namespace tactile
+}  // namespace tactile::transport

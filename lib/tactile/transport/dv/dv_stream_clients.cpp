@@ -14,7 +14,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/transport/deadline.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 namespace {
 
 using std::chrono::milliseconds;
@@ -328,4 +328,4 @@ void DvStreamClients::drain(milliseconds patience) {
   moved_.wait_until(lock, deadline_after(patience), is_empty);
 }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -17,7 +17,7 @@
 #include "tactile/transport/dv/dv_stream_server.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 /// The clients of a server: accepts them, and sends each the shared packets of its queue. One thread serves all of them.
 class DvStreamClients {
@@ -86,4 +86,4 @@ class DvStreamClients {
   std::thread thread_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -10,7 +10,7 @@
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_header.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 namespace {
 
 constexpr std::size_t smallest_header = 16;                 ///< [B] after its prefix
@@ -24,9 +24,9 @@ std::uint32_t u32_at(const std::byte* bytes) {
 }
 
 /// Drops, in place, events outside the sensor or with a polarity above 1.
-std::span<Event> sound_events(std::span<Event> events, const std::optional<SensorSize>& size) {
-  const SensorSize bounds = bounds_of(size);
-  return check_events(events, bounds).inside ? events : without_outside(events, bounds);
+std::span<events::Event> sound_events(std::span<events::Event> events, const std::optional<events::SensorSize>& size) {
+  const events::SensorSize bounds = events::bounds_of(size);
+  return events::check_events(events, bounds).inside ? events : events::without_outside(events, bounds);
 }
 
 }  // namespace
@@ -55,13 +55,13 @@ void DvStreamParser::check_start() const {
 }
 
 void DvStreamParser::read_stream_header() {
-  RecordingHeader header = read_header({content_.data(), size_}, where_);
+  events::RecordingHeader header = events::read_header({content_.data(), size_}, where_);
   if (header.streams.size() != 1) {
     throw Error(fmt::format("{}: declares {} streams; expected one per connection", where_, header.streams.size()));
   }
   compression_ = header.compression;
   stream_ = std::move(header.streams.front());
-  if (stream_.type == StreamType::other) {
+  if (stream_.type == events::StreamType::other) {
     throw Error(fmt::format("{}: carries packets of type '{}'; expected EVTS, IMUS, TRIG or FRME", where_,
                             stream_.type_identifier.substr(0, 40)));
   }
@@ -100,7 +100,7 @@ std::span<std::byte> DvStreamParser::room() {
   }
   // Together with the next packet's header, which saves a system call.
   const std::size_t wanted = size_ + packet_header_size;
-  PacketBuffer& buffer = incoming();
+  events::PacketBuffer& buffer = incoming();
   if (have_ == 0 || have_ == buffer.capacity()) buffer.grow(std::min(wanted, std::max(first_room, 2 * have_)), have_);
   return {buffer.data() + have_, std::min(wanted, buffer.capacity()) - have_};
 }
@@ -141,11 +141,13 @@ bool DvStreamParser::take_packet() {
     return false;
   }
   std::size_t content_size = size_;
-  Contents contents = Contents::broken;
-  if (compression_ != Compression::none) {
-    const std::size_t limit = largest_content(compression_, size_);
-    const Expected expected = stream_.type == StreamType::events ? Expected::events : Expected::anything;
-    const Decompressed result = decompressor_.decompress(compression_, {stored_.data(), size_}, content_, limit, expected);
+  events::Contents contents = events::Contents::broken;
+  if (compression_ != events::Compression::none) {
+    const std::size_t limit = events::largest_content(compression_, size_);
+    const events::Expected expected =
+        stream_.type == events::StreamType::events ? events::Expected::events : events::Expected::anything;
+    const events::Decompressed result =
+        decompressor_.decompress(compression_, {stored_.data(), size_}, content_, limit, expected);
     if (!result.whole) {
       ++problems_.broken_packets;
       return false;
@@ -153,29 +155,29 @@ bool DvStreamParser::take_packet() {
     content_size = result.size;
   }
   switch (stream_.type) {
-    case StreamType::events: {
-      std::span<Event> all;
-      contents = decode_events(content_, content_size, all);
-      if (contents != Contents::whole) break;
+    case events::StreamType::events: {
+      std::span<events::Event> all;
+      contents = events::decode_events(content_, content_size, all);
+      if (contents != events::Contents::whole) break;
       events_ = sound_events(all, stream_.size);
       problems_.out_of_range_events += all.size() - events_.size();
       break;
     }
-    case StreamType::imu:
-      contents = decode_imu(content_, content_size, imu_);
+    case events::StreamType::imu:
+      contents = events::decode_imu(content_, content_size, imu_);
       break;
-    case StreamType::triggers:
-      contents = decode_triggers(content_, content_size, triggers_);
+    case events::StreamType::triggers:
+      contents = events::decode_triggers(content_, content_size, triggers_);
       break;
-    case StreamType::frames:
-      contents = decode_frame(content_, content_size, frame_.emplace());
-      if (contents != Contents::whole) frame_.reset();
+    case events::StreamType::frames:
+      contents = events::decode_frame(content_, content_size, frame_.emplace());
+      if (contents != events::Contents::whole) frame_.reset();
       break;
-    case StreamType::other:
+    case events::StreamType::other:
       break;
   }
-  if (contents == Contents::whole) return true;
-  ++(contents == Contents::mismatched ? problems_.mismatched_packets : problems_.broken_packets);
+  if (contents == events::Contents::whole) return true;
+  ++(contents == events::Contents::mismatched ? problems_.mismatched_packets : problems_.broken_packets);
   return false;
 }
 
@@ -184,4 +186,4 @@ void DvStreamParser::end() const {
   if (!is_between_packets()) throw Error(where_ + ": ended inside a packet; expected it to end between two");
 }
 
-}  // namespace tactile
+}  // namespace tactile::transport

@@ -14,7 +14,7 @@
 #include "tactile/events/stream.hpp"
 #include "tactile/transport/dv/dv_stream_client.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 /// Decodes the bytes of a DV stream: a header, then packets. `room` returns where the next bytes belong, so that they are
 /// received where they are decoded. An incomplete packet waits for its remaining bytes.
@@ -36,14 +36,14 @@ class DvStreamParser {
 
   bool has_header() const { return part_ == Part::packet_header || part_ == Part::payload; }
   bool is_between_packets() const { return part_ == Part::packet_header && have_ == 0; }
-  const Stream& stream() const { return stream_; }  ///< once the header is complete
-  Compression compression() const { return compression_; }
+  const events::Stream& stream() const { return stream_; }  ///< once the header is complete
+  events::Compression compression() const { return compression_; }
 
   // Contents of the last packet, valid until the next `room`.
-  std::span<Event> events() { return events_; }
-  std::span<const ImuSample> imu() const { return imu_; }
-  std::span<const Trigger> triggers() const { return triggers_; }
-  const std::optional<Frame>& frame() const { return frame_; }
+  std::span<events::Event> events() { return events_; }
+  std::span<const events::ImuSample> imu() const { return imu_; }
+  std::span<const events::Trigger> triggers() const { return triggers_; }
+  const std::optional<events::Frame>& frame() const { return frame_; }
 
   const DvStreamProblems& problems() const { return problems_; }
 
@@ -55,7 +55,9 @@ class DvStreamParser {
   void read_stream_header();
   void begin_packet();
   bool take_packet();
-  PacketBuffer& incoming() { return part_ == Part::header || compression_ == Compression::none ? content_ : stored_; }
+  events::PacketBuffer& incoming() {
+    return part_ == Part::header || compression_ == events::Compression::none ? content_ : stored_;
+  }
 
   std::string where_;
   Part part_ = Part::start;
@@ -64,15 +66,15 @@ class DvStreamParser {
   std::array<std::byte, packet_header_size> packet_header_{};
   std::size_t size_ = 0;  ///< of the header with its prefix, or of the packet's payload [B]
   std::int32_t packet_id_ = 0;
-  Stream stream_;
-  Compression compression_ = Compression::none;
-  PacketBuffer stored_, content_;
-  PacketDecompressor decompressor_;
-  std::span<Event> events_;
-  std::vector<ImuSample> imu_;
-  std::vector<Trigger> triggers_;
-  std::optional<Frame> frame_;
+  events::Stream stream_;
+  events::Compression compression_ = events::Compression::none;
+  events::PacketBuffer stored_, content_;
+  events::PacketDecompressor decompressor_;
+  std::span<events::Event> events_;
+  std::vector<events::ImuSample> imu_;
+  std::vector<events::Trigger> triggers_;
+  std::optional<events::Frame> frame_;
   DvStreamProblems problems_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::transport

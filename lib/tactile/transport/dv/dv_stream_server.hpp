@@ -12,10 +12,10 @@
 #include "tactile/events/stream.hpp"
 #include "tactile/transport/network_address.hpp"
 
-namespace tactile {
+namespace tactile::transport {
 
 struct DvStreamServerOptions {
-  Compression compression = Compression::none;
+  events::Compression compression = events::Compression::none;
   std::size_t client_queue = std::size_t{64} << 20;  ///< [B] a client with more unsent bytes is dropped, > 0
   std::size_t clients = 10;                          ///< at the same time, > 0; further ones are closed immediately
   /// Called on the server's thread when a client joins or leaves: "127.0.0.1:51234 joined", "… dropped: 64.0 MB unsent".
@@ -28,7 +28,7 @@ class DvStreamServer {
  public:
   /// Listens; port 0 selects a free port.
   /// @throws Error  if it cannot listen, or the stream lacks something that DV's reader needs
-  DvStreamServer(const NetworkAddress& address, Stream stream, DvStreamServerOptions options = {});
+  DvStreamServer(const NetworkAddress& address, events::Stream stream, DvStreamServerOptions options = {});
   ~DvStreamServer();  ///< closes every connection, removes the socket's file
   DvStreamServer(const DvStreamServer&) = delete;
   DvStreamServer& operator=(const DvStreamServer&) = delete;
@@ -40,10 +40,10 @@ class DvStreamServer {
 
   // Each sends one packet, or nothing if it is empty.
   // @throws Error  if the stream has another type, or the packet exceeds the limit
-  void send(std::span<const Event> events);
-  void send(std::span<const ImuSample> samples);
-  void send(std::span<const Trigger> triggers);
-  void send(const Frame& frame);
+  void send(std::span<const events::Event> events);
+  void send(std::span<const events::ImuSample> samples);
+  void send(std::span<const events::Trigger> triggers);
+  void send(const events::Frame& frame);
 
   /// Waits while any client's queue is more than half full, for a source that can be faster than every client. Drops a client
   /// that accepts no bytes for `patience` meanwhile. False if `stop` returned true.
@@ -57,4 +57,4 @@ class DvStreamServer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tactile
+}  // namespace tactile::transport
